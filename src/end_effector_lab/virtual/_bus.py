@@ -170,6 +170,10 @@ class VirtualBus:
         """See `RemoteLines`."""
         self._outputs.withdraw(lines, why)
 
+    def acknowledge(self) -> None:
+        """See `RemoteLines`."""
+        self._outputs.acknowledge(self._clock())
+
     def troubles(self) -> dict[str, str]:
         """See `RemoteLines`."""
         return self._outputs.troubles(self._clock())

@@ -44,7 +44,7 @@ class Far(Board):
     def __init__(self, known: bool | None) -> None:
         super().__init__()
         self.known, self.trouble, self.written = known, "", list[dict[str, bool]]()
-        self.under_way, self.withdrawn = False, list[str]()
+        self.under_way, self.withdrawn, self.acknowledged = False, list[str](), 0
 
     def request(self, names: list[str]) -> dict[str, bool]:
         assert names == [FINGERS]
@@ -62,6 +62,9 @@ class Far(Board):
 
     def activating(self) -> frozenset[str]:
         return frozenset((FINGERS,)) if self.under_way else frozenset()
+
+    def acknowledge(self) -> None:
+        self.acknowledged += 1
 
     def withdraw(self, lines: Iterable[str], why: str) -> None:
         self.withdrawn += [why for line in lines if line == FINGERS]
@@ -128,6 +131,13 @@ def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> Non
     assert rules.predicates.faults
     rules.reset(4 * S)
     assert not rules.predicates.faults
+
+
+def test_a_reset_has_the_devices_clear_their_faults() -> None:
+    far = Far(False)
+    rules = arbiter(far)
+    rules.reset(0)
+    assert far.acknowledged == 1
 
 
 def test_an_activation_on_its_way_ends_with_its_program() -> None:

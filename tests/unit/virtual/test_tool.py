@@ -15,6 +15,7 @@ from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from end_effector_lab.testbench.physics import _magnet
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
+from tests.unit.wires.bus.test_handshake import TOOL as HANDSHAKE_TOOL
 from timed_automata.execute import Observation
 from timed_automata.monitor import Monitor
 
@@ -293,6 +294,19 @@ def test_without_power_a_device_lets_go_or_keeps_what_it_holds(keeps: bool, tmp_
     tool.start("hal")
     tool.run(2.0)
     assert tool.bench.devices["cup"].grips == keeps
+
+
+@pytest.mark.parametrize("order", ["before", "after"])
+def test_a_device_with_a_handshake_grips_and_releases(order: str, tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(HANDSHAKE_TOOL.replace("within_s: 0.4", f"within_s: 0.4, order: {order}"))
+    tool = ready(load_tool(path))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)
+    assert [edge.level for edge in tool.edges] == [True, False]
+    assert not tool.latched
 
 
 def test_an_unknown_process_is_refused() -> None:

@@ -222,6 +222,8 @@ class LineArbiter:
             LineRefusedError: some stay, because their cause persists; the others are cleared.
         """
         self.trips.clear()
+        if self._lines.remote is not None:
+            self._lines.remote.acknowledge()
         stay = self.predicates.reset(at)
         for name, why in {**(still or {}), **self._lines.troubles(), **self._stays}.items():
             self.predicates.latch(name, why)

@@ -204,6 +204,7 @@ def _hints(description: Description) -> Iterator[str]:
     used = {*used_channels(description), *(name for name, each in description.channels.items() if each.alarm)}
     for output in description.register_outputs.values():  # what a commanded device reports of itself
         used |= {output.verify or "", output.activation.ready if output.activation else ""}
+        used |= {output.handshake.taken} if output.handshake else set[str]()
     for name in [each for each in description.channels if each not in used]:
         yield f"{description.where('channels', name)}: nothing uses the channel {name}"
 

@@ -141,4 +141,5 @@ def _name(text: str, pattern: str) -> tuple[str, str]:
 
 def _label(path: Keys) -> str:
     """``'timeout_s'``, or ``'sequence[1]'`` for an element."""
-    return f"'{path[-2]}[{path[-1]}]'" if isinstance(path[-1], int) else f"'{path[-1]}'"
+    last = next(index for index in reversed(range(len(path))) if not isinstance(path[index], int))
+    return f"'{path[last]}{''.join(f'[{index}]' for index in path[last + 1 :])}'"

@@ -26,7 +26,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
         yield from _commands(facts, path)
         yield from _activation(facts, name)
         yield from _keeps_alive(facts, path)
-        for key in (("verify",), ("activation", "ready")):
+        for key in (("verify",), ("activation", "ready"), ("handshake", "taken")):
             yield from _channel(facts, (*path, *key))
         yield from _shared(facts, name, taken)
 
@@ -83,8 +83,12 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
         ((*path, "activation", "write", index), row)
         for index, row in enumerate(facts.get(*path, "activation", "write") or ())
     ]
+    rows += [
+        ((*path, "acknowledge", index), row)
+        for index, row in enumerate(facts.get(*path, "acknowledge") or ())
+    ]
     address = facts.get(*path, "address")
-    for key in ("command_on", "command_off", "activation"):
+    for key in ("command_on", "command_off", "activation", "acknowledge"):
         where = (*path, key, *(("write",) if key == "activation" else ()))
         given = facts.get(*where)
         if given is not None and (len(given) == 0 or [] in [*given]):
@@ -98,6 +102,7 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
         if address is not None and address + len(row) > 0x10000:
             what, expected = "the last of these registers does not exist", "less than 65536 with address"
             yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
+    yield from _handshake(facts, path, coils=coils)
     if not on or not off or any(facts.broken_within(*each) for each, _ in rows):
         return
     place = facts.places.value(*path, "command_off")
@@ -109,14 +114,67 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
         yield Fault.at(place, CODE, what, expected="what makes it release")
 
 
+def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
+    """What asks the device and what ends it are two states of the same registers."""
+    keys = (*path, "handshake")
+    if not facts.written(*keys) or facts.broken_within(*keys):
+        return
+    request, end = facts.get(*keys, "request"), facts.get(*keys, "end")
+    own = facts.get(*keys, "address")
+    address = facts.get(*path, "address") if own is None else own
+    for key, row in (("request", request), ("end", end)):
+        place = facts.places.value(*keys, key)
+        if not row:
+            yield Fault.at(place, "EE-211", f"{key!r} is empty", expected="at least one register")
+        elif coils and set(row) - {0, 1}:
+            yield Fault.at(place, "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
+        elif address is not None and address + len(row) > 0x10000:
+            what, expected = "the last of these registers does not exist", "less than 65536 with address"
+            yield Fault.at(place, "EE-208", what, expected=expected)
+    place = facts.places.value(*keys, "end")
+    if request and end and len(request) != len(end):
+        what = "'end' does not write what 'request' writes"
+        yield Fault.at(place, CODE, what, expected=f"{len(request)} values")
+    elif request and request == end:
+        what = "'request' and 'end' are the same"
+        yield Fault.at(place, CODE, what, expected="what ends the handshake")
+    if address == facts.get(*path, "address") and facts.get(*keys, "order") == "after" and request:
+        on = facts.get(*path, "command_on")
+        if on and len(request) < len(on):
+            what = "the handshake overwrites a part of the command"
+            expected = "an address of its own, or the whole command with it"
+            yield Fault.at(facts.places.value(*keys, "request"), CODE, what, expected=expected)
+
+
 def _activation(facts: Facts, name: str) -> Iterator[Fault]:
+    """The attempt is over after the activation and the handshakes; and so is a release."""
     path = ("actuators", name, "modbus", "activation")
+    shakes = ("actuators", name, "modbus", "handshake", "within_s")
     limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get("actuators", name, "timeout_s")
     if facts.written(*path) and limit_s is not None and whole_s is not None and limit_s >= whole_s:
         place = facts.places.value(*path, "ready_within_s")
         what = "the attempt is over before the device is activated"
         expected = f"less than timeout_s of {name} = {number(whole_s)}"
         yield Fault.at(place, "EE-222", what, expected=expected)
+        return
+    shake_s = facts.get(*shakes) if facts.written(*shakes[:-1]) and shakes not in facts.broken else None
+    if shake_s is None:
+        return
+    activated_s = limit_s if facts.written(*path) and limit_s is not None else 0
+    for key, most_s in (
+        ("timeout_s", activated_s + shake_s * (2 if activated_s else 1)),
+        ("release_s", shake_s),
+    ):
+        whole_s = facts.get("actuators", name, key)
+        if whole_s is not None and most_s >= whole_s:
+            what, expected = (
+                "the handshake may last too long",
+                f"less than {key} of {name} = {number(whole_s)}",
+            )
+            if most_s != shake_s:
+                expected += f": twice, and ready_within_s = {number(activated_s)}"
+            yield Fault.at(facts.places.value(*shakes), "EE-222", what, expected=expected)
+            return
 
 
 def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -161,7 +219,11 @@ def _shared(facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int
     if None in (unit, table, address) or not row or facts.broken_within(*path):
         return
     link = facts.get(*path, "link")
-    mine = [(link, unit, table, address + index) for index in range(len(row))]
+    mine = {(link, unit, table, address + index): None for index in range(len(row))}
+    if (request := facts.get(*path, "handshake", "request")) and not facts.broken_within(*path, "handshake"):
+        own = facts.get(*path, "handshake", "address")
+        start = address if own is None else own
+        mine |= {(link, unit, table, start + index): None for index in range(len(request))}
     if owner := next((taken[each] for each in mine if each in taken), None):
         place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"

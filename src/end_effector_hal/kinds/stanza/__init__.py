@@ -25,7 +25,7 @@ from ._part import (
     Word,
     named,
 )
-from ._registers import RegisterOutput
+from ._registers import Handshake, RegisterOutput
 from ._tool import Actuator, Hold, Opposite, Supply
 
 __all__ = [
@@ -37,6 +37,7 @@ __all__ = [
     "Condition",
     "Endings",
     "EvidenceConditions",
+    "Handshake",
     "Hold",
     "Kilopascal",
     "LineName",

@@ -29,10 +29,33 @@ class Activation(Part):
     )
 
 
+class Handshake(Part):
+    """How a device is made to take what was written: it shows a bit, and the master shows that it has seen it.
+
+    `request` is written, `taken` comes, `end` is written, `taken` goes. The command is done when all of it is.
+    """
+
+    address: Annotated[int | None, Field(ge=0, le=0xFFFF)] = Field(
+        default=None, description="of `request` and `end`; null: that of the output"
+    )
+    request: Registers = Field(description="values that ask the device to take it, in one request")
+    taken: Name = Field(description="bit channel: on while the device says that it has taken it")
+    end: Registers = Field(description="values that end the handshake; as many")
+    order: Literal["before", "after"] = Field(
+        default="before",
+        description="before: it hands over data, and the command is written when it is over; after: the command stands "
+        "in its registers first, and the handshake has the device take it",
+    )
+    within_s: Annotated[float, Field(ge=0.05, le=60)] = Field(
+        default=1.0,
+        description="`taken` comes and goes within; later a grip is given up, and a release begins again",
+    )
+
+
 class RegisterOutput(Part):
     """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
 
-    LATER: ClassVar[tuple[str, ...]] = ("link",)
+    LATER: ClassVar[tuple[str, ...]] = ("link", "handshake", "acknowledge")
 
     link: Name | None = Field(
         default=None, description="name under `links` of the bus, where several of them are Modbus"
@@ -55,6 +78,12 @@ class RegisterOutput(Part):
         "read back, so that after a start of the line arbiter the sensors decide, and in doubt it is active",
     )
     activation: Activation | None = Field(default=None, description="absent: it obeys from its start on")
+    handshake: Handshake | None = Field(default=None, description="absent: what is written counts at once")
+    acknowledge: Steps | None = Field(
+        default=None,
+        description="rows of registers that clear a fault of the device, from `address` on; a reset writes them, while "
+        "no actuator of the unit may hold a part; null: there is nothing to write",
+    )
     keep_alive_ms: Annotated[int | None, Field(ge=20, le=60_000)] = Field(
         default=None,
         description="the device takes the link for lost when it hears nothing for so long; null: it never does",

@@ -134,6 +134,12 @@ class BusLines:
         with self._lock:
             self._outputs.withdraw(lines, why)
 
+    def acknowledge(self) -> None:
+        """See `RemoteLines`."""
+        with self._lock:
+            self._outputs.acknowledge(now_us())
+        os.write(self._wake, b"x")
+
     def troubles(self) -> dict[str, str]:
         """See `RemoteLines`."""
         with self._lock:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import RegisterOutput
@@ -25,8 +26,26 @@ def fresh_for_us(period_us: int) -> int:
     return max(LEAST_FRESH_US, FRESH_PERIODS * period_us)
 
 
+class Row(NamedTuple):
+    """Registers that are to be written in one request."""
+
+    address: int
+    values: tuple[int, ...]
+
+
+class Awaited(NamedTuple):
+    """A bit that the device must show, later than what was written last; ``late``: what it means if it does not."""
+
+    channel: str
+    level: bool
+    late: str
+
+
+NOT_READY = "the device was not activated in time"
+
+
 class BusOutput:
-    """One output: what it was told, what is still to be written, what the device reports of it.
+    """One output: what it was told, what is still to be done, what the device reports of it.
 
     Args:
         name: of the output.
@@ -43,40 +62,57 @@ class BusOutput:
         """Whether it is written by itself: together with its neighbours it was not acknowledged."""
         self.why = ""
         """Why the last command was given up, a clause; empty: it was not."""
-        self._rows: deque[tuple[int, ...]] = deque()
+        self._steps: deque[Row | Awaited] = deque()
         self._undecided = False  # whether the device must be activated first is not known yet
         self._was_off = False  # before the last command
         self._waits = False  # for an activation of its device that another output has begun
-        self._awaits_ready: int | None = None  # reported after this time, µs
+        self._open = stanza.handshake is not None  # a handshake may have begun and not ended
+        self._repeats = False  # a handshake of this command has begun again
         self._give_up_at: int | None = None
-        self._commanded_at = self._progress_at = 0
+        self._commanded_at = self._progress_at = self._written_at = 0
         self._reports: dict[str, tuple[bool, int]] = {}
 
     @property
     def pending(self) -> bool:
         """Whether something of the last command is not done yet."""
-        return bool(self._rows) or self._undecided or self._awaits_ready is not None
+        return bool(self._steps) or self._undecided
 
     def command(self, level: bool, at: int) -> None:
-        """What it is to be from now on; what was still to be written is forgotten."""
+        """What it is to be from now on; what was still to be done is forgotten."""
         self._was_off, self._waits = self.known(at) is False, False
         # not before a late answer to the write before would be noise
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
-        self.alone = False
-        self._rows.clear()
-        self._awaits_ready = None
-        activation = self.stanza.activation
+        self.alone = self._repeats = False
+        activation, handshake = self.stanza.activation, self.stanza.handshake
         self._undecided = level and activation is not None
-        limit_us = GIVE_UP_US + (round(activation.ready_within_s * 1e6) if activation else 0)
-        self._give_up_at = at + limit_us if level else None  # what shall release does so, however late
-        if not self._undecided:
-            self._rows.append(self.stanza.command_on if level else self.stanza.command_off)
+        limit_s = activation.ready_within_s if activation else 0.0
+        limit_s += handshake.within_s * (2 if activation else 1) if handshake else 0.0
+        # what shall release does so, however late
+        self._give_up_at = at + GIVE_UP_US + round(limit_s * 1e6) if level else None
+        self._steps = deque([] if self._undecided else self._told(level))
+
+    def may_hold(self, at: int) -> bool:
+        """Whether it may hold a part that nobody has asked it to release."""
+        return self.level is True or (self.level is None and self.known(at) is not False)
+
+    def acknowledge(self, at: int) -> None:
+        """A fault of the device is cleared; nothing of it may hold a part."""
+        if (rows := self.stanza.acknowledge) is None:
+            return
+        self._commanded_at = self._progress_at = at
+        # a device with a fault may not have obeyed a release
+        off = self._told(level=False) if self.level is False else []
+        self._steps = deque([*(Row(self.stanza.address, row) for row in rows), *off])
 
     def report(self, values: Mapping[str, Value], at: int) -> None:
         """What the channels of the bus show at ``at``."""
-        activation = self.stanza.activation
-        for channel in (self.stanza.verify, activation and activation.ready):
+        stanza = self.stanza
+        ready, taken = (
+            stanza.activation and stanza.activation.ready,
+            stanza.handshake and stanza.handshake.taken,
+        )
+        for channel in (stanza.verify, ready, taken):
             value = values.get(channel) if channel else None
             if channel and isinstance(value, bool):
                 self._reports[channel] = value, at
@@ -94,7 +130,7 @@ class BusOutput:
     @property
     def activates(self) -> bool:
         """Whether the activation of its device is under way."""
-        return self._awaits_ready is not None
+        return any(isinstance(step, Awaited) and step.late == NOT_READY for step in self._steps)
 
     def advance(self, at: int, *, others_may_hold: bool, is_activated: bool) -> None:
         """Time has come to ``at``.
@@ -104,52 +140,53 @@ class BusOutput:
             others_may_hold: another output of the unit is active, or may be.
             is_activated: another output of the unit has begun an activation that is under way.
         """
-        activation = self.stanza.activation
         if self._give_up_at is not None and self.pending and at >= self._give_up_at:
-            not_ready = self._awaits_ready is not None
-            self._give_up(
-                "the device was not activated in time" if not_ready else "no device acknowledged it"
-            )
-        if activation is None:
-            return
-        ready = self.reported(activation.ready, at)
-        if self._undecided and ready is not None:
+            step = self._steps[0] if self._steps else None
+            late = step.late if isinstance(step, Awaited) else "no device acknowledged it"
+            self._give_up(NOT_READY if self.activates else late)
+        activation = self.stanza.activation
+        ready = self.reported(activation.ready, at) if activation else None
+        if activation is not None and self._undecided and ready is not None:
             if not ready and is_activated and self.begins:
                 self._waits = True
                 return
             self._undecided = False
             if ready:
-                self._rows.extend((self.stanza.command_off, self.stanza.command_on)[not self._waits :])
+                off = self._told(level=False) if self._waits else []
+                self._steps.extend([*off, *self._told(level=True)])
             elif others_may_hold:
                 self._give_up("the device must be activated, and another actuator of it may hold a part")
             else:
-                self._rows.extend(activation.write)
-                self._awaits_ready = NEVER
-        awaited = self._awaits_ready
-        if awaited is not None and not self._rows and ready and self._reports[activation.ready][1] > awaited:
-            self._awaits_ready, self._progress_at = None, at
-            self._rows.extend((self.stanza.command_off, self.stanza.command_on))
+                self._steps.extend(Row(self.stanza.address, row) for row in activation.write)
+                self._steps.append(Awaited(activation.ready, True, NOT_READY))
+                self._steps.extend([*self._told(level=False), *self._told(level=True)])
+        self._look(at)
 
     def withdraw(self, why: str) -> None:
         """An activation that is not done yet is not done any more; what the device has done of it stays."""
-        if self.level and self.pending:
+        if self.level and self.pending and not self.why:
             self._give_up(why)
 
     def lasts(self, at: int) -> bool:
         """Whether an activation has been under way for longer than one write takes."""
-        return bool(self.level) and self.pending and at - self._commanded_at > RETRY_US
+        return bool(self.level) and self.pending and not self.why and at - self._commanded_at > RETRY_US
 
-    def next_row(self, at: int) -> tuple[int, ...] | None:
+    def next_row(self, at: int) -> Row | None:
         """What is to be written now."""
-        return self._rows[0] if self._rows and at >= self.retry_at else None
+        step = self._steps[0] if self._steps else None
+        return step if isinstance(step, Row) and at >= self.retry_at else None
 
-    def acknowledged(self, row: tuple[int, ...], at: int) -> None:
+    def sent(self, row: Row) -> None:
+        """It is on its way."""
+        handshake = self.stanza.handshake
+        self._open = self._open or (handshake is not None and row == self._control(handshake.request))
+
+    def acknowledged(self, row: Row, at: int) -> None:
         """The device has done it."""
-        if self._rows and self._rows[0] == row:
-            self._rows.popleft()
-            self._progress_at, self.alone = at, False
-            if self._awaits_ready is not None and not self._rows:
-                self._awaits_ready = at
+        if self._steps and self._steps[0] == row:
+            self._steps.popleft()
+            self._progress_at = self._written_at = at
+            self.alone = False
 
     def known(self, at: int) -> bool | None:
         """Its level, as far as command and device agree; None: nobody knows how it stands."""
@@ -167,9 +204,7 @@ class BusOutput:
         if self.why:
             return f"was not activated: {self.why}"
         if self.pending:
-            what = "activated" if self.level else "deactivated"
-            late = at - self._progress_at > DOUBT_US and self._awaits_ready is None
-            return f"is to be {what}, and no device acknowledges it" if late else ""
+            return self._lateness(at)
         if at - self._progress_at <= DOUBT_US:
             return ""
         activation = self.stanza.activation
@@ -183,13 +218,59 @@ class BusOutput:
     @property
     def due(self) -> int | None:
         """When `advance` or the next write is due."""
-        times = [self.retry_at] if self._rows else []
+        times = [self.retry_at] if self._steps and isinstance(self._steps[0], Row) else []
         times += [self._give_up_at] if self._give_up_at is not None and self.pending else []
         return min(times, default=None)
 
+    def _told(self, level: bool) -> list[Row | Awaited]:
+        """The steps that make it so."""
+        command = Row(self.stanza.address, self.stanza.command_on if level else self.stanza.command_off)
+        handshake = self.stanza.handshake
+        if handshake is None:
+            return [command]
+        end: list[Row | Awaited] = [
+            self._control(handshake.end),
+            Awaited(handshake.taken, False, "the device did not end the handshake in time"),
+        ]
+        taken = Awaited(handshake.taken, True, "the device did not take it in time")
+        shaken = [*(end if self._open else []), self._control(handshake.request), taken, *end]
+        return [*shaken, command] if handshake.order == "before" else [command, *shaken]
+
+    def _control(self, values: tuple[int, ...]) -> Row:
+        """The registers of its handshake with these values."""
+        own = self.stanza.handshake.address if self.stanza.handshake else None
+        return Row(self.stanza.address if own is None else own, values)
+
+    def _look(self, at: int) -> None:
+        """What the device shows ends what is awaited; a release whose handshake takes too long begins again."""
+        handshake = self.stanza.handshake
+        while self._steps and isinstance(step := self._steps[0], Awaited):
+            shown = self.reported(step.channel, at)
+            if shown is not step.level or self._reports[step.channel][1] <= self._written_at:
+                break
+            self._steps.popleft()
+            self._progress_at = at
+            if handshake is not None and step.channel == handshake.taken and not step.level:
+                self._open = False
+        else:
+            return
+        if handshake is not None and not self.level and at - self._written_at >= handshake.within_s * 1e6:
+            self._open = self._repeats = True
+            self._steps = deque(self._told(level=False))
+
+    def _lateness(self, at: int) -> str:
+        late = self._repeats or at - self._progress_at > DOUBT_US
+        if not late or self.activates:
+            return ""
+        shakes = self._repeats or (bool(self._steps) and isinstance(self._steps[0], Awaited))
+        why = "its device does not answer the handshake" if shakes else "no device acknowledges it"
+        return f"is to be {'activated' if self.level else 'deactivated'}, and {why}"
+
     def _give_up(self, why: str) -> None:
-        self.why, self._undecided, self._awaits_ready = why, False, None
-        self._rows.clear()
+        self.why, self._undecided, self._give_up_at = why, False, None
+        handshake = self.stanza.handshake
+        # or the device would take later what was asked of it
+        self._steps = deque([self._control(handshake.end)] if handshake and self._open else [])
 
 
 NEVER = 2**63 - 1
@@ -219,13 +300,18 @@ class BusOutputs:
     def advance(self, at: int) -> None:
         """Time has come to ``at``."""
         for each in self._outputs.values():
-            of_unit = [other for other in self._outputs.values() if other.stanza.unit == each.stanza.unit]
-            others = [other for other in of_unit if other is not each]
+            others = self._others(each)
             each.advance(
                 at,
                 others_may_hold=any(not o.begins and o.known(at) is not False for o in others),
                 is_activated=any(other.activates for other in others),
             )
+
+    def acknowledge(self, at: int) -> None:
+        """Somebody resets the faults: those of the devices are cleared, where a description says how."""
+        for each in self._outputs.values():
+            if not any(other.may_hold(at) for other in (each, *self._others(each))):
+                each.acknowledge(at)
 
     def next_write(self, at: int) -> RegisterWrite | None:
         """What is to be written now; registers of one unit that stand side by side are written together."""
@@ -235,7 +321,12 @@ class BusOutputs:
             return None
         # or a device that is dead would keep the others waiting
         first = min(due, key=lambda each: each.retry_at)
-        return self._together(first, first.next_row(at) or (), at)
+        row = first.next_row(at)
+        assert row is not None
+        write = self._together(first, row, at)
+        for each, sent in self._rows_of(write):
+            each.sent(sent)
+        return write
 
     def acknowledged(self, write: RegisterWrite, at: int) -> None:
         """A device has done it."""
@@ -277,29 +368,45 @@ class BusOutputs:
         """When `next_write` is to be asked at the latest."""
         return min((each.due for each in self._outputs.values() if each.due is not None), default=None)
 
-    def _together(self, first: BusOutput, row: tuple[int, ...], at: int) -> RegisterWrite:
-        """With the rows of others that stand right before or behind it and are due as well."""
-        ready = {
-            (each.stanza.unit, each.stanza.register_type, each.stanza.address): other
+    def _others(self, output: BusOutput) -> list[BusOutput]:
+        """Those of the same unit."""
+        return [
+            each
             for each in self._outputs.values()
-            if (other := each.next_row(at)) is not None
-            and len(other) == len(each.stanza.command_on)
-            and not each.alone
-        }
-        unit, table, address = first.stanza.unit, first.stanza.register_type, first.stanza.address
-        if len(row) == len(first.stanza.command_on) and not first.alone:
-            ends = {(*key[:2], key[2] + len(row)): (key[2], row) for key, row in ready.items()}
-            while (before := ends.get((unit, table, address))) and len(row) < LONGEST_WRITE:
-                address, row = before[0], before[1] + row
-            while (behind := ready.get((unit, table, address + len(row)))) and len(row) < LONGEST_WRITE:
-                row += behind
-        return RegisterWrite(unit, address, row, table == "coil")
+            if each is not output and each.stanza.unit == output.stanza.unit
+        ]
 
-    def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, tuple[int, ...]]]:
+    def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
+        """With the rows of others that stand right before or behind it and are due as well."""
+        unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
+        ready = {
+            other.address: other.values
+            for each in self._outputs.values()
+            if (each.stanza.unit, each.stanza.register_type) == (unit, table)
+            and (other := each.next_row(at)) is not None
+            and _shares(each, other)
+        }
+        if _shares(first, row):
+            ends = {start + len(each): (start, each) for start, each in ready.items()}
+            while (before := ends.get(address)) and len(values) < LONGEST_WRITE:
+                address, values = before[0], before[1] + values
+            while (behind := ready.get(address + len(values))) and len(values) < LONGEST_WRITE:
+                values += behind
+        return RegisterWrite(unit, address, values, table == "coil")
+
+    def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, Row]]:
         """The outputs that a write was made of, with the part of each."""
         for each in self._outputs.values():
             row = each.next_row(NEVER)
-            start = each.stanza.address - write.address
             same = (each.stanza.unit, each.stanza.register_type == "coil") == (write.unit, write.coils)
-            if row and same and start >= 0 and write.values[start : start + len(row)] == row:
+            if row is None or not same:
+                continue
+            start = row.address - write.address
+            if start >= 0 and write.values[start : start + len(row.values)] == row.values:
                 yield each, row
+
+
+def _shares(output: BusOutput, row: Row) -> bool:
+    """Whether it is written together with its neighbours: a command, and none that needs a handshake."""
+    whole = len(row.values) == len(output.stanza.command_on)
+    return whole and output.stanza.handshake is None and not output.alone

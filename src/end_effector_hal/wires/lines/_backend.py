@@ -72,6 +72,10 @@ class RemoteLines(Protocol):
         """Activations of these that are not done yet are not done any more; ``why``: a clause."""
         ...
 
+    def acknowledge(self) -> None:
+        """Faults of the devices are cleared, where that moves nothing that may be held; somebody resets."""
+        ...
+
     def troubles(self) -> Mapping[str, str]:
         """What is wrong with its lines now, a clause by line."""
         ...

@@ -85,6 +85,11 @@ class ComposedLines:
         for each in self._remote:
             each.withdraw(named, why)
 
+    def acknowledge(self) -> None:
+        """Faults of all devices are cleared."""
+        for each in self._remote:
+            each.acknowledge()
+
     def troubles(self) -> dict[str, str]:
         """What is wrong with lines, a clause each."""
         return {line: why for each in self._remote for line, why in each.troubles().items()}

@@ -13,6 +13,8 @@ from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer,
 class CommandedRegisters:
     """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
 
+    With a handshake it obeys a command only when that was held before it, or is held after it, as the description says.
+
     An output whose `on_link_loss` is release goes off when its unit has heard nothing for `keep_alive_ms`.
 
     Args:
@@ -25,12 +27,18 @@ class CommandedRegisters:
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
         self._heard_at: dict[int, int] = {}
+        self._taken: set[str] = set()
+        self._handed: set[str] = set()
+        """Outputs whose data were handed over, for one command."""
+        self._staged: dict[str, bool] = {}
+        """Commands that a handshake is to have taken."""
 
     def start(self, levels: dict[str, bool], at: int) -> None:
         """As they stand at ``at`` (µs), when the device is looked at first; one that is active was activated before."""
         self._levels = {name: levels.get(name, False) for name in self._outputs}
         self._activated = {self._outputs[name].unit for name, level in self._levels.items() if level}
         self._heard_at = {each.unit: at for each in self._outputs.values()}
+        self._taken, self._handed, self._staged = set(), set(), {}
 
     @property
     def due(self) -> int | None:
@@ -72,27 +80,34 @@ class CommandedRegisters:
 
     @property
     def values(self) -> dict[str, Value]:
-        """What the channels of `verify` and `ready` show."""
+        """What the channels of `verify`, `ready` and `taken` show."""
         shown: dict[str, Value] = {}
         for name, each in self._outputs.items():
             if each.activation:
                 shown[each.activation.ready] = each.unit in self._activated
             if each.verify:
                 shown[each.verify] = self._levels.get(name, False)
+            if each.handshake:
+                shown[each.handshake.taken] = name in self._taken
         return shown
 
     def _done(self, request: RegisterRequest) -> bool:
         values, coils, left = request.values or (), request.function in (5, 15), set(range(request.size))
         for name, each in self._outputs.items():
             start = each.address - request.address
-            if each.unit != request.unit or coils != (each.register_type == "coil") or start < 0:
+            if each.unit != request.unit or coils != (each.register_type == "coil"):
+                continue
+            if self._shakes(name, request.address, values):
+                left.clear()
+            if each.acknowledge and start == 0 and values in each.acknowledge:
+                left.clear()
+            if start < 0:
                 continue
             row = values[start : start + len(each.command_on)]
             if row in (each.command_on, each.command_off):
                 left -= set(range(start, start + len(row)))
                 if each.activation is None or each.unit in self._activated:
-                    self._levels[name] = row == each.command_on
-                    self._obey(name, self._levels[name])
+                    self._command(name, row == each.command_on)
             elif each.activation and values in each.activation.write:
                 left.clear()
                 if values == each.activation.write[-1]:
@@ -100,3 +115,29 @@ class CommandedRegisters:
                 else:
                     self._activated.discard(each.unit)
         return not left
+
+    def _shakes(self, name: str, address: int, values: tuple[int, ...]) -> bool:
+        """Whether this is a step of its handshake, which has been done then."""
+        each, handshake = self._outputs[name], self._outputs[name].handshake
+        if handshake is None or address != (each.address if handshake.address is None else handshake.address):
+            return False
+        if values == handshake.request:
+            self._taken.add(name)
+            if name in self._staged:
+                self._switch(name, self._staged.pop(name))
+        elif values == handshake.end and name in self._taken:
+            self._taken.remove(name)
+            self._handed.add(name)
+        return values in (handshake.request, handshake.end)
+
+    def _command(self, name: str, level: bool) -> None:
+        handshake = self._outputs[name].handshake
+        if handshake is None or (handshake.order == "before" and name in self._handed):
+            self._handed.discard(name)
+            self._switch(name, level)
+        elif handshake.order == "after":
+            self._staged[name] = level
+
+    def _switch(self, name: str, level: bool) -> None:
+        self._levels[name] = level
+        self._obey(name, level)
