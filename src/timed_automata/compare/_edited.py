@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from itertools import chain
 from typing import NamedTuple
 
+from timed_automata.document import Label, Template
+from timed_automata.language import ast, names_in, parse_declarations
 from timed_automata.network import Network, Process
 
 
@@ -17,34 +20,74 @@ class EditedPlaces(NamedTuple):
 
 
 def edited_places(network: Network, edited: Network) -> tuple[EditedPlaces, ...] | None:
-    """Where a network does not have the edges and locations of an edited one, if both share what was not edited.
+    """Where a network does not have the edges, locations and functions of an edited one, if both share the rest.
 
     None: it may be anywhere.
     """
     ours, theirs = network.document, edited.document
-    declared = (
-        (
-            document.declarations,
-            document.system,
-            document.instantiations,
-            [(each.name, each.declarations, each.parameters) for each in document.templates],
-        )
-        for document in (ours, theirs)
-    )
-    if network.constants != edited.constants or next(declared) != next(declared):
+    templates = {each.name.content.strip(): each for each in ours.templates}
+    others = {each.name.content.strip(): each for each in theirs.templates}
+    shared = replace(theirs, templates=ours.templates) == ours and templates.keys() == others.keys()
+    if not shared or network.constants != edited.constants:
         return None
-    return tuple(
-        EditedPlaces(one.index, places)
-        for one, other in zip(network.processes, edited.processes, strict=True)
-        if (places := frozenset(chain(_differing(one, other), _differing(other, one))))
-    )
+    functions = {name: _functions(each, others[name]) for name, each in templates.items()}
+    found = []
+    for one, other in zip(network.processes, edited.processes, strict=True):
+        changed = functions[one.template]
+        if changed is None:
+            return None
+        places = frozenset(chain(_differing(one, other, changed), _differing(other, one, changed)))
+        if places:
+            found.append(EditedPlaces(one.index, places))
+    return tuple(found)
 
 
-def _differing(process: Process, other: Process) -> Iterator[int]:
+def _functions(template: Template, other: Template) -> Collection[str] | None:
+    """The functions of a template that another one does not have as they are; None: more than functions differs."""
+    if (template.name, template.parameters) != (other.name, other.parameters):
+        return None
+    if template.declarations == other.declarations:
+        return ()
+    ours, theirs = _texts(template), _texts(other)
+    if ours.keys() != theirs.keys():
+        return None
+    changed = {name for name, text in ours.items() if text != theirs[name]}
+    if "" in changed:
+        return None
+    while more := {name for name, text in ours.items() if name not in changed and names_in(text) & changed}:
+        if "" in more:
+            return None
+        changed |= more
+    return changed
+
+
+def _texts(template: Template) -> dict[str, str]:
+    """What declares each function of a template; without a name: what is no function."""
+    texts = {"": ""}
+    for each in parse_declarations(template.declarations) if template.declarations else ():
+        text = each.span.text.content[each.span.start : each.span.end]
+        if isinstance(each, ast.FunctionDefinition):
+            texts[each.name] = text
+        else:
+            texts[""] += text
+    return texts
+
+
+def _differing(process: Process, other: Process, functions: Collection[str]) -> Iterator[int]:
     """The locations of a process that another one does not have, or has without one of their edges."""
     locations, edges = ({id(each.drawn) for each in parts} for parts in (other.locations, other.edges))
-    changed = {each.index for each in process.locations if id(each.drawn) not in locations}
+    changed = {
+        each.index
+        for each in process.locations
+        if id(each.drawn) not in locations or _calls(each.drawn.labels, functions)
+    }
     yield from changed
-    yield from (
-        edge.source for edge in process.edges if id(edge.drawn) not in edges or edge.target in changed
+    for edge in process.edges:
+        if id(edge.drawn) not in edges or edge.target in changed or _calls(edge.drawn.labels, functions):
+            yield edge.source
+
+
+def _calls(labels: Mapping[str, Label], functions: Collection[str]) -> bool:
+    return bool(functions) and any(
+        not names_in(each.text.content).isdisjoint(functions) for each in labels.values()
     )

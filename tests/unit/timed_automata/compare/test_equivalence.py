@@ -16,6 +16,7 @@ from tests.unit.timed_automata.explore.regions import Region, Regions, Sampled
 from timed_automata import Network, make_network
 from timed_automata.compare import ReachedNetwork
 from timed_automata.compare._edited import edited_places
+from timed_automata.document import Text
 from timed_automata.errors import ModelError, RangeError
 from timed_automata.mutate import mutants
 
@@ -201,3 +202,29 @@ def test_only_states_in_which_something_was_edited_are_looked_at() -> None:
             (edited_at,) = (at.index for at in model.processes[0].locations if at.drawn.id == mutant.location)
             into = {edge.source for edge in model.processes[0].edges if edge.target == edited_at}
             assert places[0].locations == {edited_at, *into}
+
+
+COUNTER = """int[0, 9] n;
+int one() { return 1; }
+int[0, 9] next() { return n < 3 ? n + one() : 0; }
+int two() { return 2; }"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "places"),
+    [
+        ("return 2", "return 3", {1}),
+        ("return 1", "return 2", {0}),  # a function that calls it is edited, too
+        ("n < 3", "n < 4", {0}),
+        ("int[0, 9] n;", "int[0, 9] n = 0;", None),
+    ],
+)
+def test_an_edited_function_counts_where_it_is_called(old: str, new: str, places: set[int] | None) -> None:
+    edges = ["a -> b; do: n = next()", "b -> c; guard: two() > 0", "c -> a"]
+    model = network("", Template("Counter", edges, declarations=COUNTER))
+    (template,) = model.document.templates
+    assert template.declarations is not None
+    text = Text.plain(template.declarations.content.replace(old, new), "edited")
+    edited = replace(model.document, templates=(replace(template, declarations=text),))
+    found = edited_places(model, make_network(edited))
+    assert (None if found is None else {at for each in found for at in each.locations}) == places
