@@ -23,6 +23,21 @@ def commanded(**changed: object) -> tuple[CommandedRegisters, list[tuple[str, bo
     return registers, obeyed
 
 
+def test_an_activation_with_an_address_of_its_own_is_one() -> None:
+    activation = OUTPUT.activation
+    assert activation
+    activation = activation.model_copy(update={"address": 0x0100})
+    registers, obeyed = commanded(activation=activation)
+    registers.start({}, 0)
+    on = write_request(RegisterWrite(OUTPUT.unit, OUTPUT.address, OUTPUT.command_on))
+    registers.answer(on)
+    assert obeyed == [], "it is not activated"
+    for row in activation.write:
+        assert registers.answer(write_request(RegisterWrite(OUTPUT.unit, 0x0100, row)))
+    registers.answer(on)
+    assert obeyed == [(NAME, True)]
+
+
 def test_what_is_heard_keeps_it_alive() -> None:
     registers, obeyed = commanded()
     for at in range(0, 5 * S, S // 2):

@@ -53,14 +53,14 @@ def request(read: Read) -> bytes:
 
 
 def write_request(write: RegisterWrite) -> bytes:
-    """The request that writes, address to CRC: one register or coil with function 6 or 5, several with 16 or 15."""
+    """The request that writes, address to CRC: several registers or coils with function 16 or 15, one with 6 or 5."""
     return _frame(write, *_writing(write))
 
 
 def acknowledgement(write: RegisterWrite) -> bytes:
     """The only answer to it that says that it was done."""
-    count, one = len(write.values), len(write.values) == 1
-    if one:
+    count = len(write.values)
+    if write.single:
         return write_request(write)  # the device repeats it
     done = WriteMultipleCoilsResponse if write.coils else WriteMultipleRegistersResponse
     return _frame(write, _writing(write)[0], done(address=write.address, count=count).encode())
@@ -68,7 +68,7 @@ def acknowledgement(write: RegisterWrite) -> bytes:
 
 def _writing(write: RegisterWrite) -> tuple[int, bytes]:
     """Function and PDU."""
-    values, one = list(write.values), len(write.values) == 1
+    values, one = list(write.values), write.single
     if write.coils:
         bits = [value != 0 for value in values]
         coils = WriteSingleCoilRequest if one else WriteMultipleCoilsRequest

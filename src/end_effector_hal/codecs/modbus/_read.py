@@ -148,9 +148,16 @@ class RegisterWrite:
         address: of the first, as it stands on the wire.
         values: 0 to 65535 each; of coils 0 or 1.
         coils: whether they are coils.
+        multiple: whether also one of them is written as several are.
     """
 
     unit: int
     address: int
     values: tuple[int, ...]
     coils: bool = False
+    multiple: bool = False
+
+    @property
+    def single(self) -> bool:
+        """Whether it is written with the function for one."""
+        return len(self.values) == 1 and not self.multiple

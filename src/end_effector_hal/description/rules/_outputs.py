@@ -87,7 +87,7 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
         ((*path, "acknowledge", index), row)
         for index, row in enumerate(facts.get(*path, "acknowledge") or ())
     ]
-    address = facts.get(*path, "address")
+    address, activated = facts.get(*path, "address"), facts.get(*path, "activation", "address")
     for key in ("command_on", "command_off", "activation", "acknowledge"):
         where = (*path, key, *(("write",) if key == "activation" else ()))
         given = facts.get(*where)
@@ -99,7 +99,8 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
             continue
         if coils and set(row) - {0, 1}:
             yield Fault.at(facts.places.value(*where), "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
-        if address is not None and address + len(row) > 0x10000:
+        start = activated if "activation" in where and activated is not None else address
+        if start is not None and start + len(row) > 0x10000:
             what, expected = "the last of these registers does not exist", "less than 65536 with address"
             yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
     yield from _handshake(facts, path, coils=coils)

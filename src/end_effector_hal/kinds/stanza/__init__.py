@@ -25,12 +25,13 @@ from ._part import (
     Word,
     named,
 )
-from ._registers import Handshake, RegisterOutput
+from ._registers import Activation, Handshake, RegisterOutput
 from ._tool import Actuator, Hold, Opposite, Supply
 
 __all__ = [
     "NO_CHANNEL",
     "PRINTABLE",
+    "Activation",
     "Actuator",
     "BelowAmbient",
     "ChangerEndings",

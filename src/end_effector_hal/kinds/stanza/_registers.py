@@ -19,6 +19,11 @@ class Activation(Part):
     the same unit may hold a part. `command_off` follows it, then `command_on`.
     """
 
+    LATER: ClassVar[tuple[str, ...]] = ("address",)
+
+    address: Annotated[int | None, Field(ge=0, le=0xFFFF)] = Field(
+        default=None, description="of the first register of each row; null: that of the output"
+    )
     write: Steps = Field(description="rows of registers, written one after the other from `address` on")
     ready: Name = Field(
         description="bit channel: on while the device is activated; it is only done while off"
@@ -55,7 +60,7 @@ class Handshake(Part):
 class RegisterOutput(Part):
     """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
 
-    LATER: ClassVar[tuple[str, ...]] = ("link", "handshake", "acknowledge")
+    LATER: ClassVar[tuple[str, ...]] = ("link", "use_write_multiple", "handshake", "acknowledge")
 
     link: Name | None = Field(
         default=None, description="name under `links` of the bus, where several of them are Modbus"
@@ -69,6 +74,9 @@ class RegisterOutput(Part):
     register_type: Literal["holding", "coil"] = Field(
         default="holding",
         description="one register is written with function 6, several with 16; coils with 5 and 15",
+    )
+    use_write_multiple: bool = Field(
+        default=False, description="one register or coil is written with function 16 or 15, too"
     )
     command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
     command_off: Registers = Field(description="values that make it release; as many")

@@ -157,7 +157,8 @@ class BusOutput:
             elif others_may_hold:
                 self._give_up("the device must be activated, and another actuator of it may hold a part")
             else:
-                self._steps.extend(Row(self.stanza.address, row) for row in activation.write)
+                start = self.stanza.address if activation.address is None else activation.address
+                self._steps.extend(Row(start, row) for row in activation.write)
                 self._steps.append(Awaited(activation.ready, True, NOT_READY))
                 self._steps.extend([*self._told(level=False), *self._told(level=True)])
         self._look(at)
@@ -392,7 +393,7 @@ class BusOutputs:
                 address, values = before[0], before[1] + values
             while (behind := ready.get(address + len(values))) and len(values) < LONGEST_WRITE:
                 values += behind
-        return RegisterWrite(unit, address, values, table == "coil")
+        return RegisterWrite(unit, address, values, table == "coil", first.stanza.use_write_multiple)
 
     def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, Row]]:
         """The outputs that a write was made of, with the part of each."""

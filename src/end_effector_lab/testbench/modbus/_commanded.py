@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from end_effector_hal.kinds.stanza import RegisterOutput
+from end_effector_hal.kinds.stanza import Activation, Handshake, RegisterOutput
 from end_effector_hal.signals import Value
 
 from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer, read_request
@@ -101,6 +101,14 @@ class CommandedRegisters:
                 left.clear()
             if each.acknowledge and start == 0 and values in each.acknowledge:
                 left.clear()
+            activation = each.activation
+            if activation and values in activation.write and request.address == _address(activation, each):
+                left.clear()
+                if values == activation.write[-1]:
+                    self._activated.add(each.unit)
+                else:
+                    self._activated.discard(each.unit)
+                continue
             if start < 0:
                 continue
             row = values[start : start + len(each.command_on)]
@@ -108,18 +116,12 @@ class CommandedRegisters:
                 left -= set(range(start, start + len(row)))
                 if each.activation is None or each.unit in self._activated:
                     self._command(name, row == each.command_on)
-            elif each.activation and values in each.activation.write:
-                left.clear()
-                if values == each.activation.write[-1]:
-                    self._activated.add(each.unit)
-                else:
-                    self._activated.discard(each.unit)
         return not left
 
     def _shakes(self, name: str, address: int, values: tuple[int, ...]) -> bool:
         """Whether this is a step of its handshake, which has been done then."""
         each, handshake = self._outputs[name], self._outputs[name].handshake
-        if handshake is None or address != (each.address if handshake.address is None else handshake.address):
+        if handshake is None or address != _address(handshake, each):
             return False
         if values == handshake.request:
             self._taken.add(name)
@@ -141,3 +143,7 @@ class CommandedRegisters:
     def _switch(self, name: str, level: bool) -> None:
         self._levels[name] = level
         self._obey(name, level)
+
+
+def _address(part: Activation | Handshake, output: RegisterOutput) -> int:
+    return output.address if part.address is None else part.address
