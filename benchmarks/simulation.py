@@ -20,6 +20,7 @@ from end_effector_lab.virtual import VirtualTool
 from tests.unit.testbench.stepping import cylinder, device, parts, vacuum
 
 SHIPPED = load(profile_path())
+HOLDS_S = 0.5, 10.0
 FRAME_US, GRIP_US, LONGEST_US = 20_000, 2_000_000, 60_000_000
 MODELS: tuple[tuple[str, Any, Any, Any, Any], ...] = (
     ("in steps", parts, device.Plant, vacuum.VacuumCircuit, cylinder.Cylinder),
@@ -47,9 +48,15 @@ def grip_physics(model: tuple[str, Any, Any, Any, Any]) -> None:
                 sum(each.pressure_kpa for each in plant.devices.values())
 
 
-def grip_tool(seed: int) -> float:
-    """From the start of a tool over a grip, held for 0.5 s, to the end of the drop; seconds of its time."""
-    tool = VirtualTool(SHIPPED, seed=seed)
+def grip_tool(seed: int, hold_s: float = 0.5, *, each: bool = False) -> float:
+    """From the start of a tool over a grip and a hold to the end of the drop; seconds of its time.
+
+    Args:
+        seed: of the tool.
+        hold_s: how long the part is held.
+        each: play each frame, also those that change nothing.
+    """
+    tool = VirtualTool(SHIPPED, seed=seed, on_frame=(lambda _: None) if each else None)
 
     def until(state: EndEffectorState) -> None:
         if not tool.run_until(tool.at + LONGEST_US, lambda: tool.statuses[-1].ee == state):
@@ -58,7 +65,7 @@ def grip_tool(seed: int) -> float:
     tool.run(1.0)
     tool.command("grip")
     until(EndEffectorState.GRIPPED)
-    tool.run(0.5)
+    tool.run(hold_s)
     tool.command("drop")
     until(EndEffectorState.STAND_BY)
     return tool.at / 1e6
@@ -77,16 +84,25 @@ def main() -> int:
     parser.add_argument("--blocks", type=int, default=10)
     blocks = parser.parse_args().blocks
     grip_tool(0)  # the network is compiled once
-    taken: dict[str, list[float]] = {"tool": []} | {name: [] for name, *_ in MODELS}
+    grips: dict[tuple[float, bool], list[float]] = {(s, each): [] for s in HOLDS_S for each in (True, False)}
+    taken: dict[str, list[float]] = {name: [] for name, *_ in MODELS}
     for block in range(blocks):
-        taken["tool"].append(seconds(lambda block=block: grip_tool(block)))
+        for (hold_s, each), spent in grips.items():
+            spent.append(
+                seconds(lambda block=block, hold_s=hold_s, each=each: grip_tool(block, hold_s, each=each))
+            )
         for model in MODELS:
             taken[model[0]].append(seconds(lambda model=model: grip_physics(model)))
     middle = {name: median(each) for name, each in taken.items()}
-    print(
-        f"a whole tool, from its start over a grip to the end of the drop ({grip_tool(0):.2f} s of its time):"
-    )
-    print(f"  {middle['tool'] * 1000:.1f} ms, {1 / middle['tool']:.0f} a second and core")
+    print("a whole tool, from its start over a grip to the end of the drop:")
+    for hold_s in HOLDS_S:
+        one, leaps = median(grips[hold_s, True]), median(grips[hold_s, False])
+        ratio = median([a / b for a, b in zip(grips[hold_s, True], grips[hold_s, False], strict=True)])
+        print(f"  held for {hold_s:g} s ({grip_tool(0, hold_s):.2f} s of its time):")
+        print(f"    each frame played: {one * 1000:.1f} ms, {1 / one:.0f} a second and core")
+        print(
+            f"    frames that change nothing left out: {leaps * 1000:.1f} ms, {1 / leaps:.0f}; {ratio:.2f} times"
+        )
     print("the physics of a grip and a release, at 50 Hz:")
     for name, *_ in MODELS:
         print(f"  {name}: {middle[name] * 1000:.2f} ms")

@@ -8,7 +8,7 @@ from typing import ClassVar
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
-from end_effector_hal.signals import PART, Frame, memory_of, recall
+from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
@@ -130,6 +130,13 @@ class Controller:
             statuses += self._adopt(self._at)
         told |= self._senses.now.nothing_gripped is not released
         return statuses if statuses or not (events or told) else [self.status()]
+
+    def pass_over(self, frame: Frame) -> list[Status]:
+        """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it."""
+        self._at = max(self._at, frame.at)
+        readings = PassingReadings(self._senses.now.readings, frame)
+        told = self._hold.sample(frame.at, held=self._statuses.held, readings=readings)
+        return [self.status()] if told else []
 
     def _refuse_frame(self, at: int) -> list[Status]:
         statuses = self.advance(at)

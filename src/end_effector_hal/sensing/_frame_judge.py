@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from end_effector_hal.signals import Frame, same_memory
+from end_effector_hal.signals import Frame, Value, clone, lengthen, same_memory, streaks_of
+from end_effector_hal.vocabulary import Evidence
 
 from ._sensor_state import SensorState
 
@@ -49,6 +51,59 @@ class FrameJudge:
                 return judged.states
         self._newest = (*newest, _Judged(state, frame, states))
         return states
+
+    @property
+    def released(self) -> bool:
+        """Whether the newest frame has proven that nothing is gripped by any actuator."""
+        return all(
+            level is Evidence.GONE
+            for judged in self._newest
+            for state in judged.states
+            for level in state.evidence
+        )
+
+    def pass_over(self, samples: int, at: int | None = None) -> None:
+        """So many frames as in `stays` have come and were left out: what counts samples counts them.
+
+        Args:
+            samples: how many.
+            at: µs of the last of them; what the sensors prove is as fresh as that. None: a frame that counts follows.
+        """
+        for judged in self._newest:
+            lengthen(streaks_of(judged.states[-1]), samples)
+            if at is not None:
+                judged.states[-1].readings.renew(at)
+
+    def stays(self, corners: Iterable[Mapping[str, Value]], first: int, last: int, samples: int) -> bool:
+        """Whether frames that are yet to come leave all as it is that the newest one has shown; nothing is changed.
+
+        Two things are asked. A frame of each corner proves what the newest one does, and has no detector begin or cease
+        to count: so no order of them does. After so many samples, and so long, nothing else is proven: fed with the
+        same, no detector comes back to what it left.
+
+        Args:
+            corners: values of a frame; those that come lie between them.
+            first, last: µs of the frames.
+            samples: how many there are.
+        """
+        if len(self._newest) != 1 or self._newest[0].states[-1].is_guarded:
+            return False  # not all have seen the same; or a detector is somebody else's, who may count by himself
+        frame, state = self._newest[0].frame, clone(self._newest[0].states[-1])
+        now, streaks = state.verdict(frame.at), list(streaks_of(state))
+        counts = [streak.samples > 0 for streak in streaks]
+
+        def ends_alike(at: int, values: Mapping[str, Value]) -> bool:
+            for _ in state.take(Frame(at, None, None, values)):
+                if state.verdict(at) != now or [streak.samples > 0 for streak in streaks] != counts:
+                    return False
+            return True
+
+        values: Mapping[str, Value] = frame.values
+        for values in corners:
+            if not ends_alike(first, values):
+                return False
+        lengthen(streaks, samples)
+        return ends_alike(last, values)
 
 
 def _alike(ones: tuple[SensorState, ...], others: tuple[SensorState, ...]) -> bool:

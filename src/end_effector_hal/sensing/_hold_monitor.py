@@ -9,7 +9,7 @@ from typing import ClassVar
 from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import AlarmKind, HoldFinding, HoldWatch, fault_of, is_guarded, kind_of
-from end_effector_hal.signals import PART
+from end_effector_hal.signals import PART, ChannelReadings
 from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._alarms import AlarmLog
@@ -81,11 +81,17 @@ class HoldMonitor:
         """Whether nothing that is watched speaks against lifting what is held and confirmed."""
         return not self._log.active(AlarmKind.LEAK) and (self._hold.lift_needs == "confirmed" or self.secure)
 
-    def sample(self, at: int, *, held: bool) -> bool:
-        """Look at the newest sample, at ``at`` µs; True when there is something new to tell."""
+    def sample(self, at: int, *, held: bool, readings: ChannelReadings | None = None) -> bool:
+        """Look at the newest sample, at ``at`` µs; True when there is something new to tell.
+
+        Args:
+            at: of the sample.
+            held: whether a part is.
+            readings: of a sample that the detectors need not take, as it changes nothing that they show.
+        """
         now, was_secure, told = self._senses.now, self._watched_secure, self.alarms
         for watch in self._watches.values():
-            watch.sample(now.readings, at, held=self._since is not None)
+            watch.sample(readings or now.readings, at, held=self._since is not None)
         if not held:
             self._since = None
         else:

@@ -89,6 +89,11 @@ class Predicates:
         if not self._senses.accepts(frame, now):
             return self._objections(frame) if frame.at <= now else {}
         self._senses.frame(frame)
+        return self.holding
+
+    @property
+    def holding(self) -> dict[str, bool]:
+        """What holds after the newest frame that counted."""
         return self._said(self.at)
 
     @property

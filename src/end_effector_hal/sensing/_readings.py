@@ -94,6 +94,12 @@ class Readings:
             now = [name for name in frame.values if name not in valid and name not in doubted]
             self._invalid = before | dict.fromkeys(now, frame.at)
 
+    def renew(self, at: int) -> None:
+        """Frames as the newest one have come until ``at`` µs."""
+        self._last_frame = at
+        self._at = self._at | dict.fromkeys(self._arrived, at)
+        self._invalid = dict.fromkeys(self._invalid, at)
+
     def forget(self, channel: str) -> None:
         """What was read is nothing any more."""
         if channel in self._values:

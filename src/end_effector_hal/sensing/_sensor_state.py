@@ -119,6 +119,17 @@ class SensorState:
         said = self._rules.notices(at)
         return (*said, *self._faults()) if self._guarded else said
 
+    def verdict(self, at: int) -> object:
+        """Equal where all is proven and told alike."""
+        found = [(each.level, each.empty, each.broken, each.settles(at)) for _, each in self.by_conditions]
+        supply, proven = self.supply, (self.nothing_gripped, self.in_stand)
+        return self.evidence, self.tool, supply.ok, supply.low, *proven, self.doubts(at), found
+
+    @property
+    def is_guarded(self) -> bool:
+        """Whether a detector is somebody else's, who may count what nobody here knows of."""
+        return bool(self._guarded)
+
     @property
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
         """Detectors of the actuators that conditions prove, by their place in the sequence."""

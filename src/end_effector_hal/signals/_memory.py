@@ -54,15 +54,21 @@ def clone(thing: T) -> T:
     plan = _PLANS.get(kind)
     if plan is None:
         plan = _PLANS[kind] = _plan(thing)
+        if not any(plan):
+            _LEAVES.add(kind)
     for name in plan.changing:
         value = has[name]
         if type(value) in _CHANGED_IN_PLACE:
             has[name] = value.copy()
     for name in plan.parts:
         value = has[name]
-        if isinstance(value, tuple | list):
-            has[name] = type(value)([clone(each) for each in value])
-        elif isinstance(value, dict):
+        of: Any = type(value)
+        if of in _LEAVES:
+            has[name] = leaf = of.__new__(of)
+            vars(leaf).update(vars(value))
+        elif of is tuple or of is list:
+            has[name] = of([clone(each) for each in value])
+        elif of is dict:
             has[name] = {key: clone(each) for key, each in value.items()}
         elif value is not None:
             has[name] = clone(value)
@@ -77,6 +83,8 @@ class _Plan(NamedTuple):
 
 
 _PLANS: dict[type, _Plan] = {}
+_LEAVES: set[type] = set()
+"""Those of which nothing is to be done: what they have is shared."""
 
 
 def _plan(thing: Remembers) -> _Plan:
@@ -91,6 +99,19 @@ def _stays(kind: Any, is_part: bool) -> bool:
     if isinstance(kind, UnionType):
         return all(_stays(each, False) for each in get_args(kind))
     return get_origin(kind) in (tuple, frozenset) or (isinstance(kind, type) and issubclass(kind, Enum))
+
+
+def parts_of(thing: Remembers) -> Iterator[Remembers]:
+    """The objects with a memory that an object has."""
+    plan = _PLANS.get(type(thing)) or _plan(thing)
+    for name in plan.parts:
+        value = getattr(thing, name)
+        if isinstance(value, Mapping):
+            yield from value.values()
+        elif isinstance(value, tuple | list):
+            yield from value
+        elif value is not None:
+            yield value
 
 
 def same_memory(one: Remembers, other: Remembers) -> bool:

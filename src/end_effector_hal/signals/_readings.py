@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
-from ._frame import Kind
+from ._frame import Frame, Kind
 
 
 class ChannelReadings(Protocol):
@@ -23,3 +23,30 @@ class ChannelReadings(Protocol):
     def arrived(self, channel: str) -> bool:
         """Whether the newest frame brought a valid value: only that is a sample to count."""
         ...
+
+
+class PassingReadings:
+    """What a frame shows that nobody remembers, and what is remembered of the other channels.
+
+    Args:
+        remembered: the newest readings before it.
+        frame: of the same source, soon after.
+    """
+
+    def __init__(self, remembered: ChannelReadings, frame: Frame) -> None:
+        self._remembered, self._values = remembered, frame.values
+
+    @property
+    def carried(self) -> Mapping[str, Kind]:
+        """See `ChannelReadings`."""
+        return self._remembered.carried
+
+    def get(self, channel: str | None, at: int) -> int | bool | None:
+        """See `ChannelReadings`."""
+        if channel is not None and channel in self._values:
+            return self._values[channel]
+        return self._remembered.get(channel, at)
+
+    def arrived(self, channel: str) -> bool:
+        """See `ChannelReadings`."""
+        return self._values.get(channel) is not None

@@ -110,7 +110,7 @@ class CellRun:
         self._monitors = Monitors(description)
         self._answered: list[tuple[str, bool]] = []
         self._let_go_at: int | None = None
-        self.tool = prepared(description, self._monitors.watch, on_frame or (lambda _: None))
+        self.tool = prepared(description, self._monitors.watch, on_frame)
 
     def played(self) -> Played:
         """Play it, once."""

@@ -44,7 +44,7 @@ class Moment:
 def prepared(
     description: Description,
     watch: Watch | None = None,
-    on_frame: Callable[[Frame], None] = lambda _: None,
+    on_frame: Callable[[Frame], None] | None = None,
 ) -> VirtualTool:
     """A tool at rest, the same each time; raises UsageError where it does not come to rest."""
     tool = VirtualTool(description, watch=watch, on_frame=on_frame)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from random import Random
 
@@ -268,13 +269,57 @@ class Bench:
             channel -> gauge Pa (vacuum negative), bit, or None: invalid.
         """
         self._advance(at)
+        return self._values(self._plant, at)
+
+    def corners(
+        self, at: int, until: int, link: str | None
+    ) -> tuple[dict[str, Value], dict[str, Value]] | None:
+        """The least and the most that each sensor shows from now on, if nobody does anything.
+
+        Args:
+            at: µs of the last sample.
+            until: µs.
+            link: over which it is shown.
+
+        Returns:
+            None: it is not known, or may change abruptly, or not all of it arrives.
+        """
+        plant = None if self._is_disturbed(at, until, link) else self._plant.ahead(until)
+        if plant is None:
+            return None
+        low, high = self._values(self._plant, at), self._values(plant, until)
+        for name, one in low.items():
+            other = high[name]
+            if one is None or isinstance(one, bool) or other is None or name in self._alarms:
+                if one is not other:
+                    return None
+                continue
+            noise = NOISE_QUANTITY if name in self._quantities else NOISE_KPA
+            most = math.ceil(2 * noise * self._noise.most * 1000)
+            low[name], high[name] = min(one, other) - most, max(one, other) + most
+        return low, high
+
+    def _is_disturbed(self, at: int, until: int, link: str | None) -> bool:
+        """Whether something of the scenario happens by ``until``, or happens again and again."""
+        effect = self.scenario.on_link(link)
+        effects = self.scenario.effects.values()
+        happen = [effect.silent_after_us, effect.babble_after_us, *(each.frozen_after_us for each in effects)]
+        return (
+            effect.disturbs
+            or any(self._is_over(after_us, until) for after_us in happen)
+            or self.booted(until, link) > at
+            or any(each.due is not None and each.due <= until for each in self._driven)
+        )
+
+    def _values(self, plant: Plant, at: int) -> dict[str, Value]:
+        """What sensors show of a plant."""
         scenario = self.scenario
         values: dict[str, Value] = self._at_rest | {
             "tool_present": scenario.tool_present,
             "in_stand": scenario.in_stand,
             "estop_ok": scenario.estop_ok,
         }
-        description, devices = self._description, self._plant.devices
+        description, devices = self._description, plant.devices
         for name, channel, bits in self._sensors:
             device = devices[name]
             if (kpa := device.pressure_kpa) is not None:
@@ -297,7 +342,7 @@ class Bench:
             if name in scenario.alarms or name not in values:
                 code = scenario.alarms.get(name, 0)
                 values[name] = code if description.channels[name].kind is Kind.CODE else bool(code)
-        values[description.supply.channel] = self._pa(description.supply.channel, self._plant.supply.kpa, at)
+        values[description.supply.channel] = self._pa(description.supply.channel, plant.supply.kpa, at)
         if scenario.effects:
             self._swap(values)
         return values

@@ -18,6 +18,11 @@ def _normal_numbers() -> tuple[float, ...]:
     return tuple([random.gauss(0.0, 1.0) for _ in range(BLOCK)])
 
 
+@cache
+def _most() -> float:
+    return max(map(abs, _normal_numbers()))
+
+
 class Noise:
     """Numbers that depend on the seed and on what they are for.
 
@@ -28,6 +33,8 @@ class Noise:
     def __init__(self, seed: int) -> None:
         self._seed = seed
         self._normal = _normal_numbers()
+        self.most = _most()
+        """What no number of `normal` exceeds, above or below zero."""
         self._keys: dict[str, int] = {}
 
     def normal(self, what: str, at: int) -> float:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from end_effector_hal.codecs import PolledCodec, asks, board_inputs, codec_of, is_polled, line_of
 from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_lab.testbench import Bench, SensorBoard, Sent, carried
@@ -34,6 +35,8 @@ class StreamedLink:
 
     def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
         self._codec = codec_of(description, name)
+        self._bench, self._description, self._name = bench, description, name or None
+        self.period_us = self._codec.period_us
         self._board = SensorBoard(self._codec, bench, description, start, name or None)
         self.decoder = self._codec.decoder()
         self.sent: Sent | None = None
@@ -42,9 +45,23 @@ class StreamedLink:
 
     def frames(self, at: int) -> list[Frame]:
         """See `Source`."""
-        self.due = at + self._codec.period_us
+        self.due = at + self.period_us
         self.sent = self._board.frame(at)
         return self.decoder.feed(self.sent.data, at) if self.sent.data else []
+
+    def corners(self, at: int, until: int) -> tuple[Mapping[str, Value], Mapping[str, Value]] | None:
+        """The least and the most that frames bring until then; see `Bench.corners`."""
+        found = self._bench.corners(at, until, self._name)
+        try:
+            low, high = map(self._as_it_comes, found or ())
+        except (UsageError, ValueError):  # the format cannot carry what is so near to its end
+            return None
+        return low, high
+
+    def _as_it_comes(self, values: Mapping[str, Value]) -> Mapping[str, Value]:
+        sent = Frame(0, 0, 0, carried(values, self._codec.channels, self._description))
+        (frame,) = self._codec.decoder().feed(self._codec.encode(sent), 0)
+        return frame.values
 
 
 class PolledLink:

@@ -32,8 +32,9 @@ from end_effector_lab.testbench import Bench
 from ._arbiter import Memories, VirtualArbiter
 from ._bus import VirtualBus, VirtualBuses
 from ._connection import VirtualConnection
+from ._leap import Leap
 from ._outputs import Edge, VirtualOutputs
-from ._sources import Source, arbiter_source, sources_of_bench
+from ._sources import Source, StreamedLink, arbiter_source, sources_of_bench
 from ._watching import Watch, Watching
 
 ARBITER = "arbiter"
@@ -59,7 +60,8 @@ class VirtualTool:
         seed: of the valves, the noise, and the chance in faults.
         levels: lines that are active at the start; what they hold has settled.
         watch: follows the automata, such as a `Monitor` does.
-        on_frame: called with each frame that comes, before the programs get it.
+        on_frame: called with each frame that comes, before the programs get it; default: frames that would change
+            nothing are left out.
 
     Attributes:
         at: µs since the start.
@@ -80,7 +82,7 @@ class VirtualTool:
         seed: int = 0,
         levels: Mapping[str, bool] | None = None,
         watch: Watch | None = None,
-        on_frame: Callable[[Frame], None] = lambda _: None,
+        on_frame: Callable[[Frame], None] | None = None,
     ) -> None:
         self.description, self.at = description, 0
         self.statuses: list[Status] = []
@@ -99,6 +101,7 @@ class VirtualTool:
         self._opened: Mapping[str, VirtualBus] | None = None  # by an arbiter that starts
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
+        self._leap = self._leap_of(self._sources) if on_frame is None else None
         self._arbiter: VirtualArbiter | None = None
         self._own_publisher: PredicatePublisher | None = None
         self._programs: dict[str, Program] = {}
@@ -162,6 +165,8 @@ class VirtualTool:
     def choose(self, scenario: str) -> None:
         """Have something else go wrong from now on; raises UsageError if it cannot be used."""
         self.bench.choose(scenario, self.at)
+        if self._leap:
+            self._leap.forget()
 
     def run(self, seconds: float) -> None:
         """Let time go on."""
@@ -173,6 +178,9 @@ class VirtualTool:
             if self.at >= at:
                 return False
             waits = self._waiting()
+            if self._leap and self._publisher:
+                self._leave_out(self._leap, min([at, *(due for due, _ in waits)]), at)
+            waits = self._bringing() + waits
             self.at = max(self.at, min([at, *(due for due, _ in waits)]))
             for due, happens in waits:
                 if due <= self.at:
@@ -287,6 +295,8 @@ class VirtualTool:
             worker=InlineWorker,
         )
         self._connections[name], self._programs[name] = connection, program
+        if self._leap:
+            self._leap.forget()
         {"grip": self.statuses, "tool_change": self.changes}[name].append(program.status)
         self._tell_peers(name, program.status)
         other = "tool_change" if name == "grip" else "grip"
@@ -299,15 +309,18 @@ class VirtualTool:
     def _now(self) -> int:
         return self.at
 
+    def _bringing(self) -> list[tuple[int, Callable[[], object]]]:
+        """The readings that come next: at one instant, before anything else."""
+        own = [] if self._own is None else [(self._own.due, self._read_own)]
+        return [*own, *((source.due, partial(self._read, source)) for source in self._sources)]
+
     def _waiting(self) -> list[tuple[int, Callable[[], object]]]:
-        """Everything that waits for its time (µs), in the order in which it happens at one instant."""
-        waits: list[tuple[int, Callable[[], object]]] = []
-        if self._own is not None:
-            waits.append((self._own.due, self._read_own))
-        waits += [(source.due, partial(self._read, source)) for source in self._sources]
-        for devices in self._buses.devices.values():
-            if (silent := devices.due) is not None:
-                waits.append((silent, partial(devices.advance, silent)))
+        """What waits for its time (µs) beside the readings, in the order in which it happens at one instant."""
+        waits: list[tuple[int, Callable[[], object]]] = [
+            (silent, partial(devices.advance, silent))
+            for devices in self._buses.devices.values()
+            if (silent := devices.due) is not None
+        ]
         waits += [(master.due, partial(self._hear, master)) for master in self._buses.masters]
         if self._repeats_at is not None:
             waits.append((self._repeats_at, self._repeat))
@@ -322,7 +335,7 @@ class VirtualTool:
     def _repeat(self) -> None:
         self._repeats_at = self.at + REPEAT_US
         if self._publisher is not None:
-            self._publisher.repeat()
+            self._publisher.pass_over()
 
     def _read(self, source: Source) -> None:
         for frame in source.frames(self.at):
@@ -341,6 +354,41 @@ class VirtualTool:
         elif self._buses.news:
             self._arbiter.step()
 
+    def _leap_of(self, sources: Sequence[Source]) -> Leap | None:
+        """None: several bring readings, or one that is asked."""
+        if len(sources) != 1 or self._own or self._buses.devices or not isinstance(sources[0], StreamedLink):
+            return None
+        return Leap(self.description, sources[0], lambda: self._judge)
+
+    def _leave_out(self, leap: Leap, limit: int, end: int) -> None:
+        """Leave out the frames until ``limit`` that change nothing; what watches a part sees them all the same.
+
+        The last one before time stops, at ``end``, is played.
+        """
+        if any(program.waits for program in self._programs.values()):
+            return
+        link, marks = leap.link, self._marks
+        first = link.due
+        to = leap.next(self.at, limit)
+        if to > first and leap.covers(to) and to + link.period_us <= end:
+            to += link.period_us
+        if to > first and self._judge.released:
+            link.due = to
+        while link.due < to and marks == self._marks:
+            self.at = link.due
+            for frame in link.frames(self.at):
+                for program in list(self._programs.values()):
+                    program.pass_over(frame)
+        if left_out := (link.due - first) // link.period_us:
+            self.at = link.due - link.period_us
+            self._judge.pass_over(left_out, self.at)
+            if self._publisher:
+                self._publisher.pass_over()
+
+    @property
+    def _marks(self) -> tuple[int, ...]:
+        return len(self.statuses), len(self.changes), len(self.edges)
+
     def _read_own(self) -> None:
         """The arbiter reads its own inputs, and hands them on; while there is none, nobody does."""
         for frame in self._own.frames(self.at) if self._own is not None else ():
@@ -352,7 +400,8 @@ class VirtualTool:
             self._publisher.frame(frame, self._pass_on)
 
     def _pass_on(self, frame: Frame) -> None:
-        self._on_frame(frame)
+        if self._on_frame:
+            self._on_frame(frame)
         for program in list(self._programs.values()):
             program.frame(frame)
 
@@ -369,6 +418,8 @@ class VirtualTool:
     def _told(self, name: str, status: Status) -> None:
         {"grip": self.statuses, "tool_change": self.changes}[name].append(status)
         self._tell_peers(name, status)
+        if self._leap:
+            self._leap.forget()
 
     def _tell_peers(self, name: str, status: Status) -> None:
         """What one program must know of the other."""
@@ -384,6 +435,8 @@ class VirtualTool:
             self._edge(Edge(self.at, name, level))
 
     def _edge(self, edge: Edge) -> None:
+        if self._leap:
+            self._leap.forget()
         self.edges.append(edge)
         self.bench.line(edge.line, edge.level, edge.at)
 

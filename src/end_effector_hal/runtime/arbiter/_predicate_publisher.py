@@ -99,6 +99,13 @@ class PredicatePublisher:
             with self._lock:
                 self._send(proven, at)
 
+    def pass_over(self) -> None:
+        """Frames that change nothing have come; see `FrameJudge.pass_over`."""
+        with self._lock:
+            proven, at = self._needed_of(self._predicates.holding), self._predicates.at
+            if proven and at >= self._due:
+                self._send(proven, at)
+
     def repeat(self) -> None:
         """Say again what is still proven; called every `REPEAT_US` where it ``repeats``."""
         with self._lock:

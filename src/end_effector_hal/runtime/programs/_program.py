@@ -105,6 +105,11 @@ class Program(ABC):
         self._lines.close(self._adoption.outputs.mapping.last_will(self.status, ending))
 
     @property
+    def waits(self) -> bool:
+        """Whether each frame makes it look whether the line arbiter is back, or has done what it was asked for."""
+        return self._adoption.outputs.lost or self._adoption.withholds
+
+    @property
     def alive(self) -> bool:
         """Whether the program still works: a lease is renewed only while it does."""
         since = self._worker.busy_since
@@ -122,6 +127,10 @@ class Program(ABC):
     def frame(self, frame: Frame) -> None:
         """Submit a frame of the link; returns at once."""
         self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
+
+    def pass_over(self, frame: Frame) -> None:
+        """Submit a frame that is known to change nothing of what the sensors prove, in virtual time."""
+        self._submit(lambda: self._adoption.controller.pass_over(frame))
 
     def update_peer(self, **values: int) -> None:
         """Submit interface variables of the other program; returns at once."""
@@ -248,11 +257,9 @@ class Program(ABC):
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
         """Send what statuses ask of the lines; the follow-up waits for the reply and publishes them."""
-        adoption = self._adoption
-        waits = adoption.outputs.lost or adoption.withholds
-        if not statuses and not waits and self._notices() == self._shown_notices:
+        if not statuses and not self.waits and self._notices() == self._shown_notices:
             return None
-        return partial(self._finish, statuses, adoption.outputs.begin(statuses))
+        return partial(self._finish, statuses, self._adoption.outputs.begin(statuses))
 
     def _peer_changed(self, values: dict[str, int]) -> list[Status]:
         self._peer |= values

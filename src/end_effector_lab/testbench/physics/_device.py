@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from copy import copy
 from typing import ClassVar, Self
 
 from ._parts import STEP_US, Model, SolvedModel, Supply, Valve
@@ -135,6 +136,7 @@ class Plant(Model):
         self.devices = dict(devices)
         self._solved = tuple(each for each in self.devices.values() if isinstance(each, SolvedModel))
         self._stepping = tuple(each for each in self.devices.values() if not isinstance(each, SolvedModel))
+        self._stepped = True
 
     @property
     def settled(self) -> bool:
@@ -148,10 +150,28 @@ class Plant(Model):
         while self.now < at:
             self.now = self._go(at)
 
+    def ahead(self, at: int) -> Self | None:
+        """Another plant with the state of ``at`` (µs) if nobody does anything; None: something may switch by then."""
+        to = self.now + (at - self.now) // STEP_US * STEP_US
+        models = (self.supply, *self._solved)
+        if [each for each in models if each.stale or (each.due is not None and each.due <= to)]:
+            return None
+        if not all(each.settled for each in self._stepping):
+            return None
+        other = copy(self)
+        other.supply = self.supply.ahead(to)
+        other.devices = {
+            name: each.ahead(to) if isinstance(each, SolvedDevice) else each
+            for name, each in self.devices.items()
+        }
+        return other
+
     def _go(self, at: int) -> int:
         """Go to ``at``, or as far as nothing switches; returns how far that was."""
-        self._begin()
         moving = [device for device in self._stepping if not device.settled]
+        if moving or self._stepped or any(model.stale for model in (self.supply, *self._solved)):
+            self._begin()
+        self._stepped = bool(moving)
         to = self.now + STEP_US if moving else at
         for model in (self.supply, *self._solved):
             to = to if model.due is None else min(to, model.due)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from end_effector_lab.testbench.physics import _parts
-from end_effector_lab.testbench.physics._parts import CLOSE_KPA, STEP_S, Model
+from end_effector_lab.testbench.physics._parts import CLOSE_KPA, STEP_S, Model, Valve
+
+__all__ = ["Sensor", "Supply", "Valve"]
 
 
 class Sensor(_parts.Sensor):

@@ -1,0 +1,114 @@
+"""Frames that would change nothing are left out, and nobody can tell: against a tool that plays each of them."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.signals import Frame
+from end_effector_lab.campaign import Case, CaseSource, CoverageMap, play_case
+from end_effector_lab.virtual import VirtualTool
+from tests.support.places import ROOT
+
+SHIPPED = load(profile_path())
+FAULTS = (
+    "nominal",
+    "leak:top_vacuum",
+    "leak-grows:bottom_vacuum:4",
+    "never-confirms:bottom_vacuum",
+    "supply:300",
+    "lost-after:top_vacuum:2",
+    "invalid:top_vacuum",
+    "frozen-after:top_vacuum:1",
+    "silent-after:1",
+    "reboot-after:1",
+)
+_SECONDS = re.compile(r"for [0-9.]+ s ")
+"""How old the newest frame is that the arbiter was told of: it is told every 40 ms at most, not with each frame."""
+
+
+def story(tool: VirtualTool) -> list[Any]:
+    """All that was done and told, with its times."""
+    said = [[_SECONDS.sub("", repr(status)) for status in each] for each in (tool.statuses, tool.changes)]
+    return [tool.edges, *said, tool.at]
+
+
+def play(tool: VirtualTool, fault: str, after: float) -> list[Any]:
+    """A grip with a fault on the way, a hold, a drop."""
+    tool.run(1.0)
+    tool.command("grip")
+    tool.run(after)
+    tool.choose(fault)
+    tool.run(9.0 - after)
+    tool.command("drop")
+    tool.run(3.0)
+    return story(tool)
+
+
+def both(description: Description, fault: str, after: float) -> None:
+    frames: list[Frame] = []
+    every = VirtualTool(description, seed=round(after * 100), on_frame=frames.append)
+    leaps = VirtualTool(description, seed=round(after * 100))
+    assert play(leaps, fault, after) == play(every, fault, after)
+    assert len(frames) > 100
+
+
+@pytest.mark.parametrize("after", [0.41, 2.5])
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_same_at_the_same_times(fault: str, after: float) -> None:
+    both(SHIPPED, fault, after)
+
+
+def test_the_same_for_a_binary_codec(tmp_path: Path) -> None:
+    shutil.copytree(profile_path().parent, tmp_path / "tool")
+    file = tmp_path / "tool" / profile_path().name
+    file.write_text(file.read_text().replace("ees1-ascii", "ees1-cobs"))
+    both(load(file), "leak-grows:top_vacuum:2", 1.5)
+
+
+@pytest.mark.parametrize("name", ["six_cups", "area_gripper", "diy_text", "double_acting_jaw"])
+def test_the_same_for_other_tools(name: str) -> None:
+    tool = load_tool(ROOT / "examples" / "tools" / name / "end_effector.yaml")
+    both(tool, f"fails-once:{tool.sequence[0]}", 0.5)
+
+
+def test_most_frames_at_rest_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    tool, played = VirtualTool(SHIPPED), list[Frame]()
+    tool.run(1.0)
+    real = FrameJudge.after
+    monkeypatch.setattr(FrameJudge, "after", lambda *given: (played.append(given[2]), real(*given))[1])
+    tool.run(20.0)
+    assert tool.at == 21_000_000
+    assert 10 < len({frame.at for frame in played}) < 100  # of 1000
+
+
+def test_a_frame_that_is_asked_for_is_played() -> None:
+    frames: list[Frame] = []
+    VirtualTool(SHIPPED, on_frame=frames.append).run(2.0)
+    assert [frame.at for frame in frames] == list(range(0, 2_000_001, 20_000))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_runs_are_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    case, known = CaseSource(SHIPPED).fresh(Random(seed)), CoverageMap(SHIPPED)
+    assert ended(case, known) == with_every_frame(case, known, monkeypatch)
+
+
+def ended(case: Case, known: CoverageMap) -> list[Any]:
+    played = play_case(SHIPPED, case, known, log=True)
+    log = [_SECONDS.sub("", line) for line in played.log]
+    return [played.failures, played.moments, played.grips, played.seconds, played.end, log]
+
+
+def with_every_frame(case: Case, known: CoverageMap, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    with monkeypatch.context() as patched:
+        patched.setattr(VirtualTool, "_leap_of", lambda self, sources: None)
+        return ended(case, known)
