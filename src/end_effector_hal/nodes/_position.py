@@ -86,7 +86,7 @@ class PositionNode:
         self._grip_joint, self._joints = grip_joint(description), actuator_joints(description)
         self._known_joints: dict[str, float] = {}
         self._known: dict[str, IntEnum] = {}
-        node.subscribe(SENSOR_FRAME, self._on_frame)
+        node.on_start(lambda: node.subscribe(SENSOR_FRAME, self._on_frame))
         node.every(STATE_HZ, self._tick)
         publish_health(node, description.name, self._health)
 

@@ -59,7 +59,7 @@ class PressureNode:
         node.on_close(self._reader.close)
         node.every(STATE_HZ, self._tick)
         # all who look at the same frames begin with the same one: so that it is judged once
-        node.on_start(self._reader.start)
+        node.on_start(self._reader.start, last=True)
 
     def _on_frame(self, frame: Frame) -> None:
         self._predicates.frame(frame, lambda frame: self._frame(self._frames.message_of(frame)))

@@ -15,7 +15,7 @@ from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.interface import DESCRIPTION, Action, Parameter, Service, Topic, load_for_nodes
-from end_effector_hal.nodes.process import ProcessEnd, Ticker, node_log
+from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, node_log
 from end_effector_hal.nodes.transport import (
     ActionClient,
     ActionServer,
@@ -79,6 +79,8 @@ class RosNode:
         self._closers: list[Callable[[], None]] = []
         self._at_end = ExitStack()
         self._tickers: list[Ticker] = []
+        self._starters = Starters()
+        self.on_start = self._starters.add
         rospy.on_shutdown(self._close)
         rospy.core.add_shutdown_hook(lambda reason: self._end.begun.set())
 
@@ -174,10 +176,6 @@ class RosNode:
         """Call back at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, self.log))
 
-    def on_start(self, callback: Callable[[], None]) -> None:
-        """A process has one node here."""
-        callback()
-
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call back at the end, while the node can still publish; the last added comes first."""
         self._closers.insert(0, callback)
@@ -204,7 +202,8 @@ class RosNode:
         rospy.signal_shutdown("quit")
 
     def spin(self) -> int:
-        """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
+        """Work until the end; the exit code. Raises what :meth:`fail` was given."""
+        self._starters.start()
         return self._end.wait()
 
     def fail(self, error: ReportedError) -> None:

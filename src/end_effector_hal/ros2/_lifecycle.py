@@ -26,7 +26,7 @@ from end_effector_hal.nodes.interface import (
 from end_effector_hal.nodes.process import node_log
 from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import content_hash
-from end_effector_hal.wires import be_steady, now_us
+from end_effector_hal.wires import now_us
 
 from ._node_group import NodeGroup
 from ._parameters import declared
@@ -140,7 +140,6 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         except BaseException:
             self._end_group()
             raise
-        be_steady()
 
     def _start_group(self, description: Description) -> NodeGroup:
         with self._starting:

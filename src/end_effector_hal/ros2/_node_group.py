@@ -14,7 +14,7 @@ from rclpy.node import Node
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes.process import Ticker
+from end_effector_hal.nodes.process import Starters, Ticker
 from end_effector_hal.nodes.transport import SharedFrames
 
 from ._process import Process
@@ -56,7 +56,8 @@ class NodeGroup:
         self._closing = self._closed = False
         self._nodes: list[Node] = []
         self._tickers: list[Ticker] = []
-        self._starters: list[Callable[[], None]] = []
+        self._starters = Starters()
+        self.on_start, self.start = self._starters.add, self._starters.start
         self._closers: list[Callable[[], None]] = []
         self._enders: list[Callable[[], None]] = []
         self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
@@ -90,15 +91,6 @@ class NodeGroup:
     def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
         """Call back at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, log))
-
-    def on_start(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` when all nodes are there."""
-        self._starters.append(callback)
-
-    def start(self) -> None:
-        """All nodes are there."""
-        for callback in self._starters:
-            callback()
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while topics are open."""

@@ -4,4 +4,5 @@ from ._guarded import guarded
 from ._paced_log import BURST, PER_S, Allowance, PacedLog, node_log
 from ._process_end import ProcessEnd
 from ._ros_class import has_ros_class, ros_class
+from ._starters import Starters
 from ._ticker import Ticker

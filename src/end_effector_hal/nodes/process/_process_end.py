@@ -7,7 +7,6 @@ import threading
 import time
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.wires import be_steady
 
 LOOK_S = 0.5
 
@@ -34,7 +33,6 @@ class ProcessEnd:
 
     def wait(self) -> int:
         """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
-        be_steady()
         while not self.begun.wait(LOOK_S):
             pass  # the kernel may give a signal to another thread: its handler runs when this one looks
         if self._failed is not None:

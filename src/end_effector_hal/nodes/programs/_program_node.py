@@ -78,7 +78,7 @@ class ProgramNode(Generic[P]):
         publish_health(node, description.name, self._health)
         node.on_close(self._close)
         self.program.start()
-        node.subscribe(SENSOR_FRAME, self._on_frame)
+        node.on_start(lambda: node.subscribe(SENSOR_FRAME, self._on_frame))
 
     def _on_frame(self, message: FrameMessage) -> None:
         self.program.frame(self._frames.frame_of(message))

@@ -172,8 +172,8 @@ class NodeTransport(Protocol):
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call ``callback`` at a rate; after a pause of the machine ticks are left out, not made up for."""
 
-    def on_start(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` when all nodes of this process are there."""
+    def on_start(self, callback: Callable[[], None], *, last: bool = False) -> None:
+        """Call ``callback`` when all nodes of this process are there; ``last``: behind those of the others."""
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while the node can still publish (rule 8)."""
