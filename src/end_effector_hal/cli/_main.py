@@ -32,6 +32,7 @@ _COMMANDS = {
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
     "page": "a tool in a browser: live, or as it was recorded",
+    "reload": "check a changed description, and whether what runs may take it over",
     "reset": "clear what the line arbiter of a tool has latched",
     "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
     "report": "a recorded run as one HTML file",
@@ -42,7 +43,7 @@ _COMMANDS = {
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _AUDIENCES = {
-    "To run a tool and look at it (operators)": ("run", "stop", "reset", "page", "arbiter", "doctor"),
+    "To run a tool and look at it (operators)": ("run", "stop", "reset", "reload", "page", "arbiter", "doctor"),
     "To describe a tool and connect it (integrators)": (
         "init", "check", "schema", "listen", "tune", "testbench", "board", "export", "completion",
     ),

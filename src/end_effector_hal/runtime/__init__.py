@@ -7,6 +7,7 @@ with a thread each; ``boundary``, what goes in and out of them, recorded; ``outp
 
 from ._automata import load_automata
 from ._error_text import error_text, sendable
+from ._reload import fixed_by_arbiter, reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
 from .arbiter import (
     PredicatePublisher,
@@ -60,6 +61,7 @@ __all__ = [
     "changer_is_sensed",
     "connect_arbiter",
     "error_text",
+    "fixed_by_arbiter",
     "load_automata",
     "longest_release_s",
     "open_program",
@@ -68,6 +70,7 @@ __all__ = [
     "read_command",
     "read_script",
     "release_is_decided",
+    "reload_answer",
     "reset",
     "run_arbiter",
     "sendable",

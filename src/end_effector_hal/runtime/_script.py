@@ -26,6 +26,8 @@ RESET = "reset"
 """Clears latched faults; Table II has no command for it."""
 STOP = "stop"
 """Latches a stop (IL-13); Table II has no command for it."""
+RELOAD = "reload"
+"""Takes over the description as it is in the file now, of the session."""
 SHOWN = ("status", "help")
 """Asked of the session, not of the tool."""
 WAIT = "wait"
@@ -34,13 +36,13 @@ SET = "set"
 LEVELS = {"on": True, "off": False}
 SCENARIO = "scenario"
 """What goes wrong on a simulated tool from now on: ``scenario leak:top_vacuum``."""
-WORDS = (*VERBS, ARM, STOP, RESET, *SHOWN, SET, WAIT, SCENARIO)
+WORDS = (*VERBS, ARM, STOP, RESET, RELOAD, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
 class ScriptCommand:
-    """One command; where ``command`` is None a stop, a reset, an arming, an output, something to show, a
+    """One command; where ``command`` is None a stop, a reset, a reload, an arming, an output, something to show, a
     scenario, or else a wait.
 
     Attributes:
@@ -56,6 +58,7 @@ class ScriptCommand:
     background: bool = False
     stop: bool = False
     reset: bool = False
+    reload: bool = False
     arm: bool = False
     show: str = ""
     output: str = ""
@@ -104,6 +107,8 @@ def read_command(text: str) -> ScriptCommand:
         return ScriptCommand(stop=True)
     if verb == RESET:
         return ScriptCommand(reset=True)
+    if verb == RELOAD:
+        return ScriptCommand(reload=True)
     if verb in SHOWN:
         return ScriptCommand(show=verb)
     return ScriptCommand(VERBS[verb], background=background)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
@@ -13,10 +14,10 @@ import click
 
 from end_effector_hal.cli._completion import completed, scenarios, session_words
 from end_effector_hal.cli._options import PathName, end_in_order, seed_option
-from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError, os_errors
+from end_effector_hal.errors import ArbiterError, NotReadyError, ReportedError, UsageError, os_errors
 
 if TYPE_CHECKING:
-    from end_effector_hal.control import Status
+    from end_effector_hal.control import Answer, Status
     from end_effector_hal.recording import Recording
     from end_effector_hal.runtime import EndEffector
 
@@ -71,8 +72,8 @@ def command(
     keep_mb: float,
     as_json: bool,
 ) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, wait SECONDS, status, help,
-    quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, reload, wait SECONDS,
+    status, help, quit.
 
     The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must, and the command
     `scenario S` makes something go wrong: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At the
@@ -100,53 +101,77 @@ def command(
         raise UsageError(
             "A seed is for a simulated tool: nothing of a real one is drawn.", todo="Add --simulate."
         )
-    loaded, begun = load_tool(description), now_us()
+    begun, succeeded = now_us(), True
     terminal = sys.stdout.isatty() and not as_json
-    choose: Callable[[str], None] = _refuse_scenario
-    with ExitStack() as stack:
-        prompt = Prompt(shown=sys.stdin.isatty() and not as_json)
-        voice = JsonLines(begun) if as_json else Words(prompt.write, timed=terminal, begun=begun)
-        if record is not None:
-            _try_to_write(record)
-        end_in_order()
-        progress = Progress(
-            "The simulation is starting" if simulate else "The tool is starting", shown=terminal
-        )
-        with progress:
-            if simulate:
-                hardware = stack.enter_context(simulated(loaded, scenario or "nominal", seed or 0))
-                loaded, choose = hardware.description, hardware.choose
-                progress.clear()
-                click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
-                click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
-                progress("The tool is starting")
-            causes = Causes(loaded) if as_json else None
-            observe = None if causes is None else causes.take
+    prompt = Prompt(shown=sys.stdin.isatty() and not as_json)
+    voice = JsonLines(begun) if as_json else Words(prompt.write, timed=terminal, begun=begun)
+    interactive = orders is None and prompt.shown
+    commands = iter(prompt.commands(voice.error) if orders is None else orders)
+    if record is not None:
+        _try_to_write(record)
+    end_in_order()
+    reloads = True
+    while reloads:
+        loaded = load_tool(description)
+        choose: Callable[[str], None] = _refuse_scenario
+        with ExitStack() as stack:
+            progress = Progress(
+                "The simulation is starting" if simulate else "The tool is starting", shown=terminal
+            )
+            with progress:
+                if simulate:
+                    hardware = stack.enter_context(simulated(loaded, scenario or "nominal", seed or 0))
+                    loaded, choose = hardware.description, hardware.choose
+                    progress.clear()
+                    click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
+                    click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
+                    progress("The tool is starting")
+                causes = Causes(loaded) if as_json else None
+                observe = None if causes is None else causes.take
+                try:
+                    tool = stack.enter_context(
+                        EndEffector(loaded, traces=record, limits=limits, observe=observe)
+                    )
+                except ArbiterError as error:
+                    if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):  # none runs
+                        raise _with_commands(error, description) from error
+                    raise
+            if record is not None:
+                played = (scenario or "nominal", seed or 0) if simulate else ("", None)
+                recording = Recording(record, loaded, scenario=played[0], seed=played[1], limits=limits)
+                _record(tool, stack.enter_context(recording))
+                stack.callback(tool.close)  # its last states are recorded
+            changes = Changes(loaded, voice, causes)
+            tool.subscribe(changes.status)
+            be_steady()  # before frames come: it takes so long that readings would turn stale
+            tool.start()
             try:
-                tool = stack.enter_context(EndEffector(loaded, traces=record, limits=limits, observe=observe))
-            except ArbiterError as error:
-                if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):  # none runs
-                    raise _with_commands(error, description) from error
-                raise
-        if record is not None:
-            played = (scenario or "nominal", seed or 0) if simulate else ("", None)
-            recording = Recording(record, loaded, scenario=played[0], seed=played[1], limits=limits)
-            _record(tool, stack.enter_context(recording))
-            stack.callback(tool.close)  # its last states are recorded
-        changes = Changes(loaded, voice, causes)
-        tool.subscribe(changes.status)
-        be_steady()  # before frames come: it takes so long that readings would turn stale
-        tool.start()
-        try:
-            tool.wait_ready(READY_S)
-        except NotReadyError as error:
-            voice.error(error)  # what is held can be dropped all the same
-        session = RunSession(tool, voice, changes, choose)
-        if orders is not None:
-            succeeded = session.play(orders)
-        else:
-            succeeded = session.play(prompt.commands(voice.error), interactive=prompt.shown)
+                tool.wait_ready(READY_S)
+            except NotReadyError as error:
+                voice.error(error)  # what is held can be dropped all the same
+            reload = partial(_reload, description, tool, simulate=simulate, recorded=record is not None)
+            session = RunSession(tool, voice, changes, choose, reload)
+            succeeded = session.play(commands, interactive=interactive) and succeeded
+            reloads = session.reloads
     sys.exit(0 if succeeded else 1)
+
+
+def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: bool) -> Answer:
+    """Whether this run may go on with the file as it is now; a simulated line arbiter begins anew with it."""
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.control import Answer
+    from end_effector_hal.runtime import reload_answer
+
+    if recorded:
+        return Answer(False, "A recording is of one description: end this run, and begin another folder.")
+    if simulate:
+        try:
+            load_tool(description)
+        except ReportedError as error:
+            return Answer(False, str(error))
+    elif not (answer := reload_answer(tool.description)).accepted:
+        return answer
+    return tool.stand_still()
 
 
 def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:

@@ -28,6 +28,7 @@ grip, drop       the actuators, in their order and in the reverse order
 cancel           a running grip
 stop             nothing is activated until a reset, a running grip is cancelled, what is held stays; no safety function
 reset            clears latched faults and alarms that are over
+reload           the description as it is in the file now: checked first, at rest only, else the old one stays
 status           the state of everything, with the times of the last grip
 set NAME on|off  a plain output of the tool (`outputs`)
 wait SECONDS     then the next command
@@ -44,12 +45,22 @@ class RunSession:
         voice: says it.
         changes: has told the states that came before.
         choose: has another scenario at the testbench, or raises UsageError.
+        reload: whether the description can be taken over as it is in the file now.
+
+    Attributes:
+        reloads: it has ended because another description is taken over; the orders that are left follow then.
     """
 
     def __init__(
-        self, tool: EndEffector, voice: Voice, changes: Changes, choose: Callable[[str], None]
+        self,
+        tool: EndEffector,
+        voice: Voice,
+        changes: Changes,
+        choose: Callable[[str], None],
+        reload: Callable[[], Answer],
     ) -> None:
-        self._choose = choose
+        self._choose, self._reload = choose, reload
+        self.reloads = False
         self._tool, self._voice, self._changes = tool, voice, changes
         self._running: list[threading.Thread] = []
         self._succeeded = True
@@ -72,6 +83,8 @@ class RunSession:
                 if order.command is Command.QUIT:
                     break
                 self._carry_out(order, wait=not (order.background or interactive))
+                if self.reloads:
+                    break
             self._finish()
         finally:  # Ctrl-C and SIGTERM as well: each command gets its end, in words
             said = ending_in_words(self._tool.description, self._tool.status, on="sigterm")
@@ -94,6 +107,11 @@ class RunSession:
             self._answered("ARM", self._tool.arm())
         elif order.stop:
             self._answered("STOP", self._tool.stop())
+        elif order.reload:
+            self._finish()
+            answer = self._reload()
+            self._answered("RELOAD", answer)
+            self.reloads = answer.accepted
         elif order.reset:
             self._answered("RESET", self._tool.reset())
         elif order.command is None:

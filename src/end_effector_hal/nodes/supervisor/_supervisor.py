@@ -92,9 +92,9 @@ class Supervisor:
             if asked:
                 self.say(self._call(word, service))
                 return True
-        if order.show or order.output or order.scenario:
+        if order.show or order.output or order.scenario or order.reload:
             self.say(
-                "status, help, set and scenario exist in `eehal run` only; use the topic EndEffectorState, the "
+                "status, help, set, reload and scenario exist in `eehal run` only; use the topic EndEffectorState, the "
                 "services Set…, and the standard input of the testbench."
             )
             return True

@@ -12,7 +12,7 @@ from secrets import token_hex
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
-from end_effector_hal.runtime.stream import PROGRAM_WORDS, RecordStream, program_socket
+from end_effector_hal.runtime.stream import PROGRAM_WORDS, RELOAD_WORDS, RecordStream, program_socket
 from end_effector_hal.wires import now_us
 
 from ._recorded_controller import Put
@@ -63,7 +63,9 @@ def open_stream(description: Description, program: str) -> RecordStream:
     """The stream of a program, which is not served yet."""
     first = header_of(description, program, now_us())
     path, beside = program_socket(description, program), socket_path(description)
-    return RecordStream(path, beside, lambda at: replace(first, at=at), PROGRAM_WORDS[program])
+    return RecordStream(
+        path, beside, lambda at: replace(first, at=at), (*PROGRAM_WORDS[program], *RELOAD_WORDS)
+    )
 
 
 def header_of(description: Description, program: str, at: int) -> Header:

@@ -80,6 +80,9 @@ class GripProgram(Program):
             return f"IL-12: a grip is refused during maintenance. {self._maintenance.notice}"
         return super()._obstacle(name)
 
+    def _unrest(self) -> str:
+        return super()._unrest() or self._maintenance.notice
+
     def _notices(self) -> tuple[str, ...]:
         notice = self._maintenance.notice
         return (*super()._notices(), notice) if notice else super()._notices()

@@ -14,12 +14,13 @@ from typing import ClassVar
 from end_effector_hal.control import Answer, Status, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
+from end_effector_hal.runtime._reload import reload_answer
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
-from end_effector_hal.runtime.stream import PROGRAM_WORDS, TOO_LATE, ProgramCommand
+from end_effector_hal.runtime.stream import GO_ON, PROGRAM_WORDS, RELOAD, TOO_LATE, ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import STOPPED
+from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -29,6 +30,9 @@ from ._serial_worker import FollowUp, SerialWorker
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
+STILL_US = 30_000_000
+"""Longer than all programs of a tool take to end and to start again."""
+RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
 ACTIVATING = ("grip", "unlock", "activate")
 """Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
 
@@ -72,6 +76,7 @@ class Program(ABC):
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
+        self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
         self._reset()
@@ -148,6 +153,20 @@ class Program(ABC):
         """Submit that alarms about what is held were seen: those that are over go; returns at once."""
         self._submit(lambda: self._adoption.controller.acknowledge(self._clock()))
 
+    def stand_still(self, for_us: int = STILL_US) -> Answer:
+        """Begin no activation for so long, if the program is at rest now; 0: go on.
+
+        Whoever takes over another description asks this first, so that no grip begins meanwhile.
+        """
+
+        def question() -> tuple[Answer, list[Status]]:
+            if for_us and (why := self._unrest()):
+                return Answer(False, f"{why} The description that runs stays in force."), []
+            self._still_until = self._clock() + for_us
+            return Answer(True), [self._adoption.controller.status()] if self._adoption.begun else []
+
+        return self._ask(question)
+
     def command(self, name: str, until_us: int | None = None) -> Answer:
         """Give a command and wait for the decision of the automaton; after ``until_us`` it is not executed any more."""
         return self._ask(lambda: self._decide(name, until_us))
@@ -194,7 +213,22 @@ class Program(ABC):
         if name in ACTIVATING:
             if adoption.outputs.lost:
                 return "Nothing can be activated while the line arbiter is lost."
+            if self._still_until > self._clock():
+                return RELOADING
             return self._stopped
+        return ""
+
+    def _unrest(self) -> str:
+        """Why the program is not at rest, a sentence; empty: it is."""
+        if not self._adoption.begun:
+            return self._obstacle("")
+        status = self._adoption.controller.status()
+        if status.held:
+            return "A part is held: drop it first."
+        if status.command is not Command.NONE:
+            return f"{status.command.label} is under way: wait for its end, or cancel it."
+        if status.ee not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):
+            return f"The end-effector is {status.ee.name}: this needs STAND_BY."
         return ""
 
     def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
@@ -238,6 +272,11 @@ class Program(ABC):
         if asked.command == "acknowledge":
             self.acknowledge()
             return Answer(True)
+        if asked.command == RELOAD:
+            loadable = reload_answer(self._description)  # in a thread that may wait
+            return self.stand_still() if loadable.accepted else loadable
+        if asked.command == GO_ON:
+            return self.stand_still(0)
         return self.command(asked.command, asked.until_us)
 
     # Jobs: in whatever thread has the turn, and nothing here waits.

@@ -1,8 +1,12 @@
 """The records of a running program, live: who may command its lines may read them, and give it commands."""
 
+from ._ask import ask_program
 from ._protocol import (
+    GO_ON,
     MAINTENANCE_WORDS,
     PROGRAM_WORDS,
+    RELOAD,
+    RELOAD_WORDS,
     TOO_LATE,
     ProgramCommand,
     program_of,

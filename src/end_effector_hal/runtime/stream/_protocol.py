@@ -32,6 +32,10 @@ COMMAND_VALID_US = 2_000_000
 TOO_LATE = "The command came too late and was not executed."
 MAINTENANCE_WORDS = ("activate", "deactivate")
 """Of one actuator (IL-12)."""
+RELOAD, GO_ON = "reload", "go-on"
+RELOAD_WORDS = (RELOAD, GO_ON)
+"""Of either program: whether its description can be taken over as it is in the file now; if so, nothing is activated
+for 30 s, or until it is told to go on."""
 PROGRAM_WORDS: Mapping[str, tuple[str, ...]] = {
     "grip": ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS),
     "tool_change": ("lock", "unlock", "arm", "reset"),

@@ -1,0 +1,74 @@
+"""Whether a program may go on with its description as it is in the file now (`eehal reload`).
+
+Rule 1. The file is checked first. While it has a fault the description that runs stays in force.
+Rule 2. What the line arbiter was started with cannot change under it: outputs, their interlocks, times and last wills,
+    the inputs and buses that it reads itself, its socket. For those it is restarted first, with its lines as they are.
+Rule 3. Nothing is taken over but at rest: in STAND_BY, with nothing held, no command, no maintenance.
+Rule 4. Whoever takes it over begins anew and adopts the lines as they are, as after any restart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+from end_effector_hal.arbiter import Policy
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import ReportedError
+
+from .arbiter import arbiter_policy
+
+_OF_POLICY = {
+    "lines": "the output lines",
+    "exclusions": "which outputs exclude each other",
+    "max_active_us": "the longest time of an output",
+    "needs": "what the sensors must prove for an activation",
+    "longest_last_will_us": "the longest last will (the sum of release_s)",
+    "faults": "the latched faults",
+    "labels": "the names of the outputs",
+    "opposites": "second coils and pulses",
+    "proven": "the inputs that the line arbiter reads itself",
+}
+CONTENT = "The description is checked, and can be taken over."
+
+
+def reload_answer(before: Description) -> Answer:
+    """Whether the file of a description that runs could be taken over, at rest or not (rules 1 and 2)."""
+    try:
+        after = load_tool(before.source)
+    except ReportedError as error:
+        return Answer(False, f"{error}\nThe description that runs stays in force.")
+    if kept := fixed_by_arbiter(before, after):
+        what = ", ".join(kept)
+        return Answer(
+            False,
+            f"The line arbiter runs with what would change: {what}. The description that runs stays in force. End the "
+            "programs, restart the line arbiter (its lines keep their levels), and start them again; with systemd "
+            "`install.sh -c` does that.",
+        )
+    return Answer(True, CONTENT)
+
+
+def fixed_by_arbiter(before: Description, after: Description) -> list[str]:
+    """What differs that the line arbiter was started with, each as a clause; empty: nothing."""
+    old, new = arbiter_policy(before), arbiter_policy(after)
+    found = [
+        _OF_POLICY.get(field.name, field.name)
+        for field in fields(Policy)
+        if getattr(old, field.name) != getattr(new, field.name)
+    ]
+    if socket_path(before) != socket_path(after):
+        found.append("its socket (the name of the tool, or lines: socket)")
+    if before.lines != after.lines:
+        found.append("lines")
+    if _read_by_arbiter(before) != _read_by_arbiter(after):
+        found.append("the inputs and buses that it reads itself")
+    return found
+
+
+def _read_by_arbiter(description: Description) -> object:
+    inputs = {name: description.channels[name] for name in sorted(description.arbiter_inputs)}
+    links = {name: description.links[name] for name in sorted(description.buses)}
+    over = {name: description.channels_over(name) for name in links}
+    return inputs, description.inputs if inputs else None, description.buses, links, over
