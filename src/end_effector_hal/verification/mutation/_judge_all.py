@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from itertools import zip_longest
 from multiprocessing import get_context
 from random import Random
 
@@ -86,16 +87,14 @@ def judge_all(
         network: the automata with the constants of a tool.
         constants: these constants, by name.
         executed: templates that a program executes; only these are edited.
-        sample: so many of them, drawn with ``seed``; None: all of them.
+        sample: so many of them, as `drawn` with ``seed``; None: all of them.
         jobs: processes; None: one for each processor.
 
     Raises:
         UsageError: a requirement does not hold of the file itself.
     """
     every = list(mutants(network.document, executed))
-    chosen = list(range(len(every)))
-    if sample is not None and sample < len(chosen):
-        chosen = sorted(Random(seed).sample(chosen, sample))
+    chosen = range(len(every)) if sample is None else sorted(drawn(every, sample, seed))
     baselines = Baselines(network, constants, executed)
     # a forked process has all of it already
     with ProcessPoolExecutor(jobs, get_context("fork"), _start, (baselines, every)) as pool:
@@ -104,6 +103,19 @@ def judge_all(
                 yield MutantVerdict(every[number], outcome, by, variant)
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+def drawn(every: Sequence[Mutant], sample: int, seed: int) -> list[int]:
+    """The numbers of some mutants: in turn one of each edge, location and function, so that none is left out."""
+    order = list(range(len(every)))
+    Random(seed).shuffle(order)
+    parts: dict[object, list[int]] = {}
+    for number in order:
+        one = every[number]
+        part = one.template, one.location or one.element if one.edge is None else one.edge
+        parts.setdefault(part, []).insert(0, number)
+    turns = zip_longest(*parts.values())
+    return [number for turn in turns for number in turn if number is not None][:sample]
 
 
 def _start(baselines: Baselines, every: list[Mutant]) -> None:
