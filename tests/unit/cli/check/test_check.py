@@ -1,0 +1,183 @@
+"""``eehal check`` and ``eehal schema`` as they are used: output, exit codes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.cli import _schema
+from end_effector_hal.cli.check import _check
+from end_effector_hal.description import load, markdown, profile_path, schema_text
+from tests.unit.cli.check.shipped import NIBBLE, NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
+
+
+def test_a_valid_description_is_told_in_short(check: Check) -> None:
+    result = check()
+    assert (result.exit_code, result.stderr) == (0, "")
+    words = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert words[0].startswith("verdin_gripper multifunction end-effector on a Toradex Verdin")
+    assert words[1:] == [
+        "actuator kind line pin channel time-out reset gone",
+        "bottom_vacuum vacuum SODIMM_208 X20 pin 28 bottom 3 x 5 s 1 s 2 s",
+        "cylinder cylinder SODIMM_210 X20 pin 29 cylinder 3 x 5 s 1 s 2 s",
+        "top_vacuum vacuum SODIMM_212 X20 pin 30 top 3 x 5 s 1 s 2 s",
+        "changer SODIMM_206, X20 pin 27; locked or unlocked within 2 s; unlock at most 3 s",
+        "lines gpiod",
+        "link /dev/verdin-uart1, ees1-ascii, 115200 baud",
+        f"automata {profile_path().with_name('end_effector.xml')}",
+        f"not fitted {NO_E_STOP}",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("codec", "baud", "replace"), [("ees1-ascii", 115_200, {}), ("legacy-nibble", 9_600, NIBBLE)]
+)
+def test_a_baud_rate_that_is_not_given_is_told_as_that_of_the_codec(
+    check: Check, codec: str, baud: int, replace: dict[str, str]
+) -> None:
+    result = check(replace={"  baudrate: 115200\n": "", **replace})
+    assert f"/dev/verdin-uart1, {codec}, {baud} baud\n" in result.stdout
+
+
+def test_without_a_file_it_is_the_shipped_one() -> None:
+    result = CliRunner().invoke(_check.command, ["--json"], catch_exceptions=False)
+    assert result.exit_code == 0
+    assert json.loads(result.stdout) == {
+        "schema_version": 1,
+        "ok": True,
+        "exit_code": 0,
+        "faults": [],
+        "not_fitted": [NO_E_STOP],
+        "warnings": [],
+        "hints": [],
+        "computed_bounds": {},
+    }
+
+
+def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
+    result = check(replace={"timeout_s: 5.0": "timeout_ms: 5000", "kind: cylinder": "kind: cylinderr"})
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.splitlines() == [
+        "tool.yaml:25:5: wrong unit in key 'timeout_ms' (timeout_ms: 5000), expected seconds; "
+        "write timeout_s: 5 [EE-210]",
+        "   |",
+        "25 |     timeout_ms: 5000",
+        "   |     ^^^^^^^^^^",
+        "tool.yaml:34:11: unknown kind of actuator (cylinderr), expected vacuum or cylinder or gripper or magnet; "
+        "did you mean 'cylinder'? [EE-209]",
+        "   |",
+        "34 |     kind: cylinderr",
+        "   |           ^^^^^^^^^",
+    ]
+
+
+def test_faults_as_json(check: Check) -> None:
+    result = check("--json", replace={"timeout_s: 5.0": "timeout_s: 5000"})
+    assert (result.exit_code, result.stderr) == (2, "")
+    message = "'timeout_s' is out of range (5000), expected at least 0.001 and at most 600 s; "
+    assert json.loads(result.stdout) == {
+        "schema_version": 1,
+        "ok": False,
+        "exit_code": 2,
+        "faults": [
+            {
+                "code": "EE-208",
+                "file": "tool.yaml",
+                "line": 25,
+                "column": 16,
+                "message": message + "milliseconds? write timeout_s: 5",
+            }
+        ],
+        "not_fitted": [],
+        "warnings": [],
+        "hints": [],
+        "computed_bounds": {},
+    }
+
+
+def test_bounds_that_are_not_written_are_told(check: Check) -> None:
+    shorter = {"  grip_s: 58.0\n": "", "attempts: 3": "attempts: 2"}
+    told = "bounds    computed, for they are not written: grip_s = 51.8\n"
+    assert told in check(replace=shorter).stdout
+    assert json.loads(check("--json", replace=shorter).stdout)["computed_bounds"] == {"grip_s": 51.8}
+
+
+def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
+    result = check("--json", replace=NIBBLE)
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["not_fitted"] == [
+        "bottom_vacuum: bottom is a switch, on or off, and no pressure: thresholds are off",
+        "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
+        "that its air is lost is not seen",
+        "cylinder: retracted_bit: none: retracted is taken as the opposite of extended: "
+        "a rod that stops on its way is taken for retracted",
+        "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
+        "supply: channel: none: IL-06 is off, 600 kPa is taken for it: a lack of air is not seen",
+        "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
+        NO_E_STOP,
+    ]
+    assert check(replace=NIBBLE).stdout.count("not fitted  ") == 7
+
+
+def test_pressures_alone_prove_less_as_well(check: Check) -> None:
+    result = check("--json", replace=TRANSMITTERS | {"bounds:": "e_stop: {channel: none}\n\nbounds:"})
+    assert result.exit_code == 0, result.stdout
+    assert [each for each in json.loads(result.stdout)["not_fitted"] if "frozen_s" not in each] == [
+        "cylinder: extended_bit: none: the pressure cylinder alone proves extended: a rod that is stuck is not seen",
+        "cylinder: retracted_bit: none: the pressure cylinder alone proves retracted: "
+        "a rod that is stuck is not seen",
+        "tool changer: locked_bit: none, unlocked_bit: none: a lock cannot be proven: IL-04 and IL-05 are off",
+        "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
+        "e_stop: channel: none: an open e-stop is not seen: IL-13 is off",
+    ]
+
+
+def test_what_is_switched_off_is_told(check: Check) -> None:
+    result = check(replace={"bounds:": "interlocks: {IL-05: false, IL-06: false}\nbounds:"})
+    assert "switched off  IL-05, IL-06\n" in result.stdout
+
+
+def test_words_of_the_user_are_not_markup(check: Check) -> None:
+    result = check(replace={"summary: multifunction": "summary: '[bold]x[/bold] :smile:' #"})
+    assert result.stdout.startswith("verdin_gripper  [bold]x[/bold] :smile: (")
+
+
+def test_a_description_without_a_tool_changer(check: Check) -> None:
+    stanza = SHIPPED[SHIPPED.index("tool_changer:") : SHIPPED.index("bounds:")]
+    result = check("--json", replace={stanza: ""})
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["not_fitted"] == [
+        "tool changer: none in the description: IL-01 to IL-05 are off",
+        NO_E_STOP,
+    ]
+
+
+def test_a_file_that_is_missing() -> None:
+    result = CliRunner().invoke(_check.command, ["/nowhere/tool.yaml"])
+    assert result.exit_code == 2
+    assert sentences(result) == [
+        "/nowhere/tool.yaml: there is no such file, expected the path of a description [EE-201]"
+    ]
+
+
+def test_schema_for_editors_and_tables_for_people() -> None:
+    assert CliRunner().invoke(_schema.command).stdout == schema_text()
+    assert CliRunner().invoke(_schema.command, ["--markdown"]).stdout == markdown()
+
+
+def test_each_wire_of_an_output_is_in_the_table() -> None:
+    tools = Path("examples/tools")
+    for folder, rows in (
+        ("bistable_and_magnet", ("second coil",)),
+        ("diy_vacuum", ("blow-off",)),
+    ):
+        path = tools / folder / "end_effector.yaml"
+        shown = CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False).stdout
+        tool = load(path)
+        lines = [*(each.line for each in tool.opposites.values()), *tool.blow_off_lines.values()]
+        found = [row.split() for row in shown.splitlines() if row.strip().startswith(rows)]
+        assert lines
+        assert sorted(word for row in found for word in row if word in lines) == sorted(lines)

@@ -1,0 +1,112 @@
+"""What is no fault and told all the same: times that a link is too slow for, keys of an earlier version, numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from end_effector_hal.cli.check import _check
+from end_effector_hal.description import profile_path
+from tests.support.places import ROOT
+from tests.unit.cli.check.shipped import NIBBLE, Check, sentences
+
+
+def test_times_that_the_link_is_too_slow_for_are_told(check: Check) -> None:
+    result = check("--json", replace=NIBBLE)
+    told = json.loads(result.stdout)
+    assert (told["ok"], result.exit_code) == (True, 0)
+    too_early = "is over before a reading of legacy-nibble is stale (3 s, one each 1 s): a late or lost frame fails it"
+    again = "is no longer than a period of legacy-nibble (1 s): what one attempt showed may confirm the next"
+    names = ("bottom_vacuum", "cylinder", "top_vacuum")
+    assert told["warnings"] == [
+        *(f"{name}: release_s = 2 s {too_early}" for name in names),
+        f"tool changer: prove_s = 2 s {too_early}",
+        *(f"{name}: reset_s = 1 s {again}" for name in names),
+    ]
+    plain = check(replace=NIBBLE)
+    assert plain.stdout.count("\nwarning  ") == 7
+    enough = {"release_s: 2.0": "release_s: 3.1", "reset_s: 1.0": "reset_s: 1.1"}
+    result = check("--json", replace=enough | NIBBLE)
+    assert [each for each in json.loads(result.stdout)["warnings"] if each.startswith("bottom_vacuum")] == []
+    slow = json.loads(check("--json", replace={"baudrate: 115200": "stale_s: 2.5\n  down_s: 3"}).stdout)
+    assert "tool changer: prove_s = 2 s is over before" in slow["warnings"][-1]
+
+
+def test_samples_that_take_longer_than_the_time_out_can_never_confirm(check: Check) -> None:
+    slow = NIBBLE | {"lost_kpa: 50.0": "confirmed_samples: 6"}
+    result = check(replace=slow)
+    assert result.exit_code == 2
+    assert sentences(result) == [
+        "tool.yaml:31:24: 'bottom_vacuum' can never be confirmed: 6 samples take 5 s (legacy-nibble), "
+        "expected less than timeout_s = 5 [EE-225]"
+    ]
+    assert check(replace=slow | {"lost_kpa: 50.0": "confirmed_samples: 5"}).exit_code == 0
+
+
+def test_how_an_earlier_description_is_said_the_new_way(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = "schema: 1\n" + profile_path().read_text("utf-8")
+    path.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False)
+    assert result.exit_code == 0
+    assert f"hint  {path}:1:9: write schema: 2; all that stands here keeps its meaning" in result.output
+    path.write_text(text.replace("schema: 1", "schema: 2"), encoding="utf-8")
+    assert "hint" not in CliRunner().invoke(_check.command, [str(path)], catch_exceptions=False).output
+
+
+def test_the_number_of_a_register_in_a_manual_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(
+        "schema: 2\nname: tool\nlink: {port: x, frame: {modbus: {}}}\n"
+        "channels: {p: {modbus: {address: 40003}, unit: kPa}}\n"
+        "sequence: [a]\nactuators: {a: {kind: vacuum, line: A, channel: p}}\nsupply: {channel: none}\n"
+    )
+    assert _check.check(path).hints == (
+        f"{path}:4:34: is 40003 the number in a manual? On the wire that is address: 2, register_type: holding",
+    )
+
+
+def test_a_frame_without_a_checksum_and_a_channel_that_nothing_uses_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    frame = "link: {port: x, period_ms: 20, frame: {text: {separator: ';'%s}}}\n"
+    rest = (
+        "channels: {p: {text: {key: A}, unit: kPa}, q: {text: {key: B}, unit: kPa}}\n"
+        "sequence: [a]\nactuators: {a: {kind: vacuum, line: A, channel: p}}\nsupply: {channel: none}\n"
+    )
+    path.write_text("schema: 2\nname: tool\n" + frame % "" + rest)
+    unchecked, unused = _check.check(path).hints
+    assert unchecked.startswith(f"{path}:3:")
+    assert "without a checksum" in unchecked
+    assert unused.startswith(f"{path}:4:")
+    assert unused.endswith("nothing uses the channel q")
+    path.write_text("schema: 2\nname: tool\n" + frame % ", checksum: xor8" + rest)
+    assert _check.check(path).hints == (unused,)
+
+
+def test_a_sequence_of_numbers_is_not_called_empty(check: Check) -> None:
+    result = check(replace={"sequence: [bottom_vacuum, cylinder, top_vacuum]": "sequence: [1, 2]"})
+    assert result.exit_code == 2
+    assert "'sequence[0]' is of the wrong type (1), expected text" in result.stderr
+    assert "is empty" not in result.stderr
+
+
+def test_what_a_commanded_device_reports_of_itself_is_used() -> None:
+    for tool in ("epick_commanded", "gripper_2f85"):
+        assert _check.check(ROOT / "examples" / "tools" / tool / "end_effector.yaml").hints == ()
+
+
+def test_a_threshold_that_alarms_and_the_page_do_not_show_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = (
+        "schema: 2\nname: tool\nlink: {port: x, frame: {text: {checksum: xor8}}}\n"
+        "channels: {p: {text: {field: 1}, unit: kPa}}\nsequence: [a]\n"
+        "actuators: {a: {kind: vacuum, line: A, channel: p, gone_kpa: %s}}\nsupply: {channel: none}\n"
+    )
+    path.write_text(text % 9.5)
+    assert _check.check(path).hints == ()
+    path.write_text(text % 9.95)
+    (said,) = _check.check(path).hints
+    assert said.startswith(f"{path}:6:")
+    assert "a threshold finer than 0.1 kPa" in said
