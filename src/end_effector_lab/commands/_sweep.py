@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from end_effector_hal.cli import Progress, figures, print_document
-from end_effector_hal.errors import UsageError, os_errors
+from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
+    from end_effector_lab.results import ResultsFolder
     from end_effector_lab.sweep import Axis, Proven
 
 FIGURES = (".png", ".svg")
@@ -40,7 +42,7 @@ def run(
         output: a folder, or a file for the map of the grip's worst case; None: nothing is written.
         as_json: print JSON.
     """
-    from end_effector_lab.sweep import combinations, heat_maps, read_axis, sweep
+    from end_effector_lab.sweep import combinations, heat_maps, read_axis, sweep, sweep_folder
     from end_effector_lab.workers import open_workers
 
     axes = [read_axis(each) for each in wanted]
@@ -50,15 +52,27 @@ def run(
         raise UsageError(f"A map has two axes, not {len(axes)}.", where=str(output), todo="Name a folder.")
     if output is not None and len(axes) == 2:
         figures()  # without what draws them nothing is proven
-    with open_workers(scheduler, jobs) as workers, Progress("Reading", shown=not as_json) as progress:
-        begun = time.monotonic()
+    files: list[Path] = []
+    with (
+        open_workers(scheduler, jobs) as workers,
+        Progress("Reading", shown=not as_json) as progress,
+        ExitStack() as stack,
+    ):
+        folder = None if single else output
+        results = stack.enter_context(sweep_folder(path, axes, folder)) if folder else None
+        begun, first = time.monotonic(), -1
 
         def on_progress(done: int, of: int) -> None:
-            left = (of - done) * (time.monotonic() - begun) / done / 60 if done else 0.0
-            progress(f"{done} of {of} combinations proven" + (f", {left:.0f} min left" if done else ""))
+            nonlocal first
+            first = done if first < 0 else first
+            left = (of - done) * (time.monotonic() - begun) / (done - first) / 60 if done > first else None
+            progress(
+                f"{done} of {of} combinations proven" + ("" if left is None else f", {left:.0f} min left")
+            )
 
-        found = sweep(path, axes, workers, on_progress)
-    files = _write(axes, found, output) if output is not None and not single else []
+        found = sweep(path, axes, workers, on_progress, results)
+        if folder and results:
+            files = _write(axes, found, results, folder)
     if output is not None and len(axes) == 2:
         files += heat_maps(axes, found, output)
     if as_json:
@@ -76,18 +90,17 @@ def _document(axes: Sequence[Axis], found: Sequence[Proven]) -> dict[str, Any]:
     }
 
 
-def _write(axes: Sequence[Axis], found: Sequence[Proven], folder: Path) -> list[Path]:
+def _write(axes: Sequence[Axis], found: Sequence[Proven], results: ResultsFolder, folder: Path) -> list[Path]:
     from end_effector_hal.cli import json_text
-    from end_effector_lab.sweep import table
+    from end_effector_lab.sweep import DOCUMENT, TABLE, table
 
     rows = StringIO()
     csv.writer(rows, lineterminator="\n").writerows(table(axes, found))
-    texts = {"sweep.json": json_text(_document(axes, found)) + "\n", "sweep.csv": rows.getvalue()}
-    files = [folder / name for name in texts]
-    with os_errors("The folder cannot be written", folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for file in files:
-            file.write_text(texts[file.name], encoding="utf-8")
+    texts = {DOCUMENT: json_text(_document(axes, found)) + "\n", TABLE: rows.getvalue()}
+    files = []
+    for name, text in texts.items():
+        beside = results.write(name, text.encode())
+        files += [folder / name, *([beside] if beside else [])]
     return files
 
 

@@ -37,6 +37,7 @@ WRITTEN = "written"
 ELSEWHERE = "Name another folder with -o."
 _WORDS = {
     "automata": "UPPAAL file",
+    "keys": "set of keys",
     "version": "version of the program",
     "source": "state of the program's source",
 }

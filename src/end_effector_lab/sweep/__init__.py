@@ -2,4 +2,4 @@
 
 from ._axis import Axis, combinations, read_axis
 from ._report import heat_maps, table
-from ._sweep import Proven, sweep
+from ._sweep import DOCUMENT, TABLE, Proven, sweep, sweep_folder

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from pydantic import ConfigDict, TypeAdapter
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
@@ -16,12 +17,23 @@ from end_effector_hal.description import Description, examine, examine_text
 from end_effector_hal.errors import DescriptionError, Diagnostic, ReportedError, UsageError
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.coils import prove_tool
+from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._axis import Axis, combinations
 
 NOT_THERE = ("EE-205", "EE-206")
 """An unknown key, or one of a stanza that the file does not have and that needs more."""
+
+
+TABLE, DOCUMENT = "sweep.csv", "sweep.json"
+LAYOUT = ResultsLayout(
+    "sweep",
+    "grid.json",
+    "combinations.jsonl",
+    "Remove the line: its combination is proven again.",
+    (TABLE, DOCUMENT),
+)
 
 
 @dataclass(frozen=True)
@@ -39,6 +51,8 @@ class Proven:
         states, seconds: what the proof took.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
+
     values: dict[str, str]
     holds: bool
     refused: str = ""
@@ -54,6 +68,9 @@ class Proven:
         return asdict(self)
 
 
+_SHAPE = TypeAdapter(Proven)
+
+
 @dataclass(frozen=True)
 class _Combination:
     values: dict[str, str]
@@ -65,11 +82,22 @@ class _Combination:
         return ", ".join(f"{key}={value}" for key, value in self.values.items())
 
 
+def sweep_folder(path: Path, axes: Sequence[Axis], folder: Path) -> ResultsFolder:
+    """The results of a sweep over these keys, whatever their values; raises UsageError as `ResultsFolder` does.
+
+    Raises:
+        DescriptionError: the description is not valid as it stands.
+    """
+    mark = mark_of(_described(path).description, keys=[axis.key for axis in axes])
+    return ResultsFolder(folder, LAYOUT, mark)
+
+
 def sweep(
     path: Path,
     axes: Sequence[Axis],
     workers: Workers,
     on_progress: Callable[[int, int], None] = lambda _, __: None,
+    results: ResultsFolder | None = None,
 ) -> list[Proven]:
     """Prove each combination; in the order of the grid.
 
@@ -78,27 +106,57 @@ def sweep(
         axes: what is varied.
         workers: prove them.
         on_progress: called with how many were proven, and how many there are.
+        results: keeps what was proven, and has what was before: that is not proven again; None: nothing is kept.
 
     Raises:
         DescriptionError, ModelError: the description is not valid as it stands, or a key of an axis is unknown.
-        UsageError: too many combinations.
+        UsageError: too many combinations; a kept line does not fit, or what is proven cannot be kept.
         WorkersError: they cannot be reached or do not fit, or some combinations were not proven.
     """
+    described = _described(path)
+    load_automata(described.description)
+    wanted = [*combinations(axes)]
+    for axis in axes:  # a key that is unknown is so in each combination
+        _changed(described.text, path, {axis.key: axis.values[0]})
+    kept = _kept(results, [axis.key for axis in axes]) if results else {}
+    found = {key: kept[key] for values in wanted if (key := tuple(values.values())) in kept}
+    todo = [values for values in wanted if tuple(values.values()) not in found]
+    on_progress(len(found), len(wanted))
+    shared = ShippedAutomata(described.description)
+    items = (_changed(described.text, path, values) for values in todo)
+    for combination, proven in workers.each(_prove, shared, items):
+        found[tuple(combination.values.values())] = proven
+        if results:
+            results.append(proven.as_json())
+        on_progress(len(found), len(wanted))
+    return [found[tuple(values.values())] for values in wanted]
+
+
+class _Described(NamedTuple):
+    description: Description
+    text: str
+
+
+def _described(path: Path) -> _Described:
+    """The description as it stands, valid."""
     examination = examine(path)
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
-    load_automata(examination.description)
-    wanted = [*combinations(axes)]
-    for axis in axes:  # a key that is unknown is so in each combination
-        _changed(examination.text, path, {axis.key: axis.values[0]})
-    shared = ShippedAutomata(examination.description)
-    items = (_changed(examination.text, path, values) for values in wanted)
-    found: dict[tuple[str, ...], Proven] = {}
-    on_progress(0, len(wanted))
-    for combination, proven in workers.each(_prove, shared, items):
-        found[tuple(combination.values.values())] = proven
-        on_progress(len(found), len(wanted))
-    return [found[tuple(values.values())] for values in wanted]
+    return _Described(examination.description, examination.text)
+
+
+def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Proven]:
+    """What was proven before, by the values of these keys."""
+    done: dict[tuple[str, ...], Proven] = {}
+    for where, proven in results.lines(_SHAPE):
+        if [*proven.values] != keys:
+            raise results.misfit("its values are those of other keys.", where)
+        if proven.holds and (proven.refused or proven.fails or proven.open):
+            raise results.misfit("it holds, and something speaks against it.", where)
+        if (values := tuple(proven.values.values())) in done:
+            raise results.misfit("its combination stands in an earlier line, too.", where)
+        done[values] = proven
+    return done
 
 
 def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:
