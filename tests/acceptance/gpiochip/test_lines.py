@@ -21,6 +21,13 @@ def test_the_kernels_simulated_chip(machine: Machine, tmp_path: Path, place: Pat
     assert "skipped" not in ended.output
 
 
+def test_inputs_of_the_kernels_simulated_chip(machine: Machine, tmp_path: Path, place: Path) -> None:
+    """Bias, debounce, edges with the kernel's time, and a whole tool whose sensors are lines of the board."""
+    ended = machine.run(place, tmp_path, f"{PYTEST} {HERE}/inside/check_inputs.py", LONGEST_S)
+    assert ended.code == 0, ended.console + ended.output
+    assert "skipped" not in ended.output
+
+
 def test_the_chip_that_the_testbench_is(kernel: Path, tool: Description, tmp_path: Path, place: Path) -> None:
     names = sorted(output_lines(tool))
     seen: Queue[tuple[str, bool]] = Queue()
