@@ -6,7 +6,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_lab.testbench.modbus import HandshakeGripper
-from tests.unit.wires.bus.test_traffic import MS, Bus, S, described
+from tests.unit.wires.bus.played_bus import MS, Bus, S, described
 
 JAWS = "modbus:1/0x0000"
 ON, OFF = (0x0200, 50), (0x0100, 50)

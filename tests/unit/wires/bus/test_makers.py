@@ -16,7 +16,7 @@ from end_effector_hal.codecs import codec_of
 from end_effector_hal.codecs.modbus import ModbusMaster
 from end_effector_hal.signals import Value
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
-from tests.unit.wires.bus.test_traffic import described
+from tests.unit.wires.bus.played_bus import described
 
 MS = 1_000
 HEAD = """
