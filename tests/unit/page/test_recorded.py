@@ -110,7 +110,9 @@ def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_
         assert {name: shown[f"automata.{name}"] for name in live["automata"]} == live["automata"]
         for number, card in enumerate(live["cards"]):
             for name, value in card.items():
-                expected = round(value, 1) if name in ("kpa", "margin_kpa") and value is not None else value
+                expected = round(value, 1) if name == "margin_kpa" and value is not None else value
+                if name == "values":
+                    expected = [None if each is None else round(each, 1) for each in value]
                 assert shown[f"cards.{number}.{name}"] == expected, (at, number, name)
     assert words == {"STAND-BY", "GRIPPING", "GRIPPED", "RELEASING"}
     live_log = [entry for entry in run.view.log.entries if entry["kind"] != "page"]
@@ -252,8 +254,9 @@ def test_the_size_of_a_document_is_bounded(grip: Path, monkeypatch: pytest.Monke
 
 def test_a_spike_between_two_samples_is_drawn() -> None:
     from end_effector_hal.page.recorded._samples import Samples
+    from end_effector_hal.page.view import Curve
 
-    samples = Samples(1, 0, 100_000)
+    samples = Samples([Curve("cup", "cup", "Cup", "kPa", most=100.0)], 0, 100_000)
     for number in range(50):
         samples.take([number * 20_000, 80.0 if number == 22 else 1.0])
     samples.flush()
@@ -419,7 +422,11 @@ def test_a_bag_is_shown_as_far_as_it_goes(tmp_path: Path, verdin: Description) -
     assert (shown["state.word"], shown["state.held"], shown["state.lift_allowed"]) == ("GRIPPING", None, None)
     assert shown["state.alarms"] == ["Frames are late: 3."]
     assert [shown[f"cards.{number}.state"] for number in range(3)] == ["PENDING ON", "RETRACTED", "OFF"]
-    assert (shown["cards.0.kpa"], shown["cards.2.kpa"], shown["cards.0.output"]) == (60.0, None, None)
+    assert (shown["cards.0.values"], shown["cards.2.values"], shown["cards.0.output"]) == (
+        [60.0],
+        [None],
+        None,
+    )
     assert "interlocks.0" not in shown
     assert [entry["text"] for entry in document["log"] if entry["kind"] != "alarm"][-2:] == [
         "State GRIPPED; Bottom vacuum ON; Cylinder EXTENDED; Top vacuum ON", "Frames are late: 3."

@@ -6,6 +6,7 @@ import pytest
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.kinds import SwitchMeaning
+from end_effector_hal.page.view import Curve
 from end_effector_hal.page.view._timeline import FRESH_US, TimeLine
 
 JAW = load_tool(Path("examples/tools/double_acting_jaw/end_effector.yaml"))
@@ -13,8 +14,11 @@ JAW = load_tool(Path("examples/tools/double_acting_jaw/end_effector.yaml"))
 
 @pytest.fixture
 def line() -> TimeLine:
-    pressures = [("cup", "vacuum", True), ("rod", "air", False)]
-    return TimeLine(JAW, pressures, {"jaw_open": SwitchMeaning("gone", "")})
+    curves = [
+        Curve("cup", "vacuum", "Cup", "kPa below ambient", below=True),
+        Curve("rod", "air", "Rod", "kPa"),
+    ]
+    return TimeLine(JAW, curves, {"jaw_open": SwitchMeaning("gone", "")})
 
 
 def test_a_switch_is_a_lane_with_its_level_and_what_it_proves(line: TimeLine) -> None:

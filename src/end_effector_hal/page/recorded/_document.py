@@ -77,7 +77,7 @@ class _Fold:
         self._step_us = max(LEAST_STEP_US, shown_us // MOST_STEPS)
         self._view = ToolView(files.description, files.begin, files.header.hash)
         self._tracks = Tracks()
-        self._samples = Samples(len(self._view.timeline.pressures), files.begin, self._step_us)
+        self._samples = Samples(self._view.timeline.curves, files.begin, self._step_us)
         self._info = run_info(files.description)
         self._summary = Summary(files.description, self._info, files.begin)
         self._log: list[dict[str, Any]] = []
@@ -221,7 +221,7 @@ class _Fold:
             )
             self._files.whole = False
         else:
-            self._tracks.note(at - self._epoch, _rounded(view))
+            self._tracks.note(at - self._epoch, _rounded(view, self._view.cards.decimals))
 
     def _document(self, end: int) -> dict[str, Any]:
         files, header = self._files, self._files.header
@@ -268,9 +268,10 @@ class _Fold:
         return [[(each - self._epoch) / 1e6 for each in span] for span in ends]
 
 
-def _rounded(view: dict[str, Any]) -> dict[str, Any]:
-    for card in view["cards"] or ():
-        for name in ("kpa", "margin_kpa"):
-            if card[name] is not None:
-                card[name] = round(card[name], 1)
+def _rounded(view: dict[str, Any], decimals: list[list[int]]) -> dict[str, Any]:
+    for card, digits in zip(view["cards"] or (), decimals, strict=False):
+        if card["margin_kpa"] is not None:
+            card["margin_kpa"] = round(card["margin_kpa"], 1)
+        shown = zip(card["values"], digits, strict=True)
+        card["values"] = [None if value is None else round(value, finest) for value, finest in shown]
     return view

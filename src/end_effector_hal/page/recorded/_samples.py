@@ -1,31 +1,36 @@
-"""Pressures over a long time in a bounded number of samples; a spike is not lost."""
+"""Measured values over a long time in a bounded number of samples; a spike is not lost."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-SPIKE_KPA = 1.0
-"""What moves by less within one step is drawn as one sample."""
+from end_effector_hal.page.view import Curve
+
+SPIKE = 0.01
+"""Of the scale; what moves by less within one step is drawn as one sample."""
 
 
 class Samples:
     """One row a step: the newest; and where a value moved on the way, its least and its largest before that.
 
     Args:
-        pressures: how many there are.
+        curves: what is drawn.
         epoch: time zero, µs.
         step_us: length of a step.
     """
 
-    def __init__(self, pressures: int, epoch: int, step_us: int) -> None:
+    def __init__(self, curves: Sequence[Curve], epoch: int, step_us: int) -> None:
         self._epoch, self._step_us = epoch, step_us
+        self._spikes = [(curve.most - curve.low) * SPIKE for curve in curves]
+        self._decimals = [curve.decimals for curve in curves]
         self._begun: int | None = None
         self._rows: list[list[Any]] = []
-        self.columns: list[list[Any]] = [[] for _ in range(1 + pressures)]
-        """ms since time zero, then kPa of each; None: no valid reading."""
+        self.columns: list[list[Any]] = [[] for _ in range(1 + len(curves))]
+        """ms since time zero, then the value of each curve; None: no valid reading."""
 
     def take(self, row: list[Any]) -> None:
-        """A row of the timeline: µs, then kPa."""
+        """A row of the timeline: µs, then values."""
         if self._begun is None:
             self._begun = row[0]
         elif row[0] - self._begun >= self._step_us:
@@ -39,12 +44,13 @@ class Samples:
         if not rows:
             return
         ranges = [[row[index] for row in rows if row[index] is not None] for index in range(1, len(rows[0]))]
-        if any(values and max(values) - min(values) > SPIKE_KPA for values in ranges) and len(rows) > 2:
+        spikes = zip(ranges, self._spikes, strict=True)
+        if len(rows) > 2 and any(values and max(values) - min(values) > spike for values, spike in spikes):
             for at, pick in ((rows[0][0], min), (rows[len(rows) // 2][0], max)):
                 self._put(at, [pick(values) if values else None for values in ranges])
         self._put(rows[-1][0], rows[-1][1:])
 
     def _put(self, at: int, values: list[float | None]) -> None:
         self.columns[0].append((at - self._epoch) // 1000)
-        for column, value in zip(self.columns[1:], values, strict=True):
-            column.append(None if value is None else round(value, 1))
+        for column, value, finest in zip(self.columns[1:], values, self._decimals, strict=True):
+            column.append(None if value is None else round(value, finest))

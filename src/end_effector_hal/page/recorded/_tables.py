@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.page.view import Cards
 from end_effector_hal.recording import (
     AlarmRow,
     PressuresLog,
@@ -53,6 +54,7 @@ class RecordedTables:
         self, folder: Path, description: Description, name: str = "", notes: tuple[str, ...] = ()
     ) -> None:
         self.path, self.name, self.description = folder, name or folder.resolve().name, description
+        self._cards = Cards(description, dict(carrier_of(description).channels))
         self._states: StatesLog = read_states(folder / STATES)
         parts = tuple(each for each, _ in description.ordered)
         if self._states.actuators != parts:
@@ -112,12 +114,9 @@ class RecordedTables:
         """What is shown, without what nobody has recorded."""
         state = view["state"] and {**view["state"], **dict.fromkeys(_UNKNOWN)}
         cards = []
-        for card, (_, part) in zip(view["cards"] or (), self.description.ordered, strict=False):
-            pa = self._now.get(part.channel)
-            sign = -1 if kind_of(part).below_ambient else 1
-            cards.append(
-                {**card, "output": None, "evidence": None, "kpa": None if pa is None else sign * pa / 1000}
-            )
+        for card, (name, _) in zip(view["cards"] or (), self.description.ordered, strict=False):
+            values = self._cards.values(name, self._now)
+            cards.append({**card, "output": None, "evidence": None, "values": values})
         return {**view, "state": state, "cards": cards or None, "interlocks": []}
 
     def _told(self) -> Iterator[Entry]:

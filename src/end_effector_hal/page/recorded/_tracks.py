@@ -37,7 +37,7 @@ class Tracks:
 
 
 def _leaves(view: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """``state.word``, ``cards.0.kpa``, ``interlocks.3``, ``automata.Gripper``."""
+    """``state.word``, ``cards.0.values``, ``interlocks.3``, ``automata.Gripper``."""
     state, cards = view["state"], view["cards"]
     yield "state", state is not None
     for name, value in (state or {}).items():

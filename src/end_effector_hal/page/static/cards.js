@@ -1,8 +1,7 @@
-// A card for each actuator: output, evidence, pressure against its marks, attempts, the time-out, the hold.
+// A card for each actuator: output, evidence, measured values against their marks, attempts, the time-out, the hold.
 import { make, put, svg, seconds } from "/static/dom.js";
 
 const WIDTH = 360;
-const plain = (kpa) => (Math.abs(kpa) < 0.05 ? "0.0" : kpa.toFixed(1));
 const EVIDENCE = { UNKNOWN: "? unknown", GONE: "○ gone", PARTIAL: "◐ partial", CONFIRMED: "● confirmed" };
 
 export class Cards {
@@ -32,11 +31,8 @@ class Card {
       return value;
     });
     this.element = make("li", { className: "card", id: `card-${drawn.name}` }, make("header", {}, title, this.pill));
-    if (drawn.pressure) {
-      this.value = make("b");
-      this.margin = make("span", { className: "margin" });
-      this.element.append(make("div", { className: "reading" }, this.value, make("span", {}, drawn.unit), this.margin), this.gauge());
-    }
+    this.gauges = drawn.gauges.map((gauge) => new Gauge(gauge));
+    for (const gauge of this.gauges) this.element.append(...gauge.elements);
     this.attempts = make("div", { className: "attempts", hidden: true });
     this.timer = make("div", { className: "timer", hidden: true });
     this.timerText = make("span");
@@ -46,45 +42,13 @@ class Card {
     this.element.append(this.pairs, this.attempts, this.timer, this.hold);
   }
 
-  x(kpa) {
-    return Math.max(0, Math.min(WIDTH, (WIDTH * kpa) / this.drawn.most));
-  }
-
-  gauge() {
-    this.fill = svg("rect", { class: "fill", x: 0, y: 18, width: 0, height: 14, rx: 3 });
-    const box = svg("svg", { class: "gauge", viewBox: `0 0 ${WIDTH} 54`, preserveAspectRatio: "none", "aria-hidden": "true" });
-    box.append(svg("rect", { class: "track", x: 0, y: 18, width: WIDTH, height: 14, rx: 3 }), this.fill);
-    box.setAttribute("preserveAspectRatio", "xMidYMid meet");
-    // words above and below in turn, moved apart so that none lies over another
-    const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
-    const ends = [-10, -10];
-    marks.forEach((mark, index) => {
-      const below = index % 2;
-      const text = `${mark.word} ${+mark.at.toFixed(0)}`;
-      const width = text.length * 5.5;
-      const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
-      ends[below] = left + width;
-      const y = below ? 48 : 10;
-      box.append(svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }));
-      box.append(svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }));
-      const words = svg("text", { x: left, y, textLength: width, lengthAdjust: "spacingAndGlyphs" });
-      words.textContent = text;
-      box.append(words);
-    });
-    return box;
-  }
-
   show(now, at) {
     this.element.dataset.phase = now.phase;
     put(this.pill, now.blows ? "BLOWN OFF" : now.phase === "releasing" ? "RELEASING" : now.state);
     put(this.output, now.output === null ? "not recorded" : now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
     put(this.evidence, EVIDENCE[now.evidence] ?? "not recorded");
     this.bits.forEach((element, index) => put(element, now.bits[index] === undefined || now.bits[index] === null ? "?" : now.bits[index] ? "on" : "off"));
-    if (this.value) {
-      put(this.value, now.kpa === null ? "–" : plain(now.kpa));
-      this.fill.setAttribute("width", now.kpa === null ? 0 : this.x(now.kpa));
-      put(this.margin, now.kpa === null ? "no valid reading" : now.margin_kpa === null ? "" : `margin ${now.margin_kpa >= 0 ? "+" : "−"}${Math.abs(now.margin_kpa).toFixed(1)} kPa`);
-    }
+    this.gauges.forEach((gauge, index) => gauge.show(now.values[index] ?? null, index ? null : now.margin_kpa));
     this.showAttempt(now.attempt, now.phase);
     this.showTimer(now.timer, at);
     this.showHold(now.hold);
@@ -128,5 +92,52 @@ class Card {
       this.holdKey = text + right;
       this.hold.replaceChildren(make("span", {}, text), make("span", {}, right));
     }
+  }
+}
+
+// One measured value against the marks of its thresholds.
+class Gauge {
+  constructor(drawn) {
+    this.drawn = drawn;
+    this.value = make("b");
+    this.margin = make("span", { className: "margin" });
+    const unit = make("span", {}, drawn.own ? drawn.unit : `${drawn.unit}, ${drawn.label.toLowerCase()}`);
+    this.elements = [make("div", { className: "reading" }, this.value, unit, this.margin), this.makeBar()];
+  }
+
+  x(value) {
+    const { low, most } = this.drawn;
+    return Math.max(0, Math.min(WIDTH, (WIDTH * (value - low)) / (most - low)));
+  }
+
+  makeBar() {
+    this.fill = svg("rect", { class: "fill", x: 0, y: 18, width: 0, height: 14, rx: 3 });
+    const box = svg("svg", { class: "gauge", viewBox: `0 0 ${WIDTH} 54`, preserveAspectRatio: "none", "aria-hidden": "true" });
+    box.append(svg("rect", { class: "track", x: 0, y: 18, width: WIDTH, height: 14, rx: 3 }), this.fill);
+    box.setAttribute("preserveAspectRatio", "xMidYMid meet");
+    // words above and below in turn, moved apart so that none lies over another
+    const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
+    const ends = [-10, -10];
+    marks.forEach((mark, index) => {
+      const below = index % 2;
+      const text = `${mark.word} ${+mark.at.toFixed(this.drawn.decimals)}`;
+      const width = text.length * 5.5;
+      const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
+      ends[below] = left + width;
+      const y = below ? 48 : 10;
+      box.append(svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }));
+      box.append(svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }));
+      const words = svg("text", { x: left, y, textLength: width, lengthAdjust: "spacingAndGlyphs" });
+      words.textContent = text;
+      box.append(words);
+    });
+    return box;
+  }
+
+  show(value, margin) {
+    const { decimals } = this.drawn;
+    put(this.value, value === null ? "–" : (Math.abs(value) < 0.5 / 10 ** decimals ? 0 : value).toFixed(decimals));
+    this.fill.setAttribute("width", value === null ? 0 : this.x(value));
+    put(this.margin, value === null ? "no valid reading" : margin === null ? "" : `margin ${margin >= 0 ? "+" : "−"}${Math.abs(margin).toFixed(1)} kPa`);
   }
 }

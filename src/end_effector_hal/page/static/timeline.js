@@ -1,4 +1,4 @@
-// Lanes of states on a canvas, pressures below with uPlot, on one scale of time; a click opens the nearest event.
+// Lanes of states on a canvas, measured values below with uPlot, on one scale of time; a click opens the nearest event.
 import { make } from "/static/dom.js";
 
 const LABELS = 118;
@@ -14,7 +14,7 @@ export class TimeLine {
     this.open = open;
     this.span = 60;
     this.still = false;
-    this.data = [[], ...drawn.pressures.map(() => [])];
+    this.data = [[], ...drawn.curves.map(() => [])];
     this.changes = Object.fromEntries(drawn.lanes.map((lane) => [lane.name, []]));
     this.events = [];
     this.guesses = [];
@@ -46,23 +46,25 @@ export class TimeLine {
 
   makePlots() {
     this.holder.replaceChildren();
-    const groups = [true, false].map((below) => this.drawn.pressures.map((each, index) => ({ ...each, index })).filter((each) => each.below === below));
-    return groups.filter((group) => group.length).map((group) => {
+    const curves = this.drawn.curves.map((each, index) => ({ ...each, index }));
+    const groups = [...new Set(curves.map((each) => each.unit))].map((unit) => curves.filter((each) => each.unit === unit));
+    return groups.map((group) => {
       const holder = make("div");
       this.holder.append(holder);
       const style = getComputedStyle(document.documentElement);
       const ink = style.getPropertyValue("--muted").trim();
       const grid = { stroke: style.getPropertyValue("--line").trim(), width: 1 };
-      const marks = this.drawn.cards.filter((card) => group.some((each) => each.name === card.name)).flatMap((card) => card.marks)
-        .filter((mark, index, all) => ["lost", "confirmed", "secure"].includes(mark.word) && all.findIndex((other) => other.word === mark.word && other.at === mark.at) === index);
-      const most = Math.max(...this.drawn.cards.filter((card) => group.some((each) => each.name === card.name)).map((card) => card.most));
+      const marks = group.flatMap((each) => each.marks.filter((mark) => !each.own || ["lost", "confirmed", "secure"].includes(mark.word)))
+        .filter((mark, index, all) => all.findIndex((other) => other.word === mark.word && other.at === mark.at) === index);
+      const most = Math.max(...group.map((each) => each.most));
+      const low = Math.min(...group.map((each) => each.low));
       const options = {
         width: this.width(), height: 170, legend: { live: false }, cursor: { drag: { x: false, y: false }, y: false },
         padding: [12, RIGHT, 0, 0],
-        scales: { x: { time: false, range: () => [this.from, this.to] }, y: { range: [Math.min(0, -most * 0.04), most] } },
+        scales: { x: { time: false, range: () => [this.from, this.to] }, y: { range: [low - (most - low) * 0.04, most] } },
         axes: [
           { stroke: ink, grid, ticks: grid, values: (_, ticks) => ticks.map((tick) => (tick < 0 ? "" : `${tick} s`)) },
-          { stroke: ink, grid, ticks: grid, size: LABELS - AXIS_LABEL, label: group[0].below ? "kPa below ambient" : "kPa", labelSize: AXIS_LABEL },
+          { stroke: ink, grid, ticks: grid, size: LABELS - AXIS_LABEL, label: group[0].unit, labelSize: AXIS_LABEL },
         ],
         series: [{}, ...group.map((each) => ({ label: each.label, stroke: COLOURS[each.index % COLOURS.length], width: 1.6, dash: each.index % 2 ? [7, 4] : undefined, points: { show: false } }))],
         hooks: { draw: [(plot) => drawMarks(plot, marks, ink)] },

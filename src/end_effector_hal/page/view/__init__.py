@@ -1,5 +1,7 @@
 """What is shown: records in, JSON out; sans-IO."""
 
+from ._cards import Cards
+from ._curves import Curve
 from ._faults import FaultsView
 from ._interlocks import RULES
 from ._log import EventLog

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import LeakWatch, SwitchMeaning, kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
-from end_effector_hal.signals import Kind
+from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evidence, display_name
 
-_MARKS = ("gone", "lost_at_once", "lost", "confirmed", "secure")
+from ._curves import Curve, curves_of
+
 LEAKS_KPA_S = 0.02
 """A vacuum that falls more slowly is shown as one without a leak."""
 
@@ -27,15 +29,13 @@ class Cards:
     def __init__(self, description: Description, carried: dict[str, Kind]) -> None:
         self._description, self._carried = description, carried
         self._parts = description.ordered
+        self._curves = curves_of(description, carried)
 
     @property
-    def pressures(self) -> list[tuple[str, str, bool]]:
-        """Name, channel and whether it is below ambient, of each actuator that has a pressure."""
-        return [
-            (name, part.channel, kind_of(part).below_ambient)
-            for name, part in self._parts
-            if self._carried.get(part.channel) is Kind.PRESSURE
-        ]
+    def curves(self) -> list[Curve]:
+        """What is measured of the actuators, in the order of a grip, each channel once."""
+        found = {curve.name: curve for curves in self._curves.values() for curve in curves}
+        return list(found.values())
 
     @property
     def switches(self) -> dict[str, SwitchMeaning]:
@@ -53,31 +53,16 @@ class Cards:
 
     def _drawn(self, name: str, part: Actuator) -> dict[str, Any]:
         kind = kind_of(part)
-        has_pressure = self._carried.get(part.channel) is Kind.PRESSURE
-        marks = self._marks(part) if has_pressure else []
-        most = max([mark["at"] for mark in marks], default=1.0)
         return {
             "name": name,
             "label": display_name(name),
             "kind": kind.name,
             "line": part.line,
             "states": {int(state): state.label for state in kind.states},
-            "pressure": has_pressure,
-            "unit": "kPa below ambient" if kind.below_ambient else "kPa",
-            "marks": marks,
-            "most": 100.0 if kind.below_ambient and most <= 100 else round(most * 1.4, -1),
+            "gauges": [curve.drawn() for curve in self._curves[name]],
             "attempts": part.attempts,
             "bits": self._bits(part),
         }
-
-    def _marks(self, part: Actuator) -> list[dict[str, Any]]:
-        limits = kind_of(part).limits(part, self._description.supply)
-        marks = []
-        for word in _MARKS:
-            value = limits.get(f"{word}_kpa", getattr(part, f"{word}_kpa", None))
-            if value is not None:
-                marks.append({"word": word.replace("_", " "), "at": float(value)})
-        return marks
 
     def _bits(self, part: Actuator) -> list[str]:
         return [name for name in kind_of(part).channel_names(part) if self._carried.get(name) is Kind.BIT]
@@ -97,7 +82,7 @@ class Cards:
             "evidence": status.evidence[index].name,
             "kept": index in status.kept,
             "blows": index in status.blowing,
-            "kpa": None,
+            "values": [None] * len(self._curves[name]),
             "margin_kpa": None,
             "bits": [],
             "attempt": None,
@@ -119,9 +104,9 @@ class Cards:
         readings = controller.senses.now.readings
         # between two records the page knows nothing newer than the last one
         seen_at = controller.at
+        card["values"] = self.values(name, {each: readings.get(each, seen_at) for each in readings.carried})
         value = readings.get(part.channel, seen_at)
-        if isinstance(value, int) and not isinstance(value, bool):
-            card["kpa"] = (-value if kind.below_ambient else value) / 1000
+        if self._carried.get(part.channel) is Kind.PRESSURE and value is not None:
             supply = self._description.supply
             supply_pa = supply.pressure_pa(readings.get(supply.channel, seen_at))
             margin = kind.margin_pa(part, value, supply_pa)
@@ -130,6 +115,16 @@ class Cards:
         if status.held:
             card["hold"] = self._hold(index, controller)
         return card
+
+    @property
+    def decimals(self) -> list[list[int]]:
+        """Of the gauges of each card."""
+        return [[curve.decimals for curve in curves] for curves in self._curves.values()]
+
+    def values(self, name: str, readings: Mapping[str, Value]) -> list[float | None]:
+        """What the gauges of an actuator show."""
+        shown = ((curve, readings.get(curve.channel)) for curve in self._curves[name])
+        return [None if value is None else curve.shown(value) for curve, value in shown]
 
     def _hold(self, index: int, controller: Controller) -> dict[str, Any]:
         watch = controller.hold.watch_over(index)

@@ -1,4 +1,4 @@
-"""What is drawn over time: pressures as samples, states as lanes."""
+"""What is drawn over time: measured values as samples, states as lanes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from end_effector_hal.kinds import SwitchMeaning, kind_of
 from end_effector_hal.vocabulary import display_name
 
 from ._cards import is_releasing
+from ._curves import Curve
 
 KEPT_US = 180_000_000
 FRESH_US = 1_000_000
-"""So long a pressure is drawn on while the frames of other links come."""
+"""So long a value is drawn on while the frames of other links come."""
 MOST_SAMPLES = 20_000
 MOST_CHANGES = 4_000
 SWITCH = "switch "
@@ -27,17 +28,17 @@ class TimeLine:
 
     Args:
         description: the tool.
-        pressures: name, channel and whether it is below ambient, of what is drawn.
+        curves: of what is drawn.
         switches: channels of bits, with what each proves.
     """
 
     def __init__(
         self,
         description: Description,
-        pressures: Sequence[tuple[str, str, bool]],
+        curves: Sequence[Curve],
         switches: Mapping[str, SwitchMeaning],
     ) -> None:
-        self.pressures, self._switches = pressures, switches
+        self.curves, self._switches = curves, switches
         self._parts = description.ordered
         self._changer = description.tool_changer is not None
         self._samples: deque[list[Any]] = deque(maxlen=MOST_SAMPLES)
@@ -51,10 +52,10 @@ class TimeLine:
         """One frame of the sensors."""
         row: list[Any] = [at]
         self._values |= {name: (at, value) for name, value in values.items()}
-        for _, channel, below in self.pressures:
-            came_at, value = self._values.get(channel, (at, None))
+        for curve in self.curves:
+            came_at, value = self._values.get(curve.channel, (at, None))
             value = None if at - came_at > FRESH_US else value  # one of several links may be silent
-            row.append(None if value is None else (-value if below else value) / 1000)
+            row.append(None if value is None else curve.shown(value))
         self._samples.append(row)
         self.sampled += 1
         bits = [name for name in self._switches if name in values]

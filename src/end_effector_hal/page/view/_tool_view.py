@@ -52,10 +52,10 @@ class ToolView:
         self._hash = content or content_hash(description)
         self._period_us = carrier.period_us
         self._replicas = {name: Replica(description, network, name, self._hash) for name in PROGRAMS}
-        self._cards = Cards(description, dict(carrier.channels))
+        self.cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
-        self.timeline = TimeLine(description, self._cards.pressures, self._cards.switches)
+        self.timeline = TimeLine(description, self.cards.curves, self.cards.switches)
         self._automata = AutomataView(network, description)
         self._frames: deque[int] = deque(maxlen=400)
         self._command: tuple[Command, int] = (Command.NONE, at)
@@ -141,12 +141,9 @@ class ToolView:
             "source": str(tool.source),
             "hash": self._hash,
             "epoch": self.begun_at,
-            "cards": self._cards.drawn(),
+            "cards": self.cards.drawn(),
             "lanes": self.timeline.lanes,
-            "pressures": [
-                {"name": name, "label": display_name(name), "below": below}
-                for name, _, below in self._cards.pressures
-            ],
+            "curves": [curve.drawn() for curve in self.cards.curves],
             "buttons": list(self.buttons),
             "sensors": tool.sensors,
             "lease_s": tool.maintenance.lease_s,
@@ -175,7 +172,7 @@ class ToolView:
         grip, change = (self._replicas[name].controller for name in PROGRAMS)
         return {
             "state": None if status is None else self._state_now(status),
-            "cards": None if status is None else self._cards.now(status, grip),
+            "cards": None if status is None else self.cards.now(status, grip),
             "interlocks": self._interlocks.now(status, grip, change),
             "automata": self._automata.now({name: each.controller for name, each in self._replicas.items()}),
         }

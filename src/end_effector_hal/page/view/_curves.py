@@ -1,0 +1,129 @@
+"""What is measured of an actuator: a gauge on its card, with the marks of its thresholds, and a curve over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from end_effector_hal.description import Description, measures_of
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.signals import GAUGE_PRESSURE, Kind, Measure
+from end_effector_hal.vocabulary import display_name
+
+_LIMITS = ("gone", "lost_at_once", "lost", "confirmed", "secure")
+_CONDITIONS = ("gone", "lost", "empty", "confirmed")
+_MEASURED = (Kind.PRESSURE, Kind.QUANTITY)
+
+
+class Curve(NamedTuple):
+    """One channel.
+
+    Attributes:
+        name: unique among the curves of a tool: that of the actuator, for its own pressure; else that of the channel.
+        channel: whose values they are.
+        label: for people.
+        unit: with what a pressure is counted from.
+        below: a pressure is shown as a positive number below ambient.
+        decimals: that are shown.
+        low: where its scale begins.
+        most: where its scale ends.
+        marks: its thresholds, each with its word.
+        own: it is the pressure of the actuator itself.
+    """
+
+    name: str
+    channel: str
+    label: str
+    unit: str
+    below: bool = False
+    decimals: int = 1
+    low: float = 0.0
+    most: float = 1.0
+    marks: tuple[tuple[str, float], ...] = ()
+    own: bool = False
+
+    def shown(self, value: int) -> float:
+        """A value of the channel, in the unit."""
+        return (-value if self.below else value) / 1000
+
+    def drawn(self) -> dict[str, Any]:
+        """What a page is told of it, once."""
+        marks = [{"word": word.replace("_", " "), "at": at} for word, at in self.marks]
+        return {**self._asdict(), "marks": marks}
+
+
+def curves_of(description: Description, carried: Mapping[str, Kind]) -> dict[str, tuple[Curve, ...]]:
+    """By actuator, in the order of a grip: its own pressure first, then what else its conditions look at."""
+    measures = measures_of(description)
+    return {
+        name: tuple(_curves(description, name, part, carried, measures)) for name, part in description.ordered
+    }
+
+
+def _curves(
+    description: Description,
+    name: str,
+    part: Actuator,
+    carried: Mapping[str, Kind],
+    measures: Mapping[str, Measure],
+) -> Iterator[Curve]:
+    kind = kind_of(part)
+    if carried.get(part.channel) is Kind.PRESSURE:
+        marks = _limits(description, part) if part.evidence is None else _thresholds(part, part.channel)
+        if kind.below_ambient and part.evidence is not None:
+            marks = [(word, -at) for word, at in marks]
+        most = max([at for _, at in marks], default=1.0)
+        yield Curve(
+            name,
+            part.channel,
+            display_name(name),
+            "kPa below ambient" if kind.below_ambient else "kPa",
+            kind.below_ambient,
+            most=100.0 if kind.below_ambient and most <= 100 else round(most * 1.4, -1),
+            marks=tuple(marks),
+            own=True,
+        )
+    for channel in part.evidence.channels if part.evidence else ():
+        if channel != part.channel and carried.get(channel) in _MEASURED:
+            yield _quantity(
+                description, channel, _thresholds(part, channel), measures.get(channel, GAUGE_PRESSURE)
+            )
+
+
+def _limits(description: Description, part: Actuator) -> list[tuple[str, float]]:
+    limits = kind_of(part).limits(part, description.supply)
+    values = ((word, limits.get(f"{word}_kpa", getattr(part, f"{word}_kpa", None))) for word in _LIMITS)
+    return [(word, float(value)) for word, value in values if value is not None]
+
+
+def _thresholds(part: Actuator, channel: str) -> list[tuple[str, float]]:
+    given = dict(part.evidence.named) if part.evidence else {}
+    return [
+        (word, float(value))
+        for word in _CONDITIONS
+        if word in given
+        for leaf in given[word].leaves
+        if leaf.channel == channel
+        for _, value in leaf.thresholds
+    ]
+
+
+def _quantity(
+    description: Description, channel: str, marks: list[tuple[str, float]], measure: Measure
+) -> Curve:
+    declared = description.channels.get(channel)
+    values = [at for _, at in marks]
+    low, most = min([0.0, *values]) * 1.4, max([0.0, *values]) * 1.4
+    if declared is not None and declared.range is not None:
+        low, most = declared.range
+    return Curve(
+        channel,
+        channel,
+        display_name(channel),
+        measure.unit,
+        decimals=measure.decimals,
+        low=float(low),
+        most=float(most) if most > low else low + 1.0,
+        marks=tuple(dict.fromkeys(marks)),
+    )
