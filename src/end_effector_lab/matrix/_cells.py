@@ -14,11 +14,15 @@ from end_effector_lab.testbench import offered_faults, plain_number
 from ._script import Moment
 
 GOLDEN = (1 + sqrt(5)) / 2
-NOTHING, BOTH = "none", "kill both"
+NO_FAULT, NOTHING, BOTH = "nominal", "none", "kill both"
 COMMANDS = (
     NOTHING, "cancel", "drop", "lock", "unlock", "kill grip", "kill tool_change", "kill hal", "kill arbiter", BOTH,
 )  # fmt: skip
 """`hal` is both programs with who reads the sensors; who is killed is started again a second later."""
+AT_ONCE = ", at once"
+"""Behind a kill: what was killed is started again at the same instant."""
+WORDS = (*COMMANDS, *(f"{command}{AT_ONCE}" for command in COMMANDS if command.startswith("kill")))
+"""What may stand behind the moment in the id of a cell."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +33,23 @@ class Cell:
         fault: as the testbench takes it.
         moment: when.
         command: of `COMMANDS`.
+        at_once: who is killed is started again at once, not a second later.
     """
 
     fault: str
     moment: Moment
     command: str
+    at_once: bool = False
 
     @property
     def id(self) -> str:
         """Names it within the matrix of its tool."""
-        return f"{self.fault} @ {self.moment.name} + {self.command}"
+        return f"{self.fault} @ {self.moment.name} + {self.words}"
+
+    @property
+    def words(self) -> str:
+        """The command, of `WORDS`."""
+        return f"{self.command}{AT_ONCE if self.at_once else ''}"
 
     @property
     def name(self) -> str:
@@ -69,11 +80,15 @@ def faults_of(description: Description) -> tuple[str, ...]:
 
 
 def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]:
-    """All of them, in a fixed order."""
+    """All of them, in a fixed order; restarts at once without another fault only, in the end."""
     for fault in faults_of(description):
         for moment in when:
             for command in COMMANDS:
                 yield Cell(fault, moment, command)
+    for moment in when:
+        for command in COMMANDS:
+            if command.startswith("kill"):
+                yield Cell(NO_FAULT, moment, command, at_once=True)
 
 
 def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:

@@ -132,7 +132,8 @@ class CellRun:
             names = ("hal", "arbiter") if cell.command == BOTH else (cell.command.removeprefix("kill "),)
             for name in names:
                 tool.kill(name)
-            tool.run(DEAD_US / 1e6)
+            if not cell.at_once:
+                tool.run(DEAD_US / 1e6)
             for name in reversed(names):
                 tool.start(name)
         elif cell.command != NOTHING:
@@ -189,7 +190,7 @@ class CellRun:
             objections.append("an output of a held part went inactive without a drop")
         last = max([edge.at for edge in edges], default=cell.moment.at)
         return Played(
-            cell.id, cell.fault, cell.moment.name, cell.moment.phase, cell.command,
+            cell.id, cell.fault, cell.moment.name, cell.moment.phase, cell.words,
             outcome.value, tuple(sorted(each.value for each in want.outcomes)), want.why,
             not objections, dropped, round((last - cell.moment.at) / 1e6, 3), told, told_after,
             tuple((round((e.at - cell.moment.at) / 1e6, 6), e.line, e.level) for e in edges), tuple(objections), let_go,

@@ -14,7 +14,7 @@ from end_effector_hal.description import Description
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
-from ._cells import COMMANDS, Cell
+from ._cells import WORDS, Cell
 from ._outcome import Outcome
 from ._play import Played, play
 from ._script import PHASES
@@ -100,7 +100,7 @@ def _misfit(played: Played, cell: Cell | None) -> str:
     """What of a line contradicts its cell, or itself; empty: nothing. None: the cell is not asked for."""
     if played.id != f"{played.fault} @ {played.moment} + {played.command}":
         return "fault, moment and command are not those of its id."
-    if played.command not in COMMANDS or played.phase not in PHASES:
+    if played.command not in WORDS or played.phase not in PHASES:
         return "its command or its phase is not known."
     if cell is not None and played.phase != cell.moment.phase:
         return f"its moment is in the phase {cell.moment.phase}."

@@ -26,7 +26,7 @@ def playable(description: Description) -> list[tuple[Cell, Moment | None]]:
     return [
         (cell, events.get(cell.moment.name.removesuffix(BETWEEN)))
         for cell in cells_of(description, when)
-        if cell.command in COMMANDS and (cell.moment is when[0] or cell.moment.name.endswith(BETWEEN))
+        if cell.words in COMMANDS and (cell.moment is when[0] or cell.moment.name.endswith(BETWEEN))
     ]
 
 
