@@ -6,7 +6,7 @@ from typing import Any
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.kinds.vacuum import BlowOff
+from end_effector_hal.kinds.stanza import BlowOff
 from tests.support.virtual_tool import VirtualTool
 
 BOTTOM_AIR, TOP_AIR = "SODIMM_214", "SODIMM_216"

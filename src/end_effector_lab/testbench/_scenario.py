@@ -170,7 +170,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("lost-after", "what it holds is lost, so long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
     Fault("no-part", "there is nothing for it to grip", lambda _: {"no_part": True}, (PARTS,)),
-    Fault("sticks", "its part sticks to it: the vacuum stays until the part is blown off", lambda _: {"sticks": True},
+    Fault("sticks", "its part sticks to it until it is blown off", lambda _: {"sticks": True},
           (STICKS,)),
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
     Fault("shows", "its sensor shows this gauge pressure, whatever is there", lambda p: {"shows_kpa": p}, (PRESSURE,),

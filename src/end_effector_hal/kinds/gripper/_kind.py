@@ -33,6 +33,7 @@ class Gripper(DeviceKind[GripperActuator]):
     )
     states = GripperState
     empty = "closed on nothing"
+    opposing = "blow_off"
 
     def preset(self, part: GripperActuator) -> EvidenceConditions | None:
         """By its switches; fingers that are open hold nothing, whatever a part switch sees between them."""

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from end_effector_hal.kinds.stanza import (
     Actuator,
+    BlowOff,
     MaybeMillimetres,
     Name,
     Settling,
@@ -23,6 +24,8 @@ class GripperActuator(Actuator):
     `part_bit`, or `open_bit` and `closed_bit`, must be named.
     """
 
+    LATER = (*Actuator.LATER, "blow_off")
+
     kind: Literal["gripper"] = Field(description="what it is")
     channel: Literal["none"] = Field(default="none", description="a gripper has no pressure sensor")
     open_bit: Name | None = Field(
@@ -35,6 +38,9 @@ class GripperActuator(Actuator):
     part_bit: Name | None = Field(
         default=None,
         description="a part is between the fingers, such as a switch set to its width; null or none: no such sensor",
+    )
+    blow_off: BlowOff | None = Field(
+        default=None, description="air that pushes the part off when it is released; absent: none is fitted"
     )
     confirmed_ms: Settling = Field(
         default=50,

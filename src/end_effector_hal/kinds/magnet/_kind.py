@@ -28,6 +28,7 @@ class Magnet(DeviceKind[MagnetActuator]):
     stanza = MagnetActuator
     channels = (ChannelKey("part_bit", Kind.BIT, confirms=True), ChannelKey("gone_bit", Kind.BIT))
     states = MagnetState
+    opposing = "blow_off"
 
     def preset(self, part: MagnetActuator) -> EvidenceConditions | None:
         """By the sensor of its part."""

@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from end_effector_hal.kinds.stanza import Actuator, Name, Settling, named, stanza_fault
+from end_effector_hal.kinds.stanza import Actuator, BlowOff, Name, Settling, named, stanza_fault
 
 
 class MagnetActuator(Actuator):
@@ -15,6 +15,8 @@ class MagnetActuator(Actuator):
     That it is switched off proves nothing: what is left of its field may hold a part. A release is proven by the sensor
     of the part, and by `gone_bit` where there is one.
     """
+
+    LATER = (*Actuator.LATER, "blow_off")
 
     kind: Literal["magnet"] = Field(description="what it is")
     channel: Literal["none"] = Field(default="none", description="a magnet has no pressure sensor")
@@ -25,6 +27,9 @@ class MagnetActuator(Actuator):
     gone_bit: Name | None = Field(
         default=None,
         description="no part is at the magnet any more; null or none: part_bit off proves it",
+    )
+    blow_off: BlowOff | None = Field(
+        default=None, description="air that pushes the part off when it is released; absent: none is fitted"
     )
     confirmed_ms: Settling = Field(default=50, description="part_bit for this long: confirmed")
     lost_ms: Settling = Field(default=40, description="once confirmed: part_bit off for this long: lost")

@@ -1,5 +1,6 @@
 """What the stanzas of a description are made of: a frozen base, values with units, endings, the air of a tool."""
 
+from ._blow_off import BlowOff
 from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import (
     ChangerEndings,
@@ -34,6 +35,7 @@ __all__ = [
     "Activation",
     "Actuator",
     "BelowAmbient",
+    "BlowOff",
     "ChangerEndings",
     "Condition",
     "Endings",

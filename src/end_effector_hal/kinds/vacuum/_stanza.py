@@ -2,42 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from end_effector_hal.kinds.stanza import (
     Actuator,
     BelowAmbient,
-    LineName,
+    BlowOff,
     Name,
-    Part,
     Samples,
-    Seconds,
     Settling,
 )
-
-
-class BlowOff(Part):
-    """A blow-off valve on a vacuum circuit, never active together with its suction (IL-08).
-
-    With `duration_s` a release blows: after the gap for so long, and goes on after another one.
-    """
-
-    LATER = ("duration_s", "until_gone")
-
-    line: LineName = Field(description="name of the GPIO line; active means blowing")
-    gap_s: Seconds = Field(
-        default=0.05, description="IL-08: between the end of suction and blowing, and back"
-    )
-    duration_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
-        default=None,
-        description="a release blows for so long; null: nothing drives it, the line arbiter guards it",
-    )
-    until_gone: bool = Field(
-        default=False,
-        description="it ends earlier, as soon as the feedback is gone, and does not begin if it is; with duration_s",
-    )
 
 
 class VacuumActuator(Actuator):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from ._device import ACTUATOR, PARTS, Device
+from ._device import ACTUATOR, PARTS, STICKS, Device
 from ._parts import STEP_S, Valve
 
 FIELD_S = 0.06
@@ -19,18 +19,21 @@ _STILL = 1e-6
 class HoldingMagnet(Device):
     """A part clings to it from most of its field on, and falls when little is left of it.
 
+    One that sticks, by what is left of its field, falls when it is blown off.
+
     Args:
         valve: switches its current, or the air that moves its magnets.
     """
 
-    traits: ClassVar = frozenset({ACTUATOR, PARTS})
+    traits: ClassVar = frozenset({ACTUATOR, PARTS, STICKS})
     grips_bit: ClassVar = "part"
     released_bit: ClassVar = "gone"
 
     def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
         super().__init__(valve or Valve(20_000), start)
         self.field = 0.0
-        self._part, self._lost, self._holds = True, False, False
+        self._part, self._lost, self._holds, self._sticks = True, False, False, False
+        self._blow_off = Valve(self.valve.delay_us)
 
     @property
     def pressure_kpa(self) -> None:
@@ -42,7 +45,7 @@ class HoldingMagnet(Device):
 
     @property
     def settled(self) -> bool:
-        return self.valve.settled and abs(self._target - self.field) < _STILL
+        return self.valve.settled and self._blow_off.settled and abs(self._target - self.field) < _STILL
 
     def command(self, active: bool, at: int) -> None:
         self._lost = self._lost and active
@@ -56,6 +59,12 @@ class HoldingMagnet(Device):
         self._part = part
         self._holds = part and (self._holds or self.field >= _HOLDS)
 
+    def stick(self, sticks: bool) -> None:
+        self._sticks = sticks
+
+    def blow(self, active: bool, at: int) -> None:
+        self._blow_off.command(active, at)
+
     def settle(self, active: bool) -> None:
         self.valve.is_open = active
         self.field = self._target
@@ -63,10 +72,11 @@ class HoldingMagnet(Device):
 
     def step(self) -> None:
         self.valve.advance(self.now)
+        self._blow_off.advance(self.now)
         self.field += (self._target - self.field) * _SHARE
         if self.field >= _HOLDS and self._part and not self._lost:
             self._holds = True
-        elif self.field < _DROPS:
+        elif self.field < _DROPS and (self._blow_off.is_open or not self._sticks):
             self._holds = False
 
     @property

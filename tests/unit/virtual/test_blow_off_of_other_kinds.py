@@ -1,0 +1,88 @@
+"""Magnets and grippers that blow off what they have released, with the line arbiter, in virtual time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import network_of
+from end_effector_hal.verification.coils import prove_tool
+from end_effector_hal.vocabulary import EndEffectorState
+from tests.unit.virtual.test_tool import GRIPPED, STAND_BY, ready, until
+
+TOOL = """
+schema: 2
+name: blown
+lines: {{backend: gpiod}}
+inputs: {{period_ms: 10}}
+channels:
+  part: {{digital: {{line: PART}}}}
+  opened: {{digital: {{line: OPEN}}}}
+sequence: [holder]
+actuators:
+  holder: {{kind: {kind}, line: HOLD{keys}, part_bit: part{air}}}
+supply: {{channel: none}}
+"""
+AIR = ", blow_off: {line: AIR, duration_s: 0.2}"
+KINDS = {
+    "magnet": ("magnet", ""),
+    "switched magnet": ("magnet", ", opposite: {line: BACK, pulse_s: 0.1, pause_s: 0.4}"),
+    "gripper": ("gripper", ", open_bit: opened"),
+}
+
+
+def described(folder: Path, kind: str, air: str = AIR) -> Path:
+    name, keys = KINDS[kind]
+    path = folder / "tool.yaml"
+    path.write_text(TOOL.format(kind=name, keys=keys, air=air))
+    return path
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_release_blows_and_nothing_is_refused(kind: str, tmp_path: Path) -> None:
+    tool = ready(load_tool(described(tmp_path, kind)))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    tool.edges.clear()
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)
+    held = next(
+        edge.at for edge in tool.edges if (edge.line, edge.level) in (("HOLD", False), ("BACK", True))
+    )
+    on, off = (edge.at for edge in tool.edges if edge.line == "AIR")
+    assert held + 50_000 <= on
+    assert 190_000 <= off - on <= 300_000
+    assert not tool.latched
+    assert not any(tool.levels.values())
+
+
+def test_what_sticks_to_a_magnet_comes_off_by_blowing_alone(tmp_path: Path) -> None:
+    for air, end in ((AIR, STAND_BY), ("", EndEffectorState.RELEASE_ERROR)):
+        tool = ready(load_tool(described(tmp_path, "magnet", air)), "sticks:holder")
+        assert tool.command("grip").accepted
+        until(tool, GRIPPED)
+        assert tool.command("drop").accepted
+        until(tool, end)
+
+
+def test_a_drop_right_after_the_grip_waits_for_the_pause_before_it_blows(tmp_path: Path) -> None:
+    """The change back waits for the pulse and its pause: the arbiter would refuse to blow before it."""
+    tool = ready(load_tool(described(tmp_path, "switched magnet")))
+    assert tool.command("grip").accepted
+    assert tool.run_until(tool.at + 1_000_000, lambda: any(tool.levels.values()))
+    assert tool.command("cancel").accepted
+    until(tool, STAND_BY)
+    assert not tool.latched
+    assert not any("IL-08" in alarm for status in tool.statuses for alarm in status.alarms)
+    back = next(edge.at for edge in tool.edges if (edge.line, edge.level) == ("BACK", True))
+    on, _ = (edge.at for edge in tool.edges if edge.line == "AIR")
+    assert back + 50_000 <= on
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_such_a_tool_is_proven(kind: str, tmp_path: Path) -> None:
+    description = load_tool(described(tmp_path, kind))
+    proof = prove_tool(description, network_of(description))
+    assert proof.holds, [each.id for each in proof.findings if not each.holds]
