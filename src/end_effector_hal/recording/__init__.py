@@ -3,7 +3,15 @@
 from ._files import append_whole, lock
 from ._limits import RecordingLimits
 from ._of_model import COUNTEREXAMPLE, MODEL_RUN, check_replaceable
-from ._recording import Recording, content_hash, hash_of, pressure_channels, product_version, run_info
+from ._recording import (
+    Recording,
+    content_hash,
+    hash_of,
+    pressure_channels,
+    product_version,
+    run_info,
+    switch_channels,
+)
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
 from ._watched import Watched
@@ -91,5 +99,6 @@ __all__ = [
     "read_tables",
     "read_trace",
     "run_info",
+    "switch_channels",
     "write_run_table",
 ]

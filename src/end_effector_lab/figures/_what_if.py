@@ -22,6 +22,7 @@ from ._page import EDGE_IN, WIDTH_IN, Page, page_of
 from ._panels import Panel, draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import INK, RULE, WRONG, drawing, plain
+from ._switches import switch_lanes
 from ._timeline import AXIS_IN, PANEL_GAP_IN, FigureSheet, draw_lanes, draw_plots
 
 DIFFERS, GUESS = "#fff0c2", "#8a93a0"
@@ -105,7 +106,8 @@ def differing(first: StatesLog, second: StatesLog, end_s: float) -> Iterator[tup
 def _page(told: WhatIf, words_in: float) -> Page:
     logs = [told.recorded.log, told.other.log]
     pressures = told.pressures if told.pressures.samples else None
-    pages = [page_of(log, pressures, words_in) for log in logs]
+    names = [*told.recorded.info.switches, *told.other.info.switches]
+    pages = [page_of(log, pressures, words_in, names) for log in logs]
     narrow = max(pages, key=lambda page: page.left)
     return replace(
         narrow, start_s=min(page.start_s for page in pages), end_s=max(page.end_s for page in pages)
@@ -116,6 +118,7 @@ def _block(side: RunStory, title: str, told: WhatIf, page: Page, top: float) -> 
     moments = [each for each in side.story.moments if page.start_s <= each.time_s <= page.end_s]
     events = place_events(moments, page.x, page.width + EDGE_IN)
     lanes = all_lanes_of(side.log, side.info, page.end_s, told.pressures, side.changer)
+    lanes += switch_lanes(told.switches, side.info, page.end_s)
     crossed = [page.x(event.moment.time_s) for event in events]
     for lane in lanes:
         write_lane(lane, page.x, page.width, crossed)

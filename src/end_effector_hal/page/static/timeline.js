@@ -260,7 +260,7 @@ function drawMarks(plot, marks, ink) {
     if (last - y > 11 * ratio) {
       labels.push([mark.word, y]);
       last = y;
-    } else {
+    } else if (!labels[labels.length - 1][0].split(", ").includes(mark.word)) {
       labels[labels.length - 1][0] += `, ${mark.word}`;
     }
   }

@@ -59,12 +59,13 @@ class GripProgram(Program):
         return GripOutputs(self._description, self._maintenance)
 
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
-        """A stop cancels the grip that runs; the automaton refuses a cancel in every other state."""
-        before = self._stopped
+        """A stop cancels the grip that runs."""
+        before, adoption = self._stopped, self._adoption
         statuses = super()._keep_faults(faults)
-        if before or not self._stopped or not self._adoption.begun:
+        gripping = adoption.begun and adoption.outputs.mapping.gripping(adoption.controller.status())
+        if before or not self._stopped or not gripping:
             return statuses
-        return [*statuses, *self._adoption.controller.command("cancel", self._clock())[1]]
+        return [*statuses, *adoption.controller.command("cancel", self._clock())[1]]
 
     def _due(self) -> int | None:
         due, ends_at = super()._due(), self._maintenance.ends_at

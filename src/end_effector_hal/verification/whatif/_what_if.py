@@ -8,7 +8,14 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description, measures_of
-from end_effector_hal.recording import KPA, Grip, PressuresLog, pressure_channels
+from end_effector_hal.recording import (
+    KPA,
+    Grip,
+    PressuresLog,
+    SwitchesLog,
+    pressure_channels,
+    switch_channels,
+)
 from end_effector_hal.runtime.boundary import FrameTaken
 from end_effector_hal.verification.replay import Entry
 
@@ -63,7 +70,7 @@ class WhatIf:
         end_s: when the recording ends.
         recorded, other: the stories.
         spans: from when to when the other one is a guess.
-        pressures: what both controllers read.
+        pressures, switches: what both controllers read.
         notes: in words: what could not be played.
     """
 
@@ -73,6 +80,7 @@ class WhatIf:
     other: RunStory
     spans: tuple[ApartSpan, ...]
     pressures: PressuresLog
+    switches: SwitchesLog
     notes: tuple[str, ...]
 
     @property
@@ -181,6 +189,7 @@ def what_if(entries: Iterable[Entry], recorded: Description, other: Description)
         both.theirs,
         tuple(run.spans),
         both.pressures(),
+        SwitchesLog(both.bits, tuple(both.levels)),
         tuple(run.notes),
     )
 
@@ -196,6 +205,10 @@ class _Both:
         self._samples: list[tuple[float, tuple[float | None, ...]]] = []
         self._kpa: dict[str, float | None] = {}
         self._step_s = SAMPLE_S
+        self.bits = tuple(dict.fromkeys((*switch_channels(recorded), *switch_channels(other))))
+        self.levels: list[tuple[float, tuple[bool | None, ...]]] = []
+        """Of the bits, whenever one of them has changed; at most `MOST_SAMPLES`."""
+        self._bits: dict[str, bool | None] = {}
 
     def watched(self, entries: Iterable[Entry]) -> Iterator[Entry]:
         for number, entry in enumerate(entries):
@@ -215,6 +228,14 @@ class _Both:
             for name, value in frame.values.items()
             if name in self._channels
         }
+        self._bits |= {
+            name: None if value is None else bool(value)
+            for name, value in frame.values.items()
+            if name in self.bits
+        }
+        levels = tuple(self._bits.get(name) for name in self.bits)
+        if (not self.levels or self.levels[-1][1] != levels) and len(self.levels) < MOST_SAMPLES:
+            self.levels.append((at_s, levels))
         if self._samples and at_s - self._samples[-1][0] < self._step_s * 0.9:
             return
         self._samples.append((at_s, tuple(self._kpa.get(name) for name in self._channels)))

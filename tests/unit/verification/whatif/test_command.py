@@ -84,6 +84,11 @@ def test_the_figure_marks_where_the_runs_differ_and_where_it_is_a_guess(
     differs = [each.get_x() for each in spans if each.get_label() == "differs"]
     assert min(differs) == 1.25
     assert {"Recorded", "With other.yaml", "Bottom vacuum time-out 1/3"} <= set(texts(figure))
+    steps = [line for axes in figure.axes for line in axes.lines if str(line.get_label()).endswith(": level")]
+    assert sorted({str(each.get_label()) for each in steps}) == [
+        "switch cylinder_extended: level", "switch cylinder_retracted: level"
+    ]  # fmt: skip
+    assert len(steps) == 4, "both tools read the same switches"
     assert not overlaps(figure)
     assert len({axes.get_xlim() for axes in figure.axes}) == 1  # one axis of time
 
