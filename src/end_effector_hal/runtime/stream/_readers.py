@@ -34,6 +34,8 @@ class StreamReader:
         self.commands_waiting = 0
         self._second = self._messages = 0
         self._out = bytearray()
+        self.watched = False
+        """It is woken once more can be sent."""
         self._rest = b""
 
     @property
@@ -127,5 +129,7 @@ class StreamReaders:
         if not goes_on:
             self.drop(reader)
             return
-        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if reader.behind else 0)
-        self._selector.modify(reader.sock, events, reader)
+        if reader.behind is not reader.watched:
+            reader.watched = reader.behind
+            events = selectors.EVENT_READ | (selectors.EVENT_WRITE if reader.behind else 0)
+            self._selector.modify(reader.sock, events, reader)

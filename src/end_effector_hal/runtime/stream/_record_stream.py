@@ -39,6 +39,8 @@ MOST_WAITING = 2_000
 LOOK_S = 0.05
 """How often it looks for records while somebody reads."""
 ALIVE_US = 400_000
+AT_ONCE = 65_536
+"""Bytes that are sent together; more would look as if a reader were behind."""
 MOST_COMMANDS = 4
 """Of one reader, that wait to be decided."""
 MOST_COMMANDS_OF_ALL = 32
@@ -211,11 +213,16 @@ class RecordStream:
             reader, line = self._answers.get()
             reader.commands_waiting -= 1
             readers.put(reader, line)
+        following = bytearray()  # of several batches: one call of the system for each reader
         while not self._batches.empty():
             begins, batch = self._batches.get()
             self._sent_count += 0 if begins else len(batch)
             sent = True
-            if not batch and not begins:  # records were lost
+            lost = not batch and not begins
+            if following and (begins or lost or len(following) > AT_ONCE):
+                self._send(readers, bytes(following))
+                following.clear()
+            if lost:
                 for reader in readers:
                     reader.follows = False
                 continue
@@ -228,7 +235,9 @@ class RecordStream:
                         reader.follows = True
                         readers.put(reader, data)
             else:
-                self._send(readers, data)
+                following += data
+        if following:
+            self._send(readers, bytes(following))
         return sent
 
     def _send(self, readers: StreamReaders, data: bytes) -> None:
