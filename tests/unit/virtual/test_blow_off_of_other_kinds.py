@@ -81,6 +81,42 @@ def test_a_drop_right_after_the_grip_waits_for_the_pause_before_it_blows(tmp_pat
     assert back + 50_000 <= on
 
 
+ON_A_BUS = """
+schema: 2
+name: cup
+lines: {{backend: gpiod}}
+link: {{port: /dev/ttyUSB0, baudrate: 115200, frame: {{modbus: {{}}}}, period_ms: {period}}}
+channels:
+  vacuum: {{modbus: {{unit: 65, address: 18}}, unit: kPa, scale: -0.1, range: [-110, 50]}}
+  told: {{modbus: {{unit: 65, address: 0, bitmask: 0xFF00}}, on: [1]}}
+sequence: [cup]
+actuators:
+  cup:
+    kind: vacuum
+    channel: vacuum
+    modbus: {{unit: 65, address: 0, command_on: [0x0150], command_off: [0x0000], verify: told}}
+    blow_off: {{line: AIR, duration_s: 0.2}}
+supply: {{channel: none}}
+"""
+
+
+@pytest.mark.parametrize("period_ms", [20, 400])
+def test_an_output_on_a_bus_is_blown_off_when_it_has_acknowledged_however_rarely_it_is_read(
+    period_ms: int, tmp_path: Path
+) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(ON_A_BUS.format(period=period_ms))
+    tool = ready(load_tool(path))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    tool.edges.clear()
+    assert tool.command("drop").accepted
+    until(tool, STAND_BY)
+    assert [(edge.line, edge.level) for edge in tool.edges] == [
+        ("modbus:65/0x0000", False), ("AIR", True), ("AIR", False),
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_such_a_tool_is_proven(kind: str, tmp_path: Path) -> None:
     description = load_tool(described(tmp_path, kind))

@@ -194,7 +194,9 @@ class BusOutput:
         seen = self.reported(self.stanza.verify, at)
         if self.level is None:
             return seen
-        if self.pending or self.why or (seen is not None and seen != self.level):
+        # what it showed before it acknowledged the last write says nothing against that
+        newer = seen is not None and self._reports[self.stanza.verify or ""][1] > self._written_at
+        if self.pending or self.why or (newer and seen != self.level):
             return None
         return self.level
 
