@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import signal
-import socket
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -16,9 +14,8 @@ from typing import Any
 import pytest
 
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.runtime.stream import ask_program, program_of, program_socket
 from end_effector_hal.verification.mutation import kept_record
-from end_effector_hal.wires import now_us
 from tests.acceptance.page.conftest import Live
 from tests.support.patience import wait_until
 
@@ -105,16 +102,10 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
 
 def asked(live: Live, word: str) -> str:
     """Why the HAL itself refuses a command, asked beside the page; empty: it accepts it."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
-        link.settimeout(10)
-        link.connect(str(program_socket(live.world.description, program_of(word))))
-        command = {"id": 1, "command": word, "until_us": now_us() + 1_000_000}
-        link.sendall(json.dumps(command).encode() + b"\n")
-        for line in link.makefile():
-            said = json.loads(line)
-            if said["kind"] == "answer-to":
-                return "" if said["accepted"] else str(said["reason"])
-    raise AssertionError("the HAL has ended the connection")
+    program = program_of(word)
+    answer = ask_program(program_socket(live.world.description, program), program, word)
+    assert answer.decided, answer.reason
+    return "" if answer.accepted else answer.reason
 
 
 def test_a_forbidden_button_shows_the_sentence_of_the_hal(chromium: Any, nominal: Live) -> None:
@@ -252,8 +243,9 @@ def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390, (
         "nothing stands out to the right"
     )
-    box = page.locator("#command-cancel").bounding_box()
-    assert box["y"] + box["height"] <= 844, "cancel is in reach"
+    boxes = [page.locator(f"#command-{word}").bounding_box() for word in ("cancel", "stop")]
+    assert all(box["y"] + box["height"] <= 844 for box in boxes), "both are in reach"
+    assert boxes[0]["x"] + boxes[0]["width"] < boxes[1]["x"], "none lies over the other"
     page.click("#control-take")
     page.click("#command-grip")
     shows(page, "state-word", "GRIPPED")

@@ -12,7 +12,11 @@ export class Commands {
     this.page = page;
     this.buttons = {};
     this.refused = {};
-    byId("buttons").replaceChildren(...drawn.buttons.map((word) => this.make(word)));
+    const made = drawn.buttons.map((word) => this.make(word));
+    // together, for on a phone they stay at the lower edge
+    const atHand = make("div", { className: "at-hand" }, ...made.filter((_, index) => ALWAYS[drawn.buttons[index]]));
+    const place = drawn.buttons.findIndex((word) => ALWAYS[word]);
+    byId("buttons").replaceChildren(...made.slice(0, place), atHand, ...made.filter((each, index) => index >= place && !ALWAYS[drawn.buttons[index]]));
     this.cards = drawn.cards;
     this.drives = drawn.cards.map((card) => this.makeDrive(card));
     this.lease = drawn.lease_s;
@@ -34,7 +38,7 @@ export class Commands {
     button.setAttribute("aria-describedby", why.id);
     button.addEventListener("click", () => this.press(word));
     this.buttons[word] = { button, why };
-    return make("div", { className: `command${ALWAYS[word] ? " for-cancel" : ""}` }, button, why);
+    return make("div", { className: "command" }, button, why);
   }
 
   // In maintenance (IL-12) each card has a button of its own.
