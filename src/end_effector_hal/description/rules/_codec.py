@@ -134,9 +134,9 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
             yield f"{name}: blow_off: its line {line} {guarded}, but without duration_s nothing drives it"
     yield from _blown_while_others_suck(description)
     if e_stop is None:
-        yield "e-stop: none in the description: IL-13 is off"
+        yield "e-stop: none in the description: IL-13 knows a stop of the software only"
     elif e_stop.channel not in channels:
-        yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 is off"
+        yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 knows a stop of the software only"
 
 
 def _blown_while_others_suck(description: Description) -> Iterator[str]:

@@ -131,7 +131,7 @@ def test_pressures_alone_prove_less_as_well(check: Check) -> None:
         "a rod that is stuck is not seen",
         "tool changer: locked_bit: none, unlocked_bit: none: a lock cannot be proven: IL-04 and IL-05 are off",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
-        "e_stop: channel: none: an open e-stop is not seen: IL-13 is off",
+        "e_stop: channel: none: an open e-stop is not seen: IL-13 knows a stop of the software only",
     ]
 
 
