@@ -1,4 +1,4 @@
-"""A policy of SROS 2, read back: what it allows on the graph. Its form is that of ``policy.xsd`` 0.2.0 of SROS 2."""
+"""An SROS 2 policy, read back: what it allows on the graph. Its form is that of ``policy.xsd`` 0.2.0 of SROS 2."""
 
 from __future__ import annotations
 

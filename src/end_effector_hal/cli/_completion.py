@@ -23,7 +23,7 @@ Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 @click.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS), required=False)
 def command(shell: str | None) -> None:
-    """Print what makes a shell complete commands, options, files and values; SHELL defaults to $SHELL.
+    """Print a script for shell completion of commands, options, files and values; SHELL defaults to $SHELL.
 
     \b
     bash: add to ~/.bashrc    eval "$(eehal completion bash)"

@@ -23,10 +23,10 @@ GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
     "compare": "the differences of two recorded runs, as a list and as a figure",
-    "completion": "what makes the shell complete commands and values",
+    "completion": "shell completion of commands and values",
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
-    "export": "a tool for other programs: a xacro, a policy of SROS 2, a layout for Foxglove",
+    "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
     "init": "a folder with a description to start from, and its schema",
     "listen": "what arrives on each channel, live; thresholds from a recording",
     "model": "show, play, export and check the automata",

@@ -90,15 +90,16 @@ def command(
     exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
     ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, by its content.
 
-    With --deaths another network is proven, once for all tools: whoever dies when and how often, no line of a held part
-    goes inactive except after a Drop. It takes some seconds.
+    With --deaths another network is proven, once for all tools: whichever process dies, whenever and how often, no
+    line of a held part goes inactive except after a Drop. It takes some seconds.
 
     With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
     two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
     steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
 
-    A proof that takes too much memory is stopped: what it leaves open is told, the exit code is 4, no verdict is kept.
+    A proof that takes too much memory is stopped: it says what it leaves open, the exit code is 4, and no verdict is
+    kept.
 
     With --sweep the values of some keys are varied: which combinations hold, what fails first, the worst cases.
     KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table, JSON and, of two keys, a map of each

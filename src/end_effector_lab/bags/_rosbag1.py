@@ -1,4 +1,4 @@
-"""rosbag of ROS 1, chunk by chunk; a file without its index, as a killed recorder leaves it, from the front."""
+"""rosROS bag 1, chunk by chunk; a file without its index, as a killed recorder leaves it, from the front."""
 
 from __future__ import annotations
 

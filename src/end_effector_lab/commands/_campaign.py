@@ -25,7 +25,7 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
 
 
 @click.command("campaign", short_help="random commands, faults and deaths, in virtual time")
-@click.argument("tool", required=False, metavar="TOOL", type=PathName())
+@click.argument("tool", required=False, metavar="[TOOL]", type=PathName())
 @playing_options("campaign", "Gets what was played, the failures and what was never reached")
 @click.option(
     "--runs", type=click.IntRange(1), metavar="N", help=f"End after N runs in all.  [default: {RUNS}]"
@@ -33,7 +33,7 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
 @click.option(
     "--time", "seconds", type=click.FloatRange(min=0, min_open=True), metavar="S", help="End after S seconds."
 )
-@seed_option(default=0, help="Of all cases: the same seed gives the same runs.  [default: 0]")
+@seed_option(default=0, help="Seed of all cases: the same seed gives the same runs.  [default: 0]")
 @click.option("--play", "file", metavar="FILE", type=PathName(), help="Play the case in FILE only.")
 @click.option(
     "--processes",

@@ -1,4 +1,4 @@
-"""``eehal import``: a bag of ROS becomes a recording."""
+"""``eehal import``: a ROS bag becomes a recording."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 from end_effector_hal.cli import PathName, Progress, completed, print_document, profiles
 
 
-@click.command("import", short_help="make a recording of a bag of ROS")
+@click.command("import", short_help="turn a ROS bag into a recording")
 @click.argument("bag", metavar="BAG", type=PathName())
 @click.option("-o", "--output", metavar="FOLDER", type=PathName(), help="A new one; default: runs/NAME.")
 @click.option(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @click.command("matrix", short_help="every fault at every moment, in virtual time")
-@click.argument("tool", required=False, metavar="TOOL", type=PathName())
+@click.argument("tool", required=False, metavar="[TOOL]", type=PathName())
 @playing_options("matrix", "Gets what was played, the report and the FMEA")
 @click.option(
     "--every",

@@ -16,6 +16,7 @@ import pytest
 from end_effector_hal.description import profile_path
 from end_effector_hal.recording import read_run
 from end_effector_lab.processes import EEHAL
+from tests.support.nightly import first_of
 from tests.support.patience import wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(100)]
@@ -112,7 +113,7 @@ def test_commands_come_from_the_prompt(started: list[Started]) -> None:
     assert (tool.process.returncode, "LOCK: succeeded" in out) == (0, True)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", first_of([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], 2))
 def test_a_signal_leaves_no_process_and_no_file(number: signal.Signals, started: list[Started]) -> None:
     tool = Started("--script", "lock; grip; wait 600")
     started.append(tool)

@@ -10,6 +10,7 @@ import pytest
 from end_effector_hal.description import profile_path
 from tests.acceptance.contract.differences import Difference
 from tests.acceptance.contract.hal import PROGRAMS, Hal
+from tests.support.nightly import first_of
 
 pytestmark = pytest.mark.ros
 
@@ -24,7 +25,7 @@ def ended(hal: Hal, program: str, name: str = "wrong", **parameters: object) -> 
     return code, said
 
 
-@pytest.mark.parametrize("program", [*PROGRAMS.values(), "data_logger"])
+@pytest.mark.parametrize("program", first_of([*PROGRAMS.values(), "data_logger"]))
 def test_without_a_tool_it_says_how_to_name_one(hal: Hal, program: str) -> None:
     code, said = ended(hal, program)
     how = hal.by(Difference.PARAMETERS, ros1="_description:=FILE", ros2="-p description:=FILE")
@@ -42,7 +43,7 @@ WRONG: Mapping[str, tuple[Mapping[str, str], str]] = {
 }
 
 
-@pytest.mark.parametrize("case", WRONG)
+@pytest.mark.parametrize("case", first_of(WRONG))
 def test_a_wrong_parameter_is_said_in_one_sentence(hal: Hal, case: str) -> None:
     parameters, words = WRONG[case]
     code, said = ended(hal, "position", **parameters)

@@ -19,6 +19,7 @@ import pytest
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualLines
 from end_effector_hal.wires.link import LinkReader
+from tests.support.nightly import first_of
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.wall
@@ -128,7 +129,7 @@ def test_a_bench_started_anew_finds_what_is_held(start: Start, tmp_path: Path) -
     lines.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", first_of([signal.SIGINT, signal.SIGHUP]))
 def test_signals_end_it_cleanly(start: Start, number: int) -> None:
     process = start(stdin=DEVNULL)
     line(process)

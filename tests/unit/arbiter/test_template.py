@@ -38,7 +38,7 @@ def policy(description: Description) -> Policy:
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
-@pytest.mark.parametrize("seed", first(8, SEEDS))
+@pytest.mark.parametrize("seed", first(3, SEEDS))
 def test_what_the_line_arbiter_does_is_a_run_of_its_template(
     description: Description, text: str, policy: Policy, seed: int
 ) -> None:
@@ -55,7 +55,7 @@ MIXED = {
 }
 
 
-@pytest.mark.parametrize("seed", first(3, range(8)))
+@pytest.mark.parametrize("seed", first(1, range(8)))
 @pytest.mark.parametrize("mixed", MIXED)
 def test_so_it_is_with_endings_of_each_actuator(text: str, policy: Policy, mixed: str, seed: int) -> None:
     assert random_run(MIXED[mixed], policy, seed).is_one_of(text)
@@ -82,7 +82,7 @@ def policy_of(description: Description) -> Policy:
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
-@pytest.mark.parametrize("seed", first(8, SEEDS))
+@pytest.mark.parametrize("seed", first(3, SEEDS))
 def test_so_it_is_with_a_blow_off(one_blown: Description, text: str, seed: int) -> None:
     assert random_run(one_blown, policy_of(one_blown), seed).is_one_of(text)
 

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli import main
 from end_effector_hal.cli._main import _AUDIENCES, _COMMANDS, _OTHERS, eehal
 from end_effector_hal.description import profile_path
+from tests.support.nightly import first_of
 
 TOOL = str(profile_path())
 
@@ -44,8 +45,8 @@ def completed(program: Path, *words: str) -> set[str]:
 
 @pytest.mark.skipif(not shutil.which("bash"), reason="no bash")
 @pytest.mark.parametrize(
-    ("words", "among"),
-    [
+    "case",
+    first_of([
         (("ver",), {"verify"}),
         (("testbench", "--scenario", "leak:"), {"leak:bottom_vacuum", "leak:top_vacuum"}),
         (("testbench", TOOL, "--scenario", "stuck-release:cylinder,lea"), {"stuck-release:cylinder,leak:top_vacuum"}),
@@ -57,9 +58,10 @@ def completed(program: Path, *words: str) -> set[str]:
         (("doctor", "--only", "python,l"), {"python,lines", "python,link"}),
         (("arbiter", "--profile", ""), {"verdin_gripper"}),
         (("completion", ""), {"bash", "zsh", "fish"}),
-    ],
+    ], 2),
 )  # fmt: skip
-def test_bash_proposes_values(program: Path, words: tuple[str, ...], among: set[str]) -> None:
+def test_bash_proposes_values(program: Path, case: tuple[tuple[str, ...], set[str]]) -> None:
+    words, among = case
     found = completed(program, *words)
     assert among <= found
     assert all(each.startswith(words[-1]) for each in found)

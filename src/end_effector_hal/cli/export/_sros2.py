@@ -1,4 +1,4 @@
-"""The table of the ROS interface as a policy of SROS 2: each process may do what its nodes do, and nothing else."""
+"""The table of the ROS interface as an SROS 2 policy: each process may do what its nodes do, and nothing else."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)}
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
 
 
-@click.command(name="sros2", short_help="A policy of SROS 2: which process may publish, serve and call what.")
+@click.command(name="sros2", short_help="An SROS 2 policy: which process may publish, serve and call what.")
 @click.argument("file", type=PathName(), required=False)
 @click.option(
     "--processes",

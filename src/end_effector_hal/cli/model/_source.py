@@ -28,7 +28,7 @@ COILS = click.option(
 DEATHS = click.option(
     "--deaths",
     is_flag=True,
-    help="Instead: the network of the line arbiter, in which anybody dies at any instant.",
+    help="Instead: the network of the line arbiter, in which any process may die at any instant.",
 )
 
 

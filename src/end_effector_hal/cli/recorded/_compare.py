@@ -40,8 +40,8 @@ def command(
     """List what differs between two recordings: when, on which line, and what.
 
     FIRST and SECOND are folders of runs. Both are counted from their first command. Each state is looked for in the
-    other recording; what comes later or earlier than what was before it lets expect is told, and so are stretches in
-    which a pressure is apart. Where the runs come from (tool, scenario, seed, version) is told and is no difference.
+    other recording; listed are states that come earlier or later there, measured from the state before, and stretches
+    in which a pressure differs. Tool, scenario, seed and version of the runs are printed, but are no differences.
 
     Exit code 0: no difference; 1: there are some.
     """

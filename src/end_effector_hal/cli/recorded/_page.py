@@ -48,7 +48,7 @@ def command(
     printed address has a token: whoever opens it sees the tool, and may take control. Closing the page, or ending this
     command, moves no line. The page lists the recordings of a folder, and opens them.
 
-    RECORDING: a folder of `eehal run --record`, one of its traces, or a bag of ROS, in the same page: scrub, step from
+    RECORDING: a folder of `eehal run --record`, one of its traces, or a ROS bag, in the same page: scrub, step from
     transition to transition, and compare with a second one. Nothing can be commanded there.
     """
     from end_effector_hal.page.web import PageAddress, serve_page, serve_recordings

@@ -34,20 +34,22 @@ def recording_options(command: Command) -> Command:
     """``--description``, ``--what-if``, ``--from`` and ``--to``: ``description``, ``other``, ``since``, ``until``."""
     seconds = click.FloatRange(min=0)
     for option in (
-        click.option("--to", "until", metavar="SECONDS", type=seconds, help="Of a recording: end there."),
-        click.option("--from", "since", metavar="SECONDS", type=seconds, help="Of a recording: begin there."),
+        click.option("--to", "until", metavar="SECONDS", type=seconds, help="Show a recording up to there."),
+        click.option(
+            "--from", "since", metavar="SECONDS", type=seconds, help="Show a recording from there on."
+        ),
         click.option(
             "--description",
             metavar="FILE",
             type=PathName(),
-            help="Of a bag, which holds none; or another tool.",
+            help="For a bag, which holds none; or to use another tool.",
         ),
         click.option(
             "--what-if",
             "other",
             metavar="FILE",
             type=PathName(),
-            help="Of a recording with traces: beside it, what this description would have made of it.",
+            help="For a recording with traces: show beside it what this description would have made of it.",
         ),
     ):
         command = option(command)
@@ -120,7 +122,7 @@ def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTabl
             todo = f"Name one of them ({runs[0]}), or write all into one file: `eehal report {path}`."
             raise UsageError(what, where=str(path), todo=todo) from None
         if path.suffix == TRACE:
-            todo = f"{error.todo} A bag of ROS is shown with --description FILE.".strip()
+            todo = f"{error.todo} A ROS bag is shown with --description FILE.".strip()
             raise UsageError(error.what, where=error.where, todo=todo) from None
         raise
 

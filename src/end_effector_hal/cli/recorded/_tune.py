@@ -45,7 +45,7 @@ def command(
 ) -> None:
     """Say what recorded grips would have become with other thresholds and time-outs.
 
-    RECORDING is a folder of `eehal run --record`, a folder of such folders, one of their traces, or a bag of ROS. Each
+    RECORDING is a folder of `eehal run --record`, a folder of such folders, one of their traces, or a ROS bag. Each
     number of each actuator is tried alone, from a fraction of its value to twice as much, on what the sensors showed
     while the recorded tool had that actuator active:
 

@@ -1,4 +1,4 @@
-"""A recording without traces, as a bag of ROS leaves it: states, alarms and pressures, from its tables."""
+"""A recording without traces, as a ROS bag leaves it: states, alarms and pressures, from its tables."""
 
 from __future__ import annotations
 

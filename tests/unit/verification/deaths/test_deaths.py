@@ -126,7 +126,12 @@ def refuted(mutant: Mutant) -> Finding:
     return held.finding(verdict.holds, verdict.states, 0.0, "", verdict.trace)
 
 
-SLOWER = {"last will executed late", "death between two lines"}
+SLOWER = {
+    "last will executed late",
+    "death between two lines",
+    "journal stale",
+    "held is told while a deactivation of its line waits, with an activation behind it",
+}
 
 
 def place(mutant: Mutant) -> ParameterSet:
