@@ -15,8 +15,11 @@ def gone_s(
 ) -> float:
     """When the feedback of an actuator was gone: by its pressure, else when the unwinding went on.
 
-    Infinite when it never was; the time of the deactivation where nothing shows it.
+    Infinite when it never was; the time of the deactivation where nothing shows it, or where nothing was deactivated: a
+    program that starts knows of nothing that is active (OFF).
     """
+    if log.rows[bisect_right(log.times_s, deactivated_s) - 1].end_effector is EndEffectorState.OFF:
+        return deactivated_s
     limit = info.limits.get(name, {})
     channel, gone_kpa = limit.get("channel"), limit.get("gone_kpa")
     if pressures is not None and channel in pressures.channels and isinstance(gone_kpa, int | float):

@@ -41,7 +41,9 @@ def record(description: Description, cell: Cell, folder: Path) -> Played:
     with no_log():
         run = CellRun(description, cell, frames.append)
         played, tool = run.played(), run.tool
-    with Recording(folder, description, scenario=cell.id, now=lambda: 0) as recording:
+    lines = description.lines.model_copy(update={"backend": "virtual"})  # whatever the wires of the tool are
+    played_on = description.model_copy(update={"lines": lines})
+    with Recording(folder, played_on, scenario=cell.id, seed=0, now=lambda: 0) as recording:
         told = [(status.at, 0, status) for status in tool.statuses]
         told += [(status.at, 1, status) for status in tool.changes]
         waiting = iter(frames)

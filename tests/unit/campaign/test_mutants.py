@@ -22,6 +22,7 @@ from end_effector_lab.matrix import Cell, cells_of, moments, play
 from end_effector_lab.workers import local_workers
 from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.campaign.mutants import ARBITER, CONTROLLER, MUTANTS
+from tests.unit.campaign.mutants.by_chance import recorded
 
 pytestmark = pytest.mark.nightly  # long
 
@@ -73,17 +74,20 @@ def test_there_are_enough_and_all_are_in_the_product() -> None:
             assert name.rpartition(".")[2] in (product / file).read_text(encoding="utf-8"), mutant.place
 
 
-BY_CHANCE = [name for name, each in MUTANTS.items() if each.found_in_run is not None and not each.is_cell]
-BY_CHANCE.sort(key=lambda name: MUTANTS[name].found_in_run or 0)
+BY_CHANCE = {name: chance.run for name, chance in recorded().items() if chance.run is not None}
 
 
-@pytest.mark.parametrize("name", first_of(BY_CHANCE))
+def test_the_record_is_of_these_wrong_products() -> None:
+    assert recorded().keys() <= MUTANTS.keys()
+    assert len(BY_CHANCE) >= 10
+
+
+@pytest.mark.parametrize("name", first_of(sorted(BY_CHANCE, key=lambda name: BY_CHANCE[name])))
 def test_a_campaign_finds_a_mutant_and_shrinks_it(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    mutant = MUTANTS[name]
-    mutant.patch(monkeypatch)
-    most = LONGEST if NIGHTLY else (mutant.found_in_run or 0) + 1
+    MUTANTS[name].patch(monkeypatch)
+    most = LONGEST if NIGHTLY else BY_CHANCE[name] + 1
     campaign = run_campaign(
         SHIPPED,
         tmp_path,

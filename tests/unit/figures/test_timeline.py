@@ -338,6 +338,13 @@ def test_a_releasing_actuator_has_the_colour_of_releasing_while_its_pressure_fal
     assert blue[3] == stuck[3] == state[3]
 
 
+def test_a_program_that_starts_while_it_holds_a_part_releases_nothing():
+    limits = {name: {**limit, "gone_kpa": 10.0} for name, limit in INFO.limits.items()}
+    restarted = (0, 3, -1, 2, 2, 2), (5, 0, -1, 0, 0, 0), (5.1, 3, -1, 2, 2, 2)
+    figure = timeline(log(*restarted), falling(12), replace(INFO, limits=limits))
+    assert not [bar for name in NAMES for bar in bars(figure, name) if bar[0].endswith("(releasing)")]
+
+
 def test_without_a_pressure_the_unwinding_shows_how_long_a_release_took():
     figure = timeline(log(*RELEASING_ROWS), None, INFO)
     found = {

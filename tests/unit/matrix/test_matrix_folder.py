@@ -177,15 +177,16 @@ def test_a_cell_replaces_a_cell_and_nothing_else(tmp_path: Path, monkeypatch: py
 
     for cell in CELLS:
         assert run(cell.id) is None
-        assert json.loads((tmp_path / "cell" / "run.json").read_text())["scenario"] == cell.id
+        info = json.loads((tmp_path / "cell" / "run.json").read_text())
+        assert (info["scenario"], info["simulated"], info["seed"]) == (cell.id, True, 0)
         assert (tmp_path / "cell" / "timeline.png").exists()
     (tmp_path / "cell" / "thesis.txt").write_text("mine")
     assert "'thesis.txt', which no cell" in str(run(CELLS[0].id))
     (tmp_path / "cell" / "thesis.txt").unlink()
-    info = tmp_path / "cell" / "run.json"
-    info.write_text(json.dumps(json.loads(info.read_text()) | {"scenario": "leak:top_vacuum"}))
+    file = tmp_path / "cell" / "run.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"scenario": "leak:top_vacuum"}))
     assert "what no cell" in str(run(CELLS[0].id))
-    assert json.loads(info.read_text())["scenario"] == "leak:top_vacuum"
+    assert json.loads(file.read_text())["scenario"] == "leak:top_vacuum"
     assert [each.name for each in tmp_path.iterdir()] == ["cell"]
 
 

@@ -193,12 +193,12 @@ def _share_of_any_air(detector: CylinderDetector, readings: Any, at: int) -> flo
 CONTROLLER: Mapping[str, WrongProduct] = {
     "a last will that drops what is held": WrongProduct(
         _replaced(GripLastWill, "of", _drops), "control/_last_wills.py: GripLastWill.of",
-        "grip; wait 1.5; end grip", "held", 11,
+        "grip; wait 1.5; end grip", "held",
         cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a last will in the wrong order": WrongProduct(
         _replaced(GripLastWill, "of", _in_wrong_order), "control/_last_wills.py: GripLastWill.of",
-        "grip; wait 0.5; kill hal", "order", 4,
+        "grip; wait 0.5; kill hal", "order",
     ),
     "a last will that waits for nothing": WrongProduct(
         _replaced(GripLastWill, "of", _without_pauses), "control/_last_wills.py: GripLastWill.of",

@@ -18,8 +18,6 @@ class WrongProduct(NamedTuple):
         place: of the mistake: a file below ``src/end_effector_hal``, and a name in it.
         found_by: the smallest case of a campaign that finds it, in words; or the id of a cell of the matrix.
         rule: that objects: of the campaign by its name; of the matrix by a part of its sentence.
-        found_in_run: the first run of the campaign with seed 0 that breaks a rule; None: nobody has tried that, or none
-            of the first 150 does.
         cell: of the matrix that finds it as well; empty: none does, or nobody has looked for one.
     """
 
@@ -27,7 +25,6 @@ class WrongProduct(NamedTuple):
     place: str
     found_by: str
     rule: str
-    found_in_run: int | None = None
     cell: str = ""
 
     @property
