@@ -25,18 +25,23 @@ def mutants() -> str:
     for counts in record.outcomes.values():
         total.update(counts)
     rows = [(kind, *_cells(counts)) for kind, counts in record.outcomes.items()]
-    command = f"eehal model mutants --sample {record.judged} --seed {record.seed} --record FILE"
+    sample = "" if record.seed is None else f" --sample {record.judged} --seed {record.seed}"
+    command = f"eehal model mutants{sample} --record FILE"
     parts = [
         "## By kinds of edit",
         f"{record.judged} of {record.of} mutants. `eehal model mutants --kept` prints this table; `{command}` judges "
-        "them again.",
+        f"{'them' if sample else 'all'} again.",
         table(HEADS, [*rows, ("all", *_cells(total))]),
     ]
     if record.survivors:
         parts.append("Survivors:")
         parts.append("\n".join(f"- {plain(each)}" for each in record.survivors))
     else:
-        parts.append("None survives.")
+        parts.append(
+            "None survives."
+            if record.judged == record.of
+            else "Of these none survives; the others are not judged."
+        )
     tool = load(profile_path())
     executed = (*tool.automata.grip, *tool.automata.tool_change)
     for template in load_automata(tool).document.templates:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -90,10 +89,13 @@ def mutants(
     counts = Counter(str(each.outcome) for each in judged)
     document = source.network.document
     found_all = mutation_record(
-        document, judged, of=sum(1 for _ in mutants_of(document, executed)), seed=seed
+        document,
+        judged,
+        of=sum(1 for _ in mutants_of(document, executed)),
+        seed=None if sample is None else seed,
     )
     if record is not None:
-        write_whole(record, (json.dumps(found_all.document(), indent=1, ensure_ascii=False) + "\n").encode())
+        write_whole(record, found_all.text().encode())
     if as_json:
         mutants = [each.document() for each in judged]
         print_document({"source": source.name, "seed": seed, "outcomes": counts, "mutants": mutants})
@@ -123,7 +125,8 @@ def _print_kept(*, as_json: bool) -> None:
     if as_json:
         print_document(record.document())
         return
-    click.echo(f"{record.judged} of {record.of} mutants, drawn with --seed {record.seed}:")
+    drawn = "" if record.seed is None else f", drawn with --seed {record.seed}"
+    click.echo(f"{record.judged} of {record.of} mutants{drawn}:")
     for line in _table(record):
         click.echo(line)
     for survivor in record.survivors:

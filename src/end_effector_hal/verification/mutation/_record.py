@@ -49,7 +49,7 @@ class MutationRecord:
     Attributes:
         judged: how many mutants.
         of: how many there are.
-        seed: of the sample.
+        seed: of the sample; None: it is no sample that can be drawn again.
         outcomes: how many had which outcome, by the kind of edit.
         survivors: in words.
         edges: by template, ends and labels of an edge: one that was edited since is not in it.
@@ -57,7 +57,7 @@ class MutationRecord:
 
     judged: int
     of: int
-    seed: int
+    seed: int | None
     outcomes: Mapping[str, Mapping[str, int]]
     survivors: Sequence[str] = ()
     edges: Mapping[str, EdgeNeeds] = field(default_factory=dict, repr=False)
@@ -65,6 +65,26 @@ class MutationRecord:
     def of_edge(self, template: Template, number: int) -> EdgeNeeds | None:
         """What was found of one of the edges of a template; None: nothing, or it is another edge by now."""
         return self.edges.get(_key(template, template.edges[number]))
+
+    def text(self) -> str:
+        """The text of its file: a line for each kind of edit, each survivor and each edge."""
+        parts = []
+        for name, value in self.document().items():
+            lines: list[str] = []
+            if isinstance(value, dict):
+                lines = [f"{_json(key)}: {_json(each)}" for key, each in value.items()]
+            elif isinstance(value, list):
+                lines = [_json(each) for each in value]
+            opened, closed = "{}" if isinstance(value, dict) else "[]"
+            parts.append(
+                f"{_json(name)}: "
+                + (
+                    ",\n  ".join([f"{opened}\n  {lines[0]}", *lines[1:]]) + f"\n {closed}"
+                    if lines
+                    else _json(value)
+                )
+            )
+        return "{\n " + ",\n ".join(parts) + "\n}\n"
 
     def document(self) -> dict[str, object]:
         """As JSON has it."""
@@ -83,7 +103,7 @@ class MutationRecord:
 
 
 def mutation_record(
-    document: Document, verdicts: Iterable[MutantVerdict], *, of: int, seed: int
+    document: Document, verdicts: Iterable[MutantVerdict], *, of: int, seed: int | None
 ) -> MutationRecord:
     """Sum up the verdicts on mutants of a document.
 
@@ -91,7 +111,7 @@ def mutation_record(
         document: that was edited.
         verdicts: on its mutants.
         of: how many mutants there are.
-        seed: with which those that were judged were drawn.
+        seed: with which those that were judged were drawn, if they were.
     """
     templates = {each.name.content.strip(): each for each in document.templates}
     outcomes: dict[str, Counter[str]] = {}
@@ -128,7 +148,7 @@ def read_record(text: str, where: str) -> MutationRecord:
         return MutationRecord(
             int(given["judged"]),
             int(given["of"]),
-            int(given["seed"]),
+            None if given["seed"] is None else int(given["seed"]),
             {str(kind): _counts(counts) for kind, counts in given["outcomes"].items()},
             tuple(str(each) for each in given["survivors"]),
             {
@@ -148,6 +168,10 @@ def read_record(text: str, where: str) -> MutationRecord:
 def kept_record() -> MutationRecord:
     """That of the shipped automata. Of automata with other edges it says what it knows of those that are the same."""
     return read_record(KEPT_FILE.read_text(encoding="utf-8"), str(KEPT_FILE))
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _counts(given: Mapping[Any, Any]) -> dict[str, int]:

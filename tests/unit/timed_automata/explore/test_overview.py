@@ -86,3 +86,13 @@ def test_what_the_constants_switch_off_is_told_apart_from_what_is_dead() -> None
     assert coverage.locations == ("P.d",)
     assert [edge.split(": ", 1)[1] for edge in coverage.edges] == ["P a → d (i == 1)"]
     assert [edge.split(": ", 1)[1] for edge in coverage.disabled] == ["P a → b (FITTED)", "P b → c"]
+
+
+def test_a_conclusion_that_always_holds_has_a_premise_with_a_clock() -> None:
+    model = network("clock x;", Template("Only", ["a -> b; guard: x >= 2"]))
+    asked = [
+        "A[] (Only.a && x >= 1) imply true",
+        "A[] Only.a imply true",
+        "A[] (Only.b && x < 2) imply 1 == 1",
+    ]
+    assert overview(model, [parse_query(each) for each in asked]).answers == (True, True, True)

@@ -42,9 +42,7 @@ SAME_STATES = {
     "Arbiter, function mark: condition dropped, 'record == WHOLE' -> 'true'": ("record",),
 }
 """It reaches the same discrete states, but for the values of these variables."""
-MORE_FREEDOM = ("Program, Asking -> Up, synchronisation: synchronisation, 'accepted?' -> ''",)
-"""It reaches all states, and others: a program that does not wait for the reply. It lets nothing fall either."""
-UNNOTICED = {*NO_RUN_OF_THE_CODE, *SAME_STATES, *MORE_FREEDOM}
+UNNOTICED = {*NO_RUN_OF_THE_CODE, *SAME_STATES}
 
 NOTICED = [
     ("keep: assignment dropped, 'kept_line[i] = line[i];' -> ';'", "record-lines"),
@@ -54,8 +52,12 @@ NOTICED = [
     ("Calling -> Up: target, 'Calling -> Up' -> 'Calling -> Gone'", "gone"),
     ("assignment: assignment dropped, 'take(m), listens = false' -> 'take(m)'", "listens"),
     ("Holding -> Lost: edge deleted", "unread"),
+    ("Asking -> Up, synchronisation: synchronisation, 'accepted?' -> ''", "program-told"),
+    ("Holding -> Lost: target, 'Holding -> Lost' -> 'Holding -> Asking'", "program-told"),
+    ("Ready -> Ready, guard: comparison, '!=' -> '=='", "record-lines"),
+    ("Ready -> Ready: target, 'Ready -> Ready' -> 'Ready -> Working'", "answered"),
 ]
-"""Edits that nothing noticed before this was required."""
+"""Edits that nothing noticed before this was required; those of several edges that are alike have the same words."""
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +97,8 @@ def reached(network: Network, but: Collection[str]) -> set[object]:
 @pytest.mark.parametrize("noticed", first_of(NOTICED, 2), ids=lambda each: each[1])
 def test_a_requirement_notices_it(document: Document, baseline: Baseline, noticed: tuple[str, str]) -> None:
     words, by = noticed
-    assert by in judge(drawn(document)[numbered(document, words)], baseline).caught_by
+    edits = [each for each in mutants(document, TEMPLATES) if words in str(each)]
+    assert by in {id_ for each in edits for id_ in judge(each, baseline).caught_by}
 
 
 @pytest.mark.nightly
@@ -121,10 +124,3 @@ def test_the_code_does_what_it_cannot(document: Document, name: str, monkeypatch
 def test_it_reaches_the_same_states(document: Document, name: str) -> None:
     edited, but = drawn(document)[numbered(document, name)].document, SAME_STATES[name]
     assert reached(make_network(edited), but) == reached(make_network(document), but)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", MORE_FREEDOM)
-def test_it_reaches_more_states(document: Document, name: str) -> None:
-    edited = drawn(document)[numbered(document, name)].document
-    assert reached(make_network(edited), ()) > reached(make_network(document), ())

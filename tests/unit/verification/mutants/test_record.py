@@ -45,8 +45,9 @@ def test_an_edge_is_needed_by_what_noticed_an_edit_of_it(network: Network) -> No
         MutantVerdict(four, MutantOutcome.SURVIVES),
     ]
     record = mutation_record(network.document, verdicts, of=57, seed=3)
-    read = read_record(json.dumps(record.document()), "record.json")
-    assert read == record
+    assert read_record(json.dumps(record.document()), "record.json") == record
+    assert read_record(record.text(), "record.json") == record
+    assert json.loads(record.text()) == record.document()
     assert (record.judged, record.of, record.survivors) == (4, 57, (str(four),))
     needs = record.of_edge(template_of(network, "Arming"), 1)
     assert needs == (3, {"arm-stays": 2, "time": 1})
