@@ -34,6 +34,9 @@ def ask_program(path: Path, program: str, command: str) -> Answer:
                         return Answer(said["accepted"], said["reason"], said["decided"])
                     if time.monotonic() > until:
                         break
+    except (FileNotFoundError, ConnectionRefusedError):
+        why = f"No {program} program runs at {path}, where one of this name and this socket would be."
+        return Answer(False, why, decided=False)
     except (OSError, ValueError, KeyError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return Answer(False, f"The {program} program cannot be asked ({path}): {why}.", decided=False)
