@@ -21,9 +21,11 @@ from timed_automata.queries import parse_query
 
 pytestmark = pytest.mark.nightly  # long
 
-ONE_IS_ENOUGH = """    if (j == focus || j == witness() || any_odd()) return j == focus || odd == -1 || odd == j;
-    return level == PARTIAL ? odd == -1 &amp;&amp; usual(j) == CONFIRMED &amp;&amp; may_lose() : odd == j &amp;&amp; level == usual(j);
-"""
+ONE_IS_ENOUGH = (
+    "    if (j == focus || j == witness() || any_odd()) return j == focus || odd == -1 || odd == j;\n"
+    "    return level == PARTIAL ? odd == -1 &amp;&amp; usual(j) == CONFIRMED &amp;&amp; may_lose()"
+    " : odd == j &amp;&amp; level == usual(j);\n"
+)
 ANY_OF_THEM = "    return j == focus || odd == -1 || odd == j;\n"
 IT_SETTLES = "    return ee == RELEASING &amp;&amp; !any_odd()"
 NEVER = "    return false &amp;&amp; !any_odd()"
