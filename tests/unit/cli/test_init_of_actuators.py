@@ -49,8 +49,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ("actuators", "options"),
     [
         *TOOLS[1:3],
-        TOOLS[-1],
-        *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[3:-1]),
+        *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[3:]),
     ],
 )
 def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:

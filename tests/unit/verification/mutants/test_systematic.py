@@ -31,6 +31,11 @@ def baselines(tool) -> Baselines:  # type: ignore[no-untyped-def]
     return Baselines(load_automata(tool), model_constants(tool), EXECUTED)
 
 
+@pytest.fixture(scope="module")
+def shipped(tool) -> Baseline:  # type: ignore[no-untyped-def]
+    return Baseline(load_automata(tool), model_constants(tool), EXECUTED)
+
+
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("part", first_of(range(PARTS)))
 def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  # type: ignore[no-untyped-def]
@@ -39,9 +44,9 @@ def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  #
     if NIGHTLY:
         found = list(judge_all(network, constants, EXECUTED, sample=SAMPLE, seed=SEED))
     else:
-        shipped = next(iter(baselines))
+        quickest = next(iter(baselines))
         drawn = Random(SEED).sample(list(mutants(network.document, EXECUTED)), SAMPLE)[part::PARTS]
-        found = [judge(each, shipped) for each in drawn]
+        found = [judge(each, quickest) for each in drawn]
         unnoticed = [each for each in found if each.outcome == MutantOutcome.SURVIVES]
         found += [baselines.judge(each.mutant) for each in unnoticed]
         found = [each for each in found if each not in unnoticed]
@@ -52,7 +57,7 @@ def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  #
     assert len(caught) > (0.9 if NIGHTLY else 0.5) * SAMPLE / PARTS
 
 
-def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool) -> None:  # type: ignore[no-untyped-def]
+def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool, shipped) -> None:  # type: ignore[no-untyped-def]
     """The judge says that nothing notices where nothing does."""
     network, constants = load_automata(tool), model_constants(tool)
     edit = next(
@@ -60,7 +65,7 @@ def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool) -> None:  #
         for each in mutants(network.document, ["Changer"])
         if each.element == "Locking -> Locked, assignment" and each.new == "(NONE + 1)"
     )
-    assert judge(edit, Baseline(network, constants, EXECUTED)).caught_by == ("changer-told",)
+    assert judge(edit, shipped).caught_by == ("changer-told",)
     queries = tuple(each for each in network.document.queries if "[changer-told]" not in each.comment)
     fewer = replace(network.document, queries=queries)
     baseline = Baseline(make_network(fewer, constants), constants, EXECUTED)
@@ -68,7 +73,7 @@ def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool) -> None:  #
     assert judge(edited, baseline).outcome == MutantOutcome.SURVIVES
 
 
-def test_an_edit_that_changes_nothing_is_equivalent(tool) -> None:  # type: ignore[no-untyped-def]
+def test_an_edit_that_changes_nothing_is_equivalent(tool, shipped) -> None:  # type: ignore[no-untyped-def]
     """At ``Clearing`` the next actuator has the same time-out, unless the description says otherwise."""
     network, constants = load_automata(tool), model_constants(tool)
     edit = next(
@@ -76,7 +81,7 @@ def test_an_edit_that_changes_nothing_is_equivalent(tool) -> None:  # type: igno
         for each in mutants(network.document, ["Gripper"])
         if each.element == "invariant of Clearing" and each.new == "(last + 1)"
     )
-    assert judge(edit, Baseline(network, constants, EXECUTED)).outcome == MutantOutcome.EQUIVALENT
+    assert judge(edit, shipped).outcome == MutantOutcome.EQUIVALENT
     constants |= {"T_GONE": [2000, 1500, 2000]}
     other = Baseline(make_network(network.document, constants), constants, EXECUTED)
     assert judge(edit, other).outcome != MutantOutcome.EQUIVALENT
@@ -101,21 +106,20 @@ def test_an_edit_that_makes_no_difference_is_no_survivor(  # type: ignore[no-unt
     assert judge(edit, next(iter(baselines))).outcome == MutantOutcome.EQUIVALENT
 
 
-def test_an_edit_that_switches_an_edge_on_is_judged(tool) -> None:  # type: ignore[no-untyped-def]
-    network, constants = load_automata(tool), model_constants(tool)
+def test_an_edit_that_switches_an_edge_on_is_judged(shipped) -> None:  # type: ignore[no-untyped-def]
     edit = next(
         each
-        for each in mutants(network.document, ["Gripper"])
+        for each in mutants(shipped.network.document, ["Gripper"])
         if each.element == "Step -> Step, guard" and each.new == "true"
     )
-    assert judge(edit, Baseline(network, constants, EXECUTED)).outcome == MutantOutcome.CAUGHT
+    assert judge(edit, shipped).outcome == MutantOutcome.CAUGHT
 
 
 @pytest.mark.parametrize(
     ("template", "element", "new", "by"),
     [
         ("Gripper", "Step -> Reset, assignment", "1", ("second-attempt", "one step")),
-        ("Gripper", "Abort -> Unwind, assignment", "1", ("forgotten", "")),
+        ("Gripper", "Abort -> Unwind, assignment", "1", ("forgotten", "one step")),
         ("Arming", "Armed -> Idle, guard", "(T_ARM - 1)", ("arm-stays", "no sensors of the stand")),
     ],
 )
