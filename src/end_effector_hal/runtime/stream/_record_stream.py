@@ -36,8 +36,8 @@ from ._readers import MOST_MESSAGES, StreamReader, StreamReaders
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 2_000
 """Records that wait for the thread of the stream."""
-LOOK_S = 0.05
-"""How often it looks for records while somebody reads."""
+LOOK_S = 0.1
+"""How often it looks for records while somebody reads, as often as a page shows them: each look costs the program."""
 ALIVE_US = 400_000
 AT_ONCE = 65_536
 """Bytes that are sent together; more would look as if a reader were behind."""
