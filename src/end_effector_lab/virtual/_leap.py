@@ -12,7 +12,7 @@ from ._sources import StreamedLink
 
 SHORT_US, LONG_US = 120_000, 1_000_000
 """So far it is looked ahead: as far as a reading stays fresh; and as far as it pays, where that came true."""
-AGAIN_AFTER = 3
+AGAIN_AFTER = 6
 """After so many frames it is looked ahead again, where that showed that something will change."""
 
 
