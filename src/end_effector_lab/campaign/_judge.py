@@ -132,14 +132,21 @@ class Judge:
         self._latched, self._sensor_fault = set(), False
 
     def power_lost(self) -> None:
-        """Everything has died, and every line is inactive; what is latched stands in the journal."""
+        """Everything has died, every line is inactive, valves of two coils stay; what is latched stands in the journal."""
         edges, statuses = self._tool.edges, self._tool.statuses
         self._seen = len(edges), len(statuses)
-        self._active = dict.fromkeys(self._active, False)
+        self._active = {name: self._stays_without_power(name) for name in self._active}
         self._changed_at = dict.fromkeys(self._changed_at, self._tool.at - SETTLE_US)
         self._held = self._grip_runs = self._unlock_accepted = False
         self._let_go = {}
         self._unlocked_since = self._unwound_by = None
+
+    def _stays_without_power(self, name: str) -> bool:
+        """Whether a valve of two coils stands, or is going, where its first one has moved it: it stays there."""
+        if self._description.actuators[name].line not in self._description.opposites:
+            return False
+        valve = self._tool.bench.devices[name].valve
+        return valve.is_open == valve.settled
 
     # What is seen of it
 

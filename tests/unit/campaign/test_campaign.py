@@ -9,6 +9,7 @@ from random import Random
 import pytest
 from click.testing import CliRunner
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
@@ -214,3 +215,13 @@ def test_one_case_is_played_by_nobody_else(tmp_path: Path) -> None:
 
 def test_processes_without_a_case_are_refused() -> None:
     assert "--play FILE" in str(CliRunner().invoke(command, ["--processes"]).exception)
+
+
+@pytest.mark.parametrize("words", ["grip; power", "grip; wait 3; power"])
+def test_a_valve_of_two_coils_holds_without_power(words: str) -> None:
+    """Found by a campaign: that its part is told as held after that is no failure."""
+    jaw = load_tool(ROOT / "examples" / "tools" / "double_acting_jaw" / "end_effector.yaml")
+    played = play_case(jaw, case_from_words(words, jaw, seed=0), CoverageMap(jaw))
+    assert not played.failures
+    assert played.end is not None
+    assert played.end.state == "GRIPPED"
