@@ -132,7 +132,7 @@ class Judge:
         self._latched, self._sensor_fault = set(), False
 
     def power_lost(self) -> None:
-        """Everything has died, every line is inactive, valves of two coils stay; what is latched stands in the journal."""
+        """Everything has died, every line is inactive; valves of two coils stay; the journal has what is latched."""
         edges, statuses = self._tool.edges, self._tool.statuses
         self._seen = len(edges), len(statuses)
         self._active = {name: self._stays_without_power(name) for name in self._active}
