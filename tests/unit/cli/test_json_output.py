@@ -36,7 +36,10 @@ CALLS: dict[str, tuple[str, ...]] = {
     "model mutants": ("--template", "Arming", "--sample", "1", "--jobs", "1"),
     "model simulate": ("--steps", "30"),
     "plot": ("nothing",),
+    "reload": (str(profile_path()),),
     "replay": ("nothing",),
+    "reset": (str(profile_path()),),
+    "stop": (str(profile_path()),),
     "tune": ("nothing",),
     "verify": ("--model", "lamp.xml"),
 }

@@ -254,7 +254,8 @@ class LineArbiter:
         """Execute what is due: waiting writes, last wills, and the ends of activations."""
         if self._lines.remote is not None:
             self._hear_devices(self._lines.remote, at)
-        self.end_pulses(at)  # first: a pause begins there
+        if self._lines.coils is not None:
+            self.end_pulses(at)  # first: a pause begins there
         for session in list(self.sessions):
             try:
                 self._apply_due(session, at)

@@ -112,21 +112,20 @@ class OutputLines:
 
     def last_ready_at(self, writes: Iterable[Write]) -> int:
         """When the last of these writes can be applied, if each is applied as early as it may be, µs."""
-        levels, ready_at, time = dict(self.levels), {line: self._settled_at(line) for line in self.levels}, 0
+        levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
+        paused = {line: self.coils.ready_at(line) for line in levels} if self.coils else {}
         for due, wanted in writes:
             time, switched = max(time, due), []
             for line, level in wanted.items():
                 if levels[line] != level:
-                    time = max(time, ready_at[line])
+                    settled_at = changed_at[line] + self._policy.min_switch_us
+                    time = max(time, settled_at, paused.get(line, 0))
                     switched.append(line)
             for line in switched:
-                levels[line], ready_at[line] = wanted[line], time + self._policy.settle_us(line)
+                levels[line], changed_at[line] = wanted[line], time
+                if self.coils:
+                    paused[line] = time + self._policy.settle_us(line)
         return time
-
-    def _settled_at(self, line: str) -> int:
-        """When it may change again, µs: IL-10, and the pause after a pulse."""
-        paused = self.coils.ready_at(line) if self.coils else 0
-        return max(self.changed_at[line] + self._policy.min_switch_us, paused)
 
     def longest_end(self, line: str) -> int | None:
         """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""

@@ -31,8 +31,8 @@ IT_SETTLES = "    return ee == RELEASING &amp;&amp; !any_odd()"
 NEVER = "    return false &amp;&amp; !any_odd()"
 GONE_LATER = "    return level == evidence[j] || odd == -1 || odd == j || any_odd() || ee != RELEASING;\n"
 GONE_AT_ONCE = "    return true;\n"
-IT_STOPS = '<label kind="synchronisation" x="-240" y="540">stops?</label>'
-IT_GOES_ON = '<label kind="guard" x="-240" y="523">false</label>' + IT_STOPS
+IT_STOPS = '<label kind="synchronisation" x="-380" y="540">stops?</label>'
+IT_GOES_ON = '<label kind="guard" x="-380" y="523">false</label>' + IT_STOPS
 OF_THE_WORLD = (
     "evidence",
     "vented",

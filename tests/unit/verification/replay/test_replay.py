@@ -92,6 +92,9 @@ def test_every_input_of_a_controller_is_recorded() -> None:
     """A new one must be recorded, or be a question; else its replay would differ."""
     public = {name for name, _ in inspect.getmembers(Controller) if name.islower() and name[0] != "_"}
     public.remove("resume")  # only a replay does, from the state with which a segment begins
+    public.remove(
+        "pass_over"
+    )  # only in virtual time that leaves frames out: the monitor judges it, nobody replays it
     methods = {name: each for name, each in vars(RecordedController).items() if inspect.isfunction(each)}
     recorded = {name for name in public & methods.keys() if "_put" in methods[name].__code__.co_names}
     assert public - recorded == QUESTIONS
