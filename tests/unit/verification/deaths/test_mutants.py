@@ -13,7 +13,7 @@ import pytest
 
 from end_effector_hal.verification.deaths import DEATHS_FILE
 from end_effector_hal.verification.mutation import Baseline, MutantOutcome, judge
-from tests.support.nightly import first_of
+from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.arbiter.death_runs import model_text
 from tests.unit.arbiter.test_death_template import played
 from timed_automata import Document, Network, load_document, make_network
@@ -101,7 +101,7 @@ def test_a_requirement_notices_it(document: Document, baseline: Baseline, notice
     assert by in {id_ for each in edits for id_ in judge(each, baseline).caught_by}
 
 
-@pytest.mark.nightly
+@pytest.mark.skipif(not NIGHTLY, reason="takes minutes: `make nightly` judges the sample")
 @pytest.mark.timeout(3600)
 def test_what_no_requirement_notices_stands_here(document: Document, baseline: Baseline) -> None:
     found = [judge(each, baseline) for each in drawn(document).values()]
