@@ -51,6 +51,16 @@ def test_il_10_a_second_change_waits_until_50_ms_are_over():
     assert arbiter.written[1:] == [(1 * S + 50 * MS, BOTTOM, False)]
 
 
+def test_il_10_counts_from_the_end_of_a_write():
+    """Writing takes a moment: counted from before, the wire would stay as it is for less."""
+    arbiter = Arbiter()
+    arbiter.set(arbiter.grip, bottom=True)
+    arbiter.rules.written(1 * S + 2 * MS)
+    arbiter.to(1 * S + 10 * MS)
+    arbiter.rules.written(1 * S + 10 * MS)  # nothing was written since
+    assert arbiter.set(arbiter.grip, bottom=False) == 42 * MS
+
+
 def test_il_10_what_comes_after_waits_behind_it():
     arbiter = Arbiter()
     arbiter.set(arbiter.grip, top=True, bottom=True)

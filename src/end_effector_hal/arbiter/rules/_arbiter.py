@@ -250,6 +250,10 @@ class LineArbiter:
             self.declare_dead(session, f"it did not renew its lease for {self.policy.lease_us} µs", at)
         return over
 
+    def written(self, at: int) -> None:
+        """Whatever was written since this was last called is done by ``at`` µs."""
+        self._lines.written(at)
+
     def advance(self, at: int) -> None:
         """Execute what is due: waiting writes, last wills, and the ends of activations."""
         if self._lines.remote is not None:

@@ -42,6 +42,8 @@ class OutputLines:
         )
         self.changed_at = dict.fromkeys(policy.lines, at)
         """The time of the last change of each line, µs."""
+        self._changed: set[str] = set()
+        """What was changed since it was last said when that was done."""
         self._half_done: set[str] = set()
         """What an activation that failed may have activated: of several chips, one may have been written."""
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
@@ -77,8 +79,15 @@ class OutputLines:
         self._half_done -= changes.keys()
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
+        self._changed |= changes.keys()
         if self.remote is not None:
             self._unsure |= self.remote.unsure()
+
+    def written(self, at: int) -> None:
+        """What was changed just now is changed since ``at``: a write takes a moment, and IL-10 counts from its end."""
+        if self._changed:
+            self.changed_at |= dict.fromkeys(self._changed, at)
+            self._changed.clear()
 
     def read(self) -> dict[str, bool]:
         """The levels, read back from the hardware where they stand there."""

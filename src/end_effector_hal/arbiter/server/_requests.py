@@ -59,6 +59,7 @@ class RequestHandler:
             number = read_id(message)
             request = read_request(message)
             more = self._execute(connection, request)
+            self._arbiter.written(now_us())
             self._records.keep(self._arbiter)
             if request.op == "tell" and number is None:
                 return None

@@ -138,6 +138,7 @@ class ArbiterServer(Closing):
             self._end_leases(at)
         self._end(self._connections.idle(at), f"it was silent for {IDLE_US // 1_000_000} s")
         self._arbiter.advance(now_us())
+        self._arbiter.written(now_us())
         self._records.keep(self._arbiter)
 
     def _serve(self, wait_s: float | None) -> None:
