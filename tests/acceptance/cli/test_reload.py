@@ -24,14 +24,6 @@ def world(tmp_path: Path) -> Iterator[World]:
         yield running
 
 
-@pytest.fixture
-def terminal(world: World, tmp_path: Path) -> Iterator[Terminal]:
-    home = {"XDG_STATE_HOME": str(tmp_path / "state")}
-    with Terminal([*EEHAL, "run", str(world.description_path)], env=home) as running:
-        running.read_until("OFF -> STAND_BY")
-        yield running
-
-
 def asked(world: World, *restart: str) -> tuple[int, str]:
     command = [*EEHAL, "reload", str(world.description_path), *(["--", *restart] if restart else [])]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

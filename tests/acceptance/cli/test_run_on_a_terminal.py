@@ -27,14 +27,6 @@ def world(tmp_path: Path) -> Iterator[World]:
         yield running
 
 
-@pytest.fixture
-def terminal(world: World, tmp_path: Path) -> Iterator[Terminal]:
-    home = {"XDG_STATE_HOME": str(tmp_path / "state")}
-    with Terminal([*EEHAL, "run", str(world.description_path)], env=home) as running:
-        running.read_until("OFF -> STAND_BY")
-        yield running
-
-
 def begin_a_grip(terminal: Terminal) -> int:
     terminal.type("lock\n")
     at = terminal.read_until("LOCK: succeeded")

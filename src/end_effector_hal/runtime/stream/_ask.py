@@ -12,6 +12,7 @@ from end_effector_hal.control import Answer
 from end_effector_hal.wires import now_us
 
 from ._protocol import COMMAND_VALID_US
+from ._readers import MOST_BYTES
 
 PATIENCE_S = 10.0
 """For an answer: a description is loaded and checked meanwhile."""
@@ -28,16 +29,16 @@ def ask_program(path: Path, program: str, command: str) -> Answer:
             sock.connect(str(path))
             sock.sendall(to_json(asked) + b"\n")
             with sock.makefile("rb") as lines:
-                for line in lines:
+                while line := lines.readline(MOST_BYTES):  # a longer one is cut, and is no JSON then
                     said = from_json(line)
                     if said["kind"] == "answer-to" and said["id"] == NUMBER:
-                        return Answer(said["accepted"], said["reason"], said["decided"])
+                        return Answer(said["accepted"] is True, str(said["reason"]), said["decided"] is True)
                     if time.monotonic() > until:
                         break
     except (FileNotFoundError, ConnectionRefusedError):
-        why = f"No {program} program runs at {path}, where one of this name and this socket would be."
+        why = f"The {program} program of this tool does not run: nothing listens at {path}."
         return Answer(False, why, decided=False)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return Answer(False, f"The {program} program cannot be asked ({path}): {why}.", decided=False)
     return Answer(False, f"The {program} program does not answer ({path}).", decided=False)
