@@ -26,11 +26,11 @@ def command(description: Path, as_json: bool) -> None:
     from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import socket_path
-    from end_effector_hal.runtime import STOP_LATCHED
+    from end_effector_hal.runtime import latch_stop
 
     with ArbiterClient(socket_path(load_tool(description)), "eehal stop", patience_s=0) as arbiter:
-        arbiter.stop()
+        what = latch_stop(arbiter)
     if as_json:
-        print_document({"ok": True, "stopped": True, "reason": STOP_LATCHED})
+        print_document({"ok": True, "stopped": True, "reason": what})
     else:
-        click.echo(f"{STOP_LATCHED} It ends with: eehal reset {description}")
+        click.echo(f"{what} It ends with: eehal reset {description}")

@@ -29,7 +29,6 @@ from .programs import (
     release_is_decided,
 )
 from .tool import (
-    STOP_LATCHED,
     EndEffector,
     GoalRunner,
     PlainOutputs,
@@ -37,12 +36,12 @@ from .tool import (
     Result,
     RunningGoal,
     changer_is_sensed,
+    latch_stop,
     reset,
     stop,
 )
 
 __all__ = [
-    "STOP_LATCHED",
     "WORDS",
     "ChangerProgram",
     "EndEffector",
@@ -62,6 +61,7 @@ __all__ = [
     "connect_arbiter",
     "error_text",
     "fixed_by_arbiter",
+    "latch_stop",
     "load_automata",
     "longest_release_s",
     "open_program",

@@ -4,4 +4,4 @@ from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._plain_outputs import PlainOutputs
 from ._ready import changer_is_sensed
-from ._reset import STOP_LATCHED, reset, stop
+from ._reset import latch_stop, reset, stop

@@ -50,7 +50,18 @@ def stop(description: Description) -> Answer:
     """
     try:
         with ArbiterClient(socket_path(description), "stop", patience_s=0) as owner:
-            owner.stop()
+            return Answer(True, latch_stop(owner))
     except WireError as error:
         return Answer(False, f"The stop is not latched: {error}")
-    return Answer(True, STOP_LATCHED)
+
+
+def latch_stop(arbiter: ArbiterClient) -> str:
+    """Latch a stop; what that means, and whether it would be lost with the line arbiter, in sentences.
+
+    Raises:
+        WireError: the line arbiter cannot be reached, or does not answer.
+    """
+    arbiter.stop()
+    faults = arbiter.status()["faults"]
+    lost = [str(faults[name]) for name in ("session record", "journal") if name in faults]
+    return " ".join([STOP_LATCHED, *(["It may be lost when the line arbiter ends:", *lost] if lost else [])])
