@@ -13,6 +13,7 @@ import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.runtime import latch_stop
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires.lines import VirtualChip, read_chip
 from tests.support.keeping import BOTTOM, LINES, TOP
@@ -263,6 +264,29 @@ def test_the_latch_of_an_e_stop_survives_a_full_disk_and_a_kill(tmp_path: Path, 
         ):
             program.set({BOTTOM: True}, [])
         program.close()
+
+
+@pytest.mark.parametrize("full_at_the_start", [False, True])
+def test_a_stop_survives_a_disk_that_fills_and_a_kill_or_says_that_it_may_not(
+    tmp_path: Path, memory_disk: Disk, *, full_at_the_start: bool
+) -> None:
+    bench = Bench(tmp_path, memory_disk.folder, memory_disk.folder)
+    (memory_disk.folder / "sock.lock").touch()
+    if full_at_the_start:
+        memory_disk.fill()
+    with bench.arbiter() as first:
+        if not full_at_the_start:
+            memory_disk.fill()
+        with bench.look() as look:
+            said = latch_stop(look)
+        assert ("It may be lost when the line arbiter ends" in said) == full_at_the_start
+        first.kill()
+        first.wait(PATIENCE_S)
+    with bench.arbiter(), bench.program() as program:
+        assert full_at_the_start or "stop" in bench.faults()
+        if not full_at_the_start:
+            with proving(bench.socket, closed=True), pytest.raises(OSError, match="IL-13"):
+                program.set({BOTTOM: True}, [])
 
 
 def test_a_disk_that_hangs_is_waited_for_by_nobody(tmp_path: Path, block_disk: Disk) -> None:
