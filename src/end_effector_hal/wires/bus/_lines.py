@@ -19,7 +19,8 @@ from end_effector_hal.errors import LinkBusyError, WireError
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._relay import RelayServer, relay_path
-from end_effector_hal.wires.bus._outputs import BusOutputs, fresh_for_us
+from end_effector_hal.wires.bus._output import fresh_for_us
+from end_effector_hal.wires.bus._outputs import BusOutputs
 from end_effector_hal.wires.bus._traffic import BusTraffic
 from end_effector_hal.wires.link import open_port
 
