@@ -150,7 +150,7 @@ def test_a_stop_from_another_terminal_cancels_a_grip_and_stays_until_a_reset(sta
     tool = Started("--scenario", "never-confirms:cylinder")
     started.append(tool)
     assert tool.process.stdin is not None
-    tool.process.stdin.write("lock\ngrip\ngrip\nreset\nquit\n")
+    tool.process.stdin.write("lock\ngrip\ngrip\nreload\nreset\nquit\n")
     tool.process.stdin.flush()
     tool.read_until("GRIPPING: Bottom vacuum ON, Cylinder PENDING EXTEND")
     (description,) = tool.temporary.glob("eehal-run-*/end_effector.yaml")
@@ -164,6 +164,7 @@ def test_a_stop_from_another_terminal_cancels_a_grip_and_stays_until_a_reset(sta
     tool.read_until("GRIPPING -> RELEASING.*cancelled")
     tool.read_until("GRIP: cancelled")
     tool.read_until(r"refused: grip. IL-13: the tool was stopped \(pid [0-9]+, .* stop ")
+    tool.read_until("refused: reload. The simulated line arbiter begins anew: reset its faults first. IL-13")
     tool.read_until("RESET: succeeded")
     tool.process.wait(20)
     unreachable = asked("stop")

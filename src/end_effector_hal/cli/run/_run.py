@@ -158,8 +158,10 @@ def command(
 
 def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: bool) -> Answer:
     """Whether this run may go on with the file as it is now; a simulated line arbiter begins anew with it."""
+    from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import Answer
+    from end_effector_hal.description import socket_path
     from end_effector_hal.runtime import reload_answer
 
     if recorded:
@@ -167,8 +169,13 @@ def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: b
     if simulate:
         try:
             load_tool(description)
+            with ArbiterClient(socket_path(tool.description), "reload", patience_s=0) as arbiter:
+                faults = arbiter.status()["faults"].values()
         except ReportedError as error:
             return Answer(False, str(error))
+        if faults:
+            what = " ".join(map(str, faults))
+            return Answer(False, f"The simulated line arbiter begins anew: reset its faults first. {what}")
     elif not (answer := reload_answer(tool.description)).accepted:
         return answer
     return tool.stand_still()
