@@ -4,7 +4,7 @@ Rule 1. The file is checked first. While it has a fault the description that run
 Rule 2. What the line arbiter was started with cannot change under it: outputs, their interlocks, times and last wills,
     the inputs and buses that it reads itself, its socket. For those it is restarted first, with its lines as they are.
 Rule 3. Nothing is taken over but at rest: in STAND_BY, with nothing held, no command, no maintenance.
-Rule 4. Whoever takes it over begins anew and adopts the lines as they are, as after any restart.
+Rule 4. A program that takes it over restarts, and adopts the lines as they are, as after any restart.
 """
 
 from __future__ import annotations

@@ -157,7 +157,7 @@ def command(
 
 
 def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: bool) -> Answer:
-    """Whether this run may go on with the file as it is now; a simulated line arbiter begins anew with it."""
+    """Whether this run may go on with the file as it is now; a simulated line arbiter restarts with it, and forgets."""
     from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import Answer
@@ -175,7 +175,7 @@ def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: b
             return Answer(False, str(error))
         if faults:
             what = " ".join(map(str, faults))
-            return Answer(False, f"The simulated line arbiter begins anew: reset its faults first. {what}")
+            return Answer(False, f"A simulated line arbiter forgets its faults in a reload: reset them first. {what}")
     elif not (answer := reload_answer(tool.description)).accepted:
         return answer
     return tool.stand_still()

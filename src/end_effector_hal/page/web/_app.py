@@ -192,7 +192,7 @@ class _Served(NamedTuple):
         if posted is None or not self._known(posted):
             return _malformed()
         at, who = now_us(), self.hub.name_of(posted.page)
-        # whoever sees that the tool must stop may stop it
+        # a page without control may stop the tool, too
         if posted.word not in ("cancel", "stop") and self.lease.holder(at) != posted.page:
             return _as_json(Answer(False, TAKE_CONTROL))
         what = f"{posted.word} {display_name(posted.actuator)}".rstrip()

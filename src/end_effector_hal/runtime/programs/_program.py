@@ -156,7 +156,7 @@ class Program(ABC):
     def stand_still(self, for_us: int = STILL_US) -> Answer:
         """Begin no activation for so long, if the program is at rest now; 0: go on.
 
-        Whoever takes over another description asks this first, so that no grip begins meanwhile.
+        Asked before a reload, so that no grip begins meanwhile.
         """
 
         def question() -> tuple[Answer, list[Status]]:
