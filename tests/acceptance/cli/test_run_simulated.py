@@ -164,7 +164,9 @@ def test_a_stop_from_another_terminal_cancels_a_grip_and_stays_until_a_reset(sta
     tool.read_until("GRIPPING -> RELEASING.*cancelled")
     tool.read_until("GRIP: cancelled")
     tool.read_until(r"refused: grip. IL-13: the tool was stopped \(pid [0-9]+, .* stop ")
-    tool.read_until("refused: reload. A simulated line arbiter forgets its faults in a reload: reset them first. IL-13")
+    tool.read_until(
+        "refused: reload. A simulated line arbiter forgets its faults in a reload: reset them first. IL-13"
+    )
     tool.read_until("RESET: succeeded")
     tool.process.wait(20)
     unreachable = asked("stop")

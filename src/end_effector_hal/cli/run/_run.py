@@ -175,7 +175,9 @@ def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: b
             return Answer(False, str(error))
         if faults:
             what = " ".join(map(str, faults))
-            return Answer(False, f"A simulated line arbiter forgets its faults in a reload: reset them first. {what}")
+            return Answer(
+                False, f"A simulated line arbiter forgets its faults in a reload: reset them first. {what}"
+            )
     elif not (answer := reload_answer(tool.description)).accepted:
         return answer
     return tool.stand_still()
