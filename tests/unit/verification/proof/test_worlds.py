@@ -31,7 +31,7 @@ IT_SETTLES = "    return ee == RELEASING &amp;&amp; !any_odd()"
 NEVER = "    return false &amp;&amp; !any_odd()"
 GONE_LATER = "    return level == evidence[j] || odd == -1 || odd == j || any_odd() || ee != RELEASING;\n"
 GONE_AT_ONCE = "    return true;\n"
-OF_MANY_STEPS = "OVER_AT_ONCE = N &gt; 4;"
+OF_MANY_STEPS = "OVER_AT_ONCE = N > 4;"
 OF_THE_WORLD = (
     "evidence",
     "vented",
