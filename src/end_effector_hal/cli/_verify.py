@@ -128,6 +128,8 @@ def command(
     elif output is not None:
         check_replaceable(output)
     most_bytes = None if most_gib is None else round(most_gib * 2**30)
+    if not as_json:
+        click.secho(f"Proving {source.name}", bold=True)  # at once: whoever reads a pipe sees no progress
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:
@@ -187,7 +189,6 @@ def _keep(description: Description, content: str, proof: Proof) -> None:
 
 
 def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every: bool, free: bool) -> None:
-    click.secho(f"{source.name}: {len(proof.findings)} requirements", bold=True)
     if every:
         for finding in proof.findings:
             _print_line(finding)

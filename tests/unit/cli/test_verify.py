@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
@@ -14,7 +16,9 @@ from end_effector_hal.cli._verify import command
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_run
+from end_effector_hal.verification.proof import Proof, prove
 from tests.unit.timed_automata.explore.models import Template, document
+from timed_automata import Network
 
 PRESSES = Template(
     "P", ["up -> down; guard: x >= 2; do: x = 0", "down -> up; guard: x >= 1"], invariants={"down": "x <= 3"}
@@ -45,7 +49,7 @@ def test_a_model_that_holds() -> None:
     result = run("--model", "model.xml", "--all")
     assert result.exit_code == 0
     lines = [re.sub(r"[\d.]+ s\b", "S", line) for line in result.stdout.splitlines()]
-    assert lines[0] == "model.xml: 6 requirements"
+    assert lines[0] == "Proving model.xml"
     assert lines[1].startswith("holds  It goes on.  [alive; ")
     assert "  down               0.003 s  0.005 s" in result.stdout
     assert lines[-1].startswith("all 6 hold; ")
@@ -53,6 +57,20 @@ def test_a_model_that_holds() -> None:
     assert "[alive" not in short
     assert "  down               0.003 s  0.005 s" in short
     assert re.fullmatch(r"all 6 hold; .*  \(--all lists every requirement\)", short.splitlines()[-1])
+
+
+def test_what_is_proven_is_written_before_the_proof_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    written("clock x;", PRESSES, ("A[] P.down imply x <= 5", "[down]"))
+    arrived: list[bytes] = []
+
+    def proving(network: Network, *words: Any, **options: Any) -> Proof:
+        arrived.append(sys.stdout.buffer.getvalue())  # type: ignore[attr-defined]
+        return prove(network, *words, **options)
+
+    monkeypatch.setattr("end_effector_hal.verification.proof.prove", proving)
+    run("--model", "model.xml")
+    run("--model", "model.xml", "--json")
+    assert arrived == [b"Proving model.xml\n", b""]
 
 
 def test_json() -> None:
@@ -136,7 +154,7 @@ def test_free_sensors_are_a_constant_of_the_file_and_need_not_let_time_diverge()
     )
     free = run("--model", "model.xml", "--all", "--free-sensors", "actuators")
     assert (free.exit_code, "[timelock; " in free.stdout, "[time; " in free.stdout) == (0, True, False)
-    assert free.stdout.startswith("model.xml, sensors free (actuators): 5 requirements")
+    assert free.stdout.startswith("Proving model.xml, sensors free (actuators)\n")
     assert "not asked: that time diverges [time]" in free.stdout
     document = json.loads(run("--model", "model.xml", "--free-sensors", "actuators", "--json").stdout)
     assert document["free_sensors"] == "actuators"
