@@ -10,6 +10,7 @@ import click
 from end_effector_hal.cli._figures import figures, is_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
+from end_effector_hal.cli._progress import Progress
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
 
@@ -47,15 +48,16 @@ def command(
     """
     from end_effector_hal.recording import Tolerances, compare_runs, read_tables
 
-    if output is not None:
-        if not is_figure(output):
-            raise UsageError("-o names a file that ends with .png or .svg.", where=str(output))
-        figures()  # without what draws it nothing is read
-    runs = read_tables(first), read_tables(second)
-    found = compare_runs(*runs, Tolerances(within_s, within_kpa))
-    sources = _sources(runs[0].info, runs[1].info)
-    if output is not None:
-        figures().save(figures().overlay(*runs, found, _names(first, second)), output)
+    if output is not None and not is_figure(output):
+        raise UsageError("-o names a file that ends with .png or .svg.", where=str(output))
+    with Progress("Comparing", shown=not as_json):
+        if output is not None:
+            figures()  # without what draws it nothing is read
+        runs = read_tables(first), read_tables(second)
+        found = compare_runs(*runs, Tolerances(within_s, within_kpa))
+        sources = _sources(runs[0].info, runs[1].info)
+        if output is not None:
+            figures().save(figures().overlay(*runs, found, _names(first, second)), output)
     if as_json:
         told = [each.as_json() for each in found]
         print_document({"differences": told, "sources": sources, "file": str(output) if output else None})

@@ -249,7 +249,11 @@ class _Both:
 
 
 def paired_lines(recorded: Sequence[StoryLine], other: Sequence[StoryLine]) -> Iterator[LinePair]:
-    """The lines of two runs in order of time; those that say the same at about the same time are one."""
+    """The lines of two runs in order of time; those that say the same at about the same time are one.
+
+    Two runs on the same inputs have one clock, so that a line is looked for near its time only. Recordings of two
+    grips have none in common: `compare_runs` aligns what they say, whenever.
+    """
     found: list[tuple[float, int, LinePair]] = []
     waiting: dict[str, deque[tuple[int, StoryLine]]] = {}
     for number, line in enumerate(other):
