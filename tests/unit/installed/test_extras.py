@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal._extras import extras
+from end_effector_hal._extras import DISTRIBUTION, extras
 from end_effector_hal.cli.doctor import _python
 from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
@@ -113,5 +113,9 @@ def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch)
     (finding,) = (each for each in _python.look_at_python() if "extra" in each.what)
     assert (finding.level, finding.what) == (Level.WARNING, "the extra lab is not installed (matplotlib)")
     assert finding.todo == "Needed by figures only: pip install '.[lab]' in a checkout of end-effector-hal"
+    monkeypatch.setattr(_python, "_installed", lambda name: name == DISTRIBUTION)
+    told = [each for each in _python.look_at_python() if "extra" in each.what]
+    assert [each.what.split()[2] for each in told] == [*extras()]
+    assert all(each.todo.startswith("Needed by ") for each in told)
     monkeypatch.setattr(_python, "_installed", lambda name: True)
     assert not [each for each in _python.look_at_python() if "extra" in each.what]

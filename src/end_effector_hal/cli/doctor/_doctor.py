@@ -13,6 +13,7 @@ from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.description import Description, did_you_mean, examine, profile_path
+from end_effector_hal.errors import UsageError
 
 from ._check_result import CheckedPart, CheckResult, CheckResults, Level
 
@@ -58,6 +59,14 @@ def command(
     Exit codes: 0 nothing is missing, 2 the description is bad, 3 something is missing or not reachable.
     """
     path = file or profile_path()
+    if report is not None and report.suffix not in (".txt", ".json"):
+        raise UsageError(
+            "A report is written into FILE.txt or FILE.json.",
+            where=str(report),
+            todo=f"To look at the tool of this file: eehal doctor {report} --report report.txt."
+            if report.suffix in (".yaml", ".yml")
+            else "Name it so.",
+        )
     findings: list[CheckResult] = []
     with Progress("Looking at this machine", shown=not as_json) as progress:
         for finding in _examined(path, only, listen=not passive):

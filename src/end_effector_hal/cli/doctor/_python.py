@@ -13,6 +13,7 @@ from ._check_result import CheckedPart, CheckResults
 
 _NEEDED_BY = {
     "bags": "`eehal import`",
+    "cluster": "work that is shared out to other machines (`--scheduler`)",
     "lab": "figures",
     "modbus": "the codecs modbus-rtu-*",
     "page": "`eehal page`",

@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.doctor._report import without_secrets
 from end_effector_hal.description import profile_path
+from end_effector_hal.errors import UsageError
 
 SECRET = "hunter2hunter2"
 
@@ -48,6 +49,14 @@ def test_it_has_what_was_found_the_versions_and_the_description_without_secrets(
     assert "ask <user> on <host>, http://example.org/x" in text
     assert "report.txt: look through it before you pass it on." in result.stderr
     assert result.exit_code in (0, 3)
+
+
+def test_it_replaces_no_description(home: Path) -> None:
+    tool = home / "tool.yaml"
+    tool.write_bytes(profile_path().read_bytes())
+    with pytest.raises(UsageError, match=r"eehal doctor \S+/tool\.yaml --report report\.txt"):
+        CliRunner().invoke(eehal, ["doctor", "--report", str(tool)], catch_exceptions=False)
+    assert tool.read_bytes() == profile_path().read_bytes()
 
 
 def test_as_json_it_has_the_same(home: Path) -> None:
