@@ -12,6 +12,11 @@ STOPPED = "the tool was stopped"
 LONGEST_NAME, LONGEST_SENTENCE = 64, 500
 
 
+def latched_stop(sentences: Iterable[str]) -> str:
+    """The sentence of a latched stop among faults or alarms; empty: there is none."""
+    return next((each for each in sentences if each.startswith(f"IL-13: {STOPPED}")), "")
+
+
 def is_name(given: object) -> bool:
     """Whether it is a text of 1 to 64 printable characters: no control characters, no half of a surrogate pair."""
     return isinstance(given, str) and 0 < len(given) <= LONGEST_NAME and given.isprintable()

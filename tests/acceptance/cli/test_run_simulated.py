@@ -106,6 +106,21 @@ def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[
     assert tool.process.returncode == 1
 
 
+@pytest.mark.alone  # as above
+def test_a_grip_right_after_the_reset_of_a_stop(started: list[Started]) -> None:
+    tool = Started("--script", "lock; grip; stop; drop; grip; reset; grip; drop")
+    started.append(tool)
+    out, _ = tool.process.communicate(timeout=LONG_S)
+    told = re.compile("refused|[A-Z]+: succeeded")
+    said = [line for line in out.splitlines() if told.match(line)]
+    refused = said.pop(4)
+    assert refused.startswith("refused: grip. IL-13: the tool was stopped")
+    assert [line.partition(":")[0] for line in said] == [
+        "LOCK", "GRIP", "STOP", "RELEASE", "RESET", "GRIP", "RELEASE",
+    ]  # fmt: skip
+    assert tool.process.returncode == 1
+
+
 def test_commands_come_from_the_prompt(started: list[Started]) -> None:
     tool = Started()
     started.append(tool)

@@ -13,7 +13,7 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
-from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import Command, EndEffectorState, display_name, latched_stop
 
 from ._automata import AutomataView
 from ._cards import Cards
@@ -247,7 +247,7 @@ class ToolView:
 
     def _stop_words(self, status: Status | None) -> str:
         """What a stop would do now, or has done."""
-        if status is not None and any(alarm.startswith(f"IL-13: {STOPPED}") for alarm in status.alarms):
+        if status is not None and latched_stop(status.alarms):
             return "Stopped: nothing is activated until the faults are reset. What is held stays held."
         return "Latched until a reset: nothing is activated, a running grip is cancelled, what is held stays held."
 

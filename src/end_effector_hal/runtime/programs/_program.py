@@ -20,7 +20,7 @@ from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
 from end_effector_hal.runtime.stream import GO_ON, PROGRAM_WORDS, RELOAD, TOO_LATE, ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState, latched_stop
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -194,7 +194,7 @@ class Program(ABC):
 
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
         self._faults = faults
-        self._stopped = next((fault for fault in faults if fault.startswith(f"IL-13: {STOPPED}")), "")
+        self._stopped = latched_stop(faults)
         return []  # only the notices change
 
     def _due(self) -> int | None:

@@ -21,7 +21,7 @@ from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command
+from end_effector_hal.vocabulary import ChangerState, Command, latched_stop
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -35,6 +35,8 @@ from ._reset import reset, stop
 
 RESET_S = 5.0
 """Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
+RENEWED_S = 2.0
+"""Several times what passes between two renewals of a lease, with which a program learns what is latched."""
 
 
 class EndEffector(Closing):
@@ -236,7 +238,12 @@ class EndEffector(Closing):
             self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
             status = self._change.status
             answers.append(Answer(not status.changer_fault, status.reason) if changer.accepted else changer)
-        return reset(self.description, self._grip, *answers)
+        answer = reset(self.description, self._grip, *answers)
+        if answer.accepted:
+            # the line arbiter tells the programs with their next renewal: until then they would refuse a grip
+            for unit in self._units:
+                unit.wait(lambda status: not latched_stop(status.alarms), RENEWED_S)
+        return answer
 
     def arm(self) -> Answer:
         """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
