@@ -43,8 +43,9 @@ class Card {
   }
 
   show(now, at) {
-    this.element.dataset.phase = now.phase;
-    put(this.pill, now.blows ? "BLOWN OFF" : now.phase === "releasing" ? "RELEASING" : now.state);
+    const driven = now.phase === "inactive" && now.output;  // by maintenance: the automata know nothing of it
+    this.element.dataset.phase = driven ? "driven" : now.phase;
+    put(this.pill, now.blows ? "BLOWN OFF" : now.phase === "releasing" ? "RELEASING" : driven ? "OUTPUT ON" : now.state);
     put(this.output, now.output === null ? "not recorded" : now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
     put(this.evidence, EVIDENCE[now.evidence] ?? "not recorded");
     this.bits.forEach((element, index) => put(element, now.bits[index] === undefined || now.bits[index] === null ? "?" : now.bits[index] ? "on" : "off"));
@@ -118,16 +119,18 @@ class Gauge {
     // words above and below in turn, moved apart so that none lies over another
     const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
     const ends = [-10, -10];
+    const pen = document.createElement("canvas").getContext("2d");
+    pen.font = `10.5px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;
     marks.forEach((mark, index) => {
       const below = index % 2;
       const text = `${mark.word} ${+mark.at.toFixed(this.drawn.decimals)}`;
-      const width = text.length * 5.5;
+      const { width } = pen.measureText(text);
       const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
       ends[below] = left + width;
       const y = below ? 48 : 10;
       box.append(svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }));
       box.append(svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }));
-      const words = svg("text", { x: left, y, textLength: width, lengthAdjust: "spacingAndGlyphs" });
+      const words = svg("text", { x: left, y });
       words.textContent = text;
       box.append(words);
     });

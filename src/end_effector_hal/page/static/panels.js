@@ -44,7 +44,7 @@ export function overview(view) {
   put("state-word", state.word);
   setTone("panel-state", STATE_TONES[state.name] || "idle");
   put("state-reason", state.reason || (state.maintenance ? "Maintenance." : `for ${seconds((view.at - state.since) / 1e6)}`));
-  flag("held", state.held, state.held ? "ok" : "idle", state.held ? (state.secure ? "secure" : "not secure, or not known") : "nothing is held");
+  flag("held", state.held, state.held ? "ok" : "idle", state.held ? held(state, view.cards) : "nothing is held");
   flag("lift", state.lift_allowed, state.lift_allowed ? "ok" : state.held ? "warn" : "idle",
     state.lift_allowed ? "confirmed by the sensors" : state.held ? "not proven now" : "nothing is gripped");
   if (state.changer) {
@@ -58,6 +58,11 @@ export function overview(view) {
   setTone("panel-goal", goal ? "busy" : "idle");
   byId("goal-bar").style.width = goal && goal.at_most_s ? `${Math.min(100, 100 * soFar / goal.at_most_s)}%` : "0";
   put("goal-detail", goal ? `${seconds(soFar)} so far${goal.at_most_s ? `, at most ${goal.at_most_s.toFixed(2)} s${view.proven ? " (proven)" : ""}` : ""}` : "");
+}
+
+function held(state, cards) {
+  if (state.secure) return "secure";
+  return cards?.some((card) => card.hold?.secure === false) ? "not secure" : "not yet known to be secure";
 }
 
 function alarms(texts) {

@@ -1,7 +1,8 @@
 // Lanes of states on a canvas, measured values below with uPlot, on one scale of time; a click opens the nearest event.
 import { make } from "/static/dom.js";
 
-const LABELS = 118;
+const LEAST_LABELS = 118;
+const MOST_LABELS = 180;
 const AXIS_LABEL = 18;
 const RIGHT = 16;
 const LANE = 26;
@@ -24,6 +25,8 @@ export class TimeLine {
     this.root = root;
     this.canvas = make("canvas", { role: "img", "aria-label": "States over time" });
     this.canvas.style.height = `${drawn.lanes.length * LANE + 24}px`;
+    const pen = this.pen();
+    this.labels = Math.min(MOST_LABELS, Math.max(LEAST_LABELS, ...drawn.lanes.map((lane) => pen.measureText(lane.label).width + 16)));
     this.canvas.onclick = (event) => this.click(event);
     this.holder = make("div");
     this.marker = make("div", { className: "marker", hidden: true });
@@ -64,7 +67,7 @@ export class TimeLine {
         scales: { x: { time: false, range: () => [this.from, this.to] }, y: { range: [low - (most - low) * 0.04, most] } },
         axes: [
           { stroke: ink, grid, ticks: grid, values: (_, ticks) => ticks.map((tick) => (tick < 0 ? "" : `${tick} s`)) },
-          { stroke: ink, grid, ticks: grid, size: LABELS - AXIS_LABEL, label: group[0].unit, labelSize: AXIS_LABEL },
+          { stroke: ink, grid, ticks: grid, size: this.labels - AXIS_LABEL, label: group[0].unit, labelSize: AXIS_LABEL },
         ],
         series: [{}, ...group.map((each) => ({ label: each.label, stroke: COLOURS[each.index % COLOURS.length], width: 1.6, dash: each.index % 2 ? [7, 4] : undefined, points: { show: false } }))],
         hooks: { draw: [(plot) => drawMarks(plot, marks, ink)] },
@@ -144,7 +147,13 @@ export class TimeLine {
   }
 
   x(at, width) {
-    return LABELS + ((at - this.from) / (this.to - this.from)) * (width - LABELS - RIGHT);
+    return this.labels + ((at - this.from) / (this.to - this.from)) * (width - this.labels - RIGHT);
+  }
+
+  pen() {
+    const pen = this.canvas.getContext("2d");
+    pen.font = `12px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;
+    return pen;
   }
 
   drawLanes() {
@@ -155,25 +164,24 @@ export class TimeLine {
     canvas.width = width * ratio;
     canvas.height = height * ratio;
     canvas.style.width = `${width}px`;
-    const pen = canvas.getContext("2d");
+    const pen = this.pen();
     pen.scale(ratio, ratio);
     const style = getComputedStyle(document.documentElement);
     const known = {};
     const colour = (name) => (known[name] ??= style.getPropertyValue(name).trim());
-    pen.font = `12px ${style.getPropertyValue("--font")}`;
     pen.textBaseline = "middle";
     this.drawn.lanes.forEach((lane, index) => {
       const y = index * LANE + 20;
       pen.fillStyle = colour("--muted");
       pen.textAlign = "right";
-      pen.fillText(fit(pen, lane.label, LABELS - 14), LABELS - 10, y + LANE / 2 - 2);
+      pen.fillText(fit(pen, lane.label, this.labels - 14), this.labels - 10, y + LANE / 2 - 2);
       pen.textAlign = "left";
       const changes = this.changes[lane.name];
       changes.forEach((change, number) => {
         const end = number + 1 < changes.length ? changes[number + 1].at : this.end;
-        const from = Math.max(LABELS, this.x(change.at, width));
+        const from = Math.max(this.labels, this.x(change.at, width));
         const to = Math.min(width - RIGHT, this.x(end, width));
-        if (to <= LABELS || from >= width - RIGHT || !change.word) return;
+        if (to <= this.labels || from >= width - RIGHT || !change.word) return;
         const [fill, ink] = toneOf(change.word);
         pen.fillStyle = colour(fill);
         pen.fillRect(from, y, Math.max(1, to - from - 1), LANE - 4);
@@ -182,10 +190,10 @@ export class TimeLine {
         if (text === change.word || text.length > 4) pen.fillText(text, from + 5, y + LANE / 2 - 2);
       });
     });
-    for (const [since, until] of this.guesses) this.hatch(pen, Math.max(LABELS, this.x(since, width)), Math.min(width - RIGHT, this.x(until, width)), height, colour);
+    for (const [since, until] of this.guesses) this.hatch(pen, Math.max(this.labels, this.x(since, width)), Math.min(width - RIGHT, this.x(until, width)), height, colour);
     for (const entry of this.events) {
       const x = this.x((entry.at - this.drawn.epoch) / 1e6, width);
-      if (x < LABELS || x > width - RIGHT) continue;
+      if (x < this.labels || x > width - RIGHT) continue;
       pen.fillStyle = colour(entry.kind === "time-out" ? "--warn" : "--muted");
       pen.beginPath();
       pen.moveTo(x, 14);
@@ -217,7 +225,7 @@ export class TimeLine {
   click(event) {
     const width = this.width();
     const x = event.offsetX;
-    const at = this.from + ((x - LABELS) / (width - LABELS - RIGHT)) * (this.to - this.from);
+    const at = this.from + ((x - this.labels) / (width - this.labels - RIGHT)) * (this.to - this.from);
     const nearest = this.events.map((entry) => [Math.abs(this.x((entry.at - this.drawn.epoch) / 1e6, width) - x), entry]).sort((a, b) => a[0] - b[0])[0];
     this.open(nearest && nearest[0] < 30 ? nearest[1] : null, Math.min(this.to, Math.max(this.from, at)));
   }

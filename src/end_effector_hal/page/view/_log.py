@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from end_effector_hal.control import Status, alarm_changes
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
-from timed_automata import Document, Step, Template
+from end_effector_hal.vocabulary import (
+    INACTIVE,
+    PENDING,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    display_name,
+)
+from timed_automata import Change, Document, Step, Template
 
 from ._place import in_file
 
@@ -106,6 +113,8 @@ class EventLog:
         timed = step.due is not None and any(edge["clock"] for edge in edges)
         changes = [f"{change.name} = {change.new}" for change in step.changes]
         words = self._words([(change.name, change.new) for change in step.changes])
+        if timed:
+            words = [*self._unconfirmed(step.changes), *words]
         detail = {
             "edges": edges,
             "received": step.received,
@@ -132,6 +141,14 @@ class EventLog:
             "clock": clock,
             **labels,
         }
+
+    def _unconfirmed(self, changes: Sequence[Change]) -> Iterator[str]:
+        """What a time-out ends: the actuator that was pending, and its patience."""
+        for change in changes:
+            found = _INDEX.fullmatch(change.name)
+            if found and found[1] == "actuator" and (change.old, change.new) == (PENDING, INACTIVE):
+                who, part = self._description.ordered[int(found[2])]
+                yield f"{display_name(who)} was not confirmed within {part.timeout_s:g} s"
 
     def _words(self, changes: Sequence[tuple[str, int]]) -> list[str]:
         """What changed, in the words of the tool."""

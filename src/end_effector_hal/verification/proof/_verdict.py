@@ -45,14 +45,15 @@ class Verdict:
 
     def __str__(self) -> str:
         """As a sentence."""
+        at = self.at.replace("T", " ")
         if self.holds:
-            return f"All {self.requirements} requirements hold ({self.at})."
+            return f"All {self.requirements} requirements hold ({at})."
         parts = [
             f"{len(names)} {what} ({', '.join(names[:5])}{', …' if len(names) > 5 else ''})"
             for names, what in ((self.failed, "fail"), (self.undecided, "are not decided"))
             if names
         ]
-        return f"Of {self.requirements} requirements {' and '.join(parts)} ({self.at})."
+        return f"Of {self.requirements} requirements {' and '.join(parts)} ({at})."
 
 
 _VERDICT = TypeAdapter(Verdict)

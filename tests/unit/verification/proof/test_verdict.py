@@ -50,7 +50,7 @@ def test_it_is_found_again_for_the_same_tool_only(verdin: Description) -> None:
 
 def test_what_it_says(verdin: Description) -> None:
     good = replace(proof_verdict(content_hash(verdin), proof(True, True)), at="2026-11-22T10:00:00+01:00")
-    assert (good.holds, str(good)) == (True, "All 2 requirements hold (2026-11-22T10:00:00+01:00).")
+    assert (good.holds, str(good)) == (True, "All 2 requirements hold (2026-11-22 10:00:00+01:00).")
     bad = replace(proof_verdict(content_hash(verdin), proof(True, False, None)), at="NOW")
     assert (bad.holds, str(bad)) == (False, "Of 3 requirements 1 fail (r1) and 1 are not decided (r2) (NOW).")
     assert not proof_verdict(content_hash(verdin), proof()).holds, "nothing was proven"
