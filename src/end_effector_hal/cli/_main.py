@@ -65,8 +65,10 @@ _JUDGING = (
 )  # fmt: skip
 """Commands that end by themselves, and whose exit code says what they found."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-_ROOMS = dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded") | {
-    name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")
+_ROOMS = {
+    **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
+    **dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded"),
+    **{name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")},
 }
 """Commands that do not stand alone, and the folder in which they do."""
 

@@ -1,14 +1,12 @@
 """What the tool decides with: the executed automata and their words; sans-IO."""
 
-from ._alarm_changes import alarm_changes
 from ._constants import LATER_CONSTANTS, model_constants
 from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
-from ._status_lines import StatusLines, refused, transition, unanswered
-from ._words import word_of
+from .words import StatusLines, alarm_changes, refused, transition, unanswered, word_of
 
 __all__ = [
     "LATER_CONSTANTS",

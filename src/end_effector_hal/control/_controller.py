@@ -12,10 +12,10 @@ from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, re
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
-from ._reasons import blocking, no_maintenance, refusal
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
+from .words import blocking, no_maintenance, refusal
 
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import EndEffectorState, LastWill, LastWillStep, display_name, to_us
 
-from ._reasons import left_active
 from ._status import Status
+from .words import left_active
 
 
 class GripLastWill:

@@ -11,10 +11,9 @@ from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import Cause, ChangerFault, ChangerState, Command, EndEffectorState
 from timed_automata import Execution, Step
 
-from ._changer_reasons import explain_changer
-from ._reasons import explain, latched, left_active
 from ._status import Status
 from ._steps import StepLog
+from .words import explain, explain_changer, latched, left_active
 
 CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 # a lookup costs less than a conversion, and there is one for each status

@@ -1,9 +1,6 @@
 """The figures of runs, of automata and of grids of numbers; matplotlib is imported only when one is drawn."""
 
 from ._draw import (
-    STYLES,
-    HeatMapCell,
-    RecordedRun,
     draw_template,
     heat_map,
     overlay,
@@ -13,6 +10,8 @@ from ._draw import (
     tuning,
     what_if,
 )
+from ._heat_map_cell import HeatMapCell
+from ._recorded_run import STYLES, RecordedRun
 
 __all__ = [
     "STYLES",

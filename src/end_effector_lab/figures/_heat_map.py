@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ._draw import HeatMapCell
+from ._heat_map_cell import HeatMapCell
 from ._style import INK, MUTED, NOTHING, WRONG, drawing
 
 _WORD = 14

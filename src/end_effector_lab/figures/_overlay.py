@@ -11,15 +11,35 @@ from matplotlib.figure import Figure
 from end_effector_hal.recording import Moment, RunDifference, RunTables
 from end_effector_hal.vocabulary import display_name
 
-from ._events import FOOT_IN, ROW_IN, draw_events, line_of, lined, place_events
-from ._heading import Heading, draw_heading, sources
 from ._labels import packed, wrapped
-from ._lanes import GAP_IN, Lane, all_lanes_of, draw_lane, write_lane
-from ._page import EDGE_IN, WIDTH_IN, Page, page_of
-from ._panels import Panel, draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import RULE, drawing, plain
-from ._switches import draw_steps, switch_lanes
+from .parts import (
+    EDGE_IN,
+    FOOT_IN,
+    GAP_IN,
+    ROW_IN,
+    WIDTH_IN,
+    Heading,
+    Lane,
+    Page,
+    Panel,
+    all_lanes_of,
+    draw_events,
+    draw_heading,
+    draw_lane,
+    draw_panel,
+    draw_steps,
+    labels_width,
+    line_of,
+    lined,
+    page_of,
+    panels_of,
+    place_events,
+    sources,
+    switch_lanes,
+    write_lane,
+)
 
 _PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
 _PAIR_GAP_IN = 0.12

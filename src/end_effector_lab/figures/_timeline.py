@@ -22,15 +22,38 @@ from end_effector_hal.recording import (
     read_story,
 )
 
-from ._events import FOOT_IN, ROW_IN, Event, draw_events, line_of, lined, place_events
-from ._heading import draw_heading, heading_of
-from ._lanes import GAP_IN, Lane, all_lanes_of, draw_lane, write_lane
-from ._page import EDGE_IN, WIDTH_IN, Page, page_of
-from ._panels import draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import RULE, WRONG, drawing
-from ._switches import draw_steps, switch_lanes
-from ._watched import CLOCK_IN, clock_labels_width, draw_clock, watched_clocks, watched_lanes
+from .parts import (
+    CLOCK_IN,
+    EDGE_IN,
+    FOOT_IN,
+    GAP_IN,
+    ROW_IN,
+    WIDTH_IN,
+    Event,
+    Lane,
+    Page,
+    all_lanes_of,
+    clock_labels_width,
+    draw_clock,
+    draw_events,
+    draw_heading,
+    draw_lane,
+    draw_panel,
+    draw_steps,
+    heading_of,
+    labels_width,
+    line_of,
+    lined,
+    page_of,
+    panels_of,
+    place_events,
+    switch_lanes,
+    watched_clocks,
+    watched_lanes,
+    write_lane,
+)
 
 PANEL_GAP_IN, AXIS_IN = 0.16, 0.62
 _DEADLINE: dict[str, Any] = {

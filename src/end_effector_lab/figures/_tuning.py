@@ -9,10 +9,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from end_effector_hal.errors import UsageError
 from end_effector_hal.verification.tune import Tried, Tuning
 
-from ._heading import SUBTITLE, TITLE
 from ._labels import wrapped
 from ._save import DPI
 from ._style import BAND, INK, MUTED, drawing, plain
+from .parts import SUBTITLE, TITLE
 
 COLUMNS, MOST = 3, 30
 WIDTH_IN, PLOT_IN, HEADING_IN, EDGE_IN = 12.27, 2.35, 1.25, 0.3

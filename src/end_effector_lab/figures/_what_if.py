@@ -14,16 +14,31 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesLog
 from end_effector_hal.verification.whatif import RunStory, WhatIf
 
-from ._events import FOOT_IN, ROW_IN, Event, place_events
-from ._heading import TITLE, Heading, draw_heading
 from ._labels import width_of, wrapped
-from ._lanes import Lane, all_lanes_of, write_lane
-from ._page import EDGE_IN, WIDTH_IN, Page, page_of
-from ._panels import Panel, draw_panel, labels_width, panels_of
 from ._save import DPI
 from ._style import INK, RULE, WRONG, drawing, plain
-from ._switches import switch_lanes
 from ._timeline import AXIS_IN, PANEL_GAP_IN, FigureSheet, draw_lanes, draw_plots
+from .parts import (
+    EDGE_IN,
+    FOOT_IN,
+    ROW_IN,
+    TITLE,
+    WIDTH_IN,
+    Event,
+    Heading,
+    Lane,
+    Page,
+    Panel,
+    all_lanes_of,
+    draw_heading,
+    draw_panel,
+    labels_width,
+    page_of,
+    panels_of,
+    place_events,
+    switch_lanes,
+    write_lane,
+)
 
 DIFFERS, GUESS = "#fff0c2", "#8a93a0"
 _TITLE_IN, _BLOCK_GAP_IN = 0.34, 0.16

@@ -2,18 +2,24 @@
 
 from ._bench import Bench
 from ._board_sensors import BoardSensors
-from ._fault_server import FaultServer
 from ._noise import Noise
-from ._places import open_inputs, open_ports, open_sensors
 from ._ports import Port, PtyPort, SerialPort
 from ._possible import offered_faults, possible_faults
-from ._records import Events, Record, edges_of
-from ._run import run_testbench
 from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
 from ._virtual_copy import write_description, write_virtual_copy
 from .modbus import CommandedRegisters
+from .program import (
+    Events,
+    FaultServer,
+    Record,
+    edges_of,
+    open_inputs,
+    open_ports,
+    open_sensors,
+    run_testbench,
+)
 
 __all__ = [
     "FAULTS",

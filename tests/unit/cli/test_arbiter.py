@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli._arbiter import command
+from end_effector_hal.cli.arbiter._arbiter import command
 from end_effector_hal.description import profile_path, tool_path
 from end_effector_hal.errors import UsageError
 

@@ -9,8 +9,8 @@ from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model import Description
 
-from ._channels import CodecChannels
-from ._frames import link_of
+from .evidence import CodecChannels
+from .frames import link_of
 
 CODE = "EE-229"
 

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from end_effector_hal.recording import RunInfo, Story
+from end_effector_lab.figures._labels import height_of, packed, width_of, wrapped
+from end_effector_lab.figures._style import FILLS, MUTED, plain
 
-from ._labels import height_of, packed, width_of, wrapped
 from ._page import EDGE_IN, WIDTH_IN
-from ._style import FILLS, MUTED, plain
 
 TITLE, BECAUSE, SUBTITLE, LEGEND = 13.5, 10.5, 9.5, 9.5
 _LONGEST = 700

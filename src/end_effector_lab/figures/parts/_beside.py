@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 
-from ._labels import height_of, spread
+from end_effector_lab.figures._labels import height_of, spread
 
 BESIDE_SIZE = 9.0
 """Of these words, points."""

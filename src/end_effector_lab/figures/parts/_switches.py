@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from end_effector_hal.kinds import SwitchMeaning
 from end_effector_hal.recording import RunInfo, SwitchesLog
 from end_effector_hal.vocabulary import display_name
+from end_effector_lab.figures._style import INK, ShownLevel
 
 from ._lanes import Lane, segments_of
-from ._style import INK, ShownLevel
 
 SWITCH_IN, _STEP_IN = 0.26, 0.04
 _MOST = 64

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from end_effector_hal.recording import RunInfo, Watched
+from end_effector_lab.figures._labels import width_of
+from end_effector_lab.figures._style import INK, MUTED, WRONG, ShownValue, plain
 
 from ._beside import BESIDE_SIZE, write_beside
-from ._labels import width_of
 from ._lanes import Lane, segments_of
-from ._style import INK, MUTED, WRONG, ShownValue, plain
 
 CLOCK_IN = 0.95
 _MOST_LANES, _MOST_CLOCKS = 10, 3

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 
 from end_effector_hal.recording import PressuresLog, StatesLog
-
-from ._labels import width_of, wrapped
-from ._style import plain
+from end_effector_lab.figures._labels import width_of, wrapped
+from end_effector_lab.figures._style import plain
 
 WIDTH_IN, EDGE_IN = 12.27, 0.2
 NAME = 10.5

@@ -29,9 +29,8 @@ from end_effector_hal.faults import (
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import StreamReader, StreamReaders
 from end_effector_hal.wires import Acceptor, listen, now_us
-
-from ._possible import offered_faults
-from ._testbench import Testbench
+from end_effector_lab.testbench._possible import offered_faults
+from end_effector_lab.testbench._testbench import Testbench
 
 _log = logging.getLogger("end_effector_lab.testbench")
 LOOK_S = 0.1

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence, display_name
 
 from ._changer_reasons import explain_changer
-from ._status import Status
 
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
 """In these states the reason of an earlier end says nothing."""

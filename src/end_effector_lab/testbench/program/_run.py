@@ -16,14 +16,14 @@ from typing import Any
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
+from end_effector_lab.testbench._board_sensors import BoardSensors
+from end_effector_lab.testbench._ports import Port
+from end_effector_lab.testbench._testbench import Testbench, Watcher
+from end_effector_lab.testbench.inputs import LineInputs
 
-from ._board_sensors import BoardSensors
 from ._commands import Commands, Voice, lines_of
 from ._fault_server import FaultServer
-from ._ports import Port
 from ._records import Events, Record
-from ._testbench import Testbench, Watcher
-from .inputs import LineInputs
 
 _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 

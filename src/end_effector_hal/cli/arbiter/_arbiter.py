@@ -6,11 +6,10 @@ from pathlib import Path
 
 import click
 
+from end_effector_hal.cli._completion import completed, profiles
+from end_effector_hal.cli._options import PathName
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import tool_path
-
-from ._completion import completed, profiles
-from ._options import PathName
 
 
 @click.command()

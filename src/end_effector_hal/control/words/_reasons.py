@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of, lost_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
 
 from ._changer_reasons import changer_refusal, feedback, unlock_blocking
-from ._status import Status
 
 
 def explain(description: Description, cause: int, cause_at: int, senses: SensorState, at: int) -> str:

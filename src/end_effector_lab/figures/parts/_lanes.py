@@ -12,12 +12,12 @@ from matplotlib.patches import Rectangle
 from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import ChangerRow, PressuresLog, RunInfo, StatesLog
 from end_effector_hal.vocabulary import INACTIVE, TableState, display_name
+from end_effector_lab.figures._labels import Box, Point, Sheet, first_fitting, height_of, width_of
+from end_effector_lab.figures._save import DPI
+from end_effector_lab.figures._style import INK, MUTED, Shown, ShownLevel, fill_of, ink_of, kind_of, wordings
 
-from ._labels import Box, Point, Sheet, first_fitting, height_of, width_of
 from ._page import Page, write_name
 from ._releasing import gone_s
-from ._save import DPI
-from ._style import INK, MUTED, Shown, ShownLevel, fill_of, ink_of, kind_of, wordings
 
 BAR_IN = 0.44
 CAPTION_IN = 0.3

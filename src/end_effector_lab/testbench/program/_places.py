@@ -8,11 +8,17 @@ from end_effector_hal.codecs import board_inputs, codec_of, line_of
 from end_effector_hal.description import Description, Inputs
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.inputs import input_lines, pulls_of
-
-from ._board_sensors import BoardSensors
-from ._ports import Port, PtyPort, SerialPort
-from ._scenario import TOOL_CHANGER
-from .inputs import GpioInputs, GpioSimInputs, LineInputs, QemuInputs, VirtioGpioInputs, VirtualInputs
+from end_effector_lab.testbench._board_sensors import BoardSensors
+from end_effector_lab.testbench._ports import Port, PtyPort, SerialPort
+from end_effector_lab.testbench._scenario import TOOL_CHANGER
+from end_effector_lab.testbench.inputs import (
+    GpioInputs,
+    GpioSimInputs,
+    LineInputs,
+    QemuInputs,
+    VirtioGpioInputs,
+    VirtualInputs,
+)
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
 """Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ._json_output import print_document
-from ._options import PathName
+from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._options import PathName
 
 
 @click.command("stop")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, Evidence, display_name
-
-from ._status import Status
 
 _REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 

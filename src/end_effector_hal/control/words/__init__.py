@@ -1,0 +1,7 @@
+"""What was decided, in words. Nothing is decided here."""
+
+from ._alarm_changes import alarm_changes
+from ._changer_reasons import explain_changer
+from ._reasons import blocking, explain, latched, left_active, no_maintenance, refusal
+from ._status_lines import StatusLines, refused, transition, unanswered
+from ._words import word_of

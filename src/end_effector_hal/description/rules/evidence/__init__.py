@@ -1,0 +1,6 @@
+"""Rules for evidence: whether what the codecs carry can prove what the tool needs."""
+
+from ._channels import CodecChannels, used_channels
+from ._codec import not_fitted, slow, unproven
+from ._measures import measures_of
+from ._span_search import BIT, Spans, SpanSearch, Wanted, range_kpa, widest

@@ -1,0 +1,99 @@
+"""A recording as figures show it: read from its folder, drawn in a style, written as one table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from end_effector_hal.errors import UsageError, os_errors
+from end_effector_hal.recording import (
+    AlarmRow,
+    ChangerRow,
+    Moment,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    SwitchesLog,
+    read_alarms,
+    read_changer,
+    read_pressures,
+    read_run,
+    read_states,
+    read_switches,
+    write_run_table,
+)
+from end_effector_hal.verification.replay import missed_moments
+
+from ._draw import paper, timeline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STYLES = ("timeline", "paper")
+SCRIPT = "plot_run.m"
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """All of a recording that figures show.
+
+    Attributes:
+        missed: what the monitor would have decided, and the program did not.
+        notes: what could not be read, in sentences.
+    """
+
+    log: StatesLog
+    info: RunInfo
+    alarms: Sequence[AlarmRow]
+    pressures: PressuresLog | None
+    changer: Sequence[ChangerRow]
+    missed: Sequence[Moment]
+    notes: tuple[str, ...]
+    switches: SwitchesLog | None = None
+
+    @classmethod
+    def read(cls, states: Path) -> RecordedRun:
+        """Read ``states.csv`` and what stands beside it; raises UsageError when the states cannot be read."""
+        log, info = read_states(states), read_run(states.parent)
+        alarms = read_alarms(states.with_name("alarms.csv"))
+        pressures, note = _pressures(states.with_name("pressures.csv"))
+        changer = read_changer(states.with_name("tool_changer.csv"))
+        switches = read_switches(states.with_name("switches.csv"))
+        missed, more = missed_moments(states.parent)
+        notes = tuple(note for note in (log.note, info.note, *info.gaps, note, *more) if note)
+        return cls(log, info, alarms, pressures, changer, missed, notes, switches)
+
+    def write_table(self, folder: Path) -> list[Path]:
+        """Write ``run.csv``, everything in one table, and ``plot_run.m``, which draws it in MATLAB or Octave.
+
+        Raises:
+            UsageError: they cannot be written, or the recording holds no row.
+        """
+        table = write_run_table(
+            folder / "run.csv", self.log, self.pressures, self.changer, self.alarms, self.switches
+        )
+        script = folder / SCRIPT
+        with os_errors("Cannot be written", script):
+            script.write_bytes(Path(__file__).with_name(SCRIPT).read_bytes())
+        return [table, script]
+
+    def figure(self, style: str) -> Figure:
+        """In one of `STYLES`; raises UsageError for a recording without a row."""
+        if style == "paper":
+            return paper(self.log, self.info)
+        return timeline(
+            self.log, self.pressures, self.info, self.alarms, self.missed, self.changer, self.switches
+        )
+
+
+def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
+    """A damaged file of pressures is reported and does not stop the figure of the states."""
+    if not path.exists():
+        return None, ""
+    try:
+        pressures = read_pressures(path)
+    except UsageError as error:
+        return None, f"{error} The pressures are not drawn."
+    return pressures, pressures.note

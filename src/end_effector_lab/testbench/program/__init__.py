@@ -1,0 +1,6 @@
+"""The program: a testbench from a command line to a signal, what it is told meanwhile, and what it writes down."""
+
+from ._fault_server import FaultServer
+from ._places import open_inputs, open_ports, open_sensors
+from ._records import Events, Record, edges_of
+from ._run import run_testbench
