@@ -30,13 +30,14 @@ demo-all: setup ## the same, then a cancel, a release that fails, unlock and loc
 # Collecting all tests takes five seconds: the parts that need few files collect no others
 OF_PROCESSES = tests/acceptance $(shell grep -rlE 'mark\.(wall|ros)\b' tests/unit --include='test_*.py')
 OF_TIMES = $(shell grep -rlE 'mark\.alone\b' tests --include='test_*.py')
+THINNED = $(shell grep -rlE 'mark\.thinned\b|first_of' tests --include='test_*.py')
 # Real processes mostly wait: more workers than processors. All run nodes of ROS at first, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
 test: setup ## all tests: of logic, of real processes, then those that measure times
-	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or nightly)"
-	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or nightly)" $(OF_PROCESSES)
-	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not nightly" $(OF_TIMES)
+	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or thinned or nightly)"
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)
+	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)
 
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
@@ -48,8 +49,8 @@ contract-edits: setup ros2 ## by hand: edits of the transport, each of which the
 	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
 test-thinned: setup ## those of which `make test` runs representatives, what only ROS 1 has, the packages of examples/
-	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m "nightly and not ros" --durations=15
-	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "nightly and ros" tests/acceptance
+	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m "thinned and not (nightly or ros)" --durations=15 $(THINNED)
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "thinned and ros and not nightly" tests/acceptance
 
 # The peer knows the messages and nothing else of this product
 test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library and middleware, against the HAL on Jazzy
@@ -57,8 +58,12 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 	@$(APART) $(ROS2)-peer/bin/python ros/wheels/build_messages.py ros/end_effector_msgs
 	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
-nightly: setup ## at length: the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
-	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster
+# What `make nightly` runs with thousands of examples
+AT_LENGTH := tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster
+
+nightly: setup ## at length: what CI leaves out, the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q -n 2 $(SHARED) -m "nightly" $(AT_LENGTH:%=--ignore=%)
+	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q $(AT_LENGTH)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
 test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)

@@ -19,7 +19,7 @@ SHIPPED = load(profile_path())
         "grip; wait 3; kill hal; wait 1; start hal; wait 8; drop",
         pytest.param(
             "scenario never-confirms:cylinder; wait 0.2; grip; wait 3; kill all; wait 1; start all",
-            marks=pytest.mark.nightly,
+            marks=pytest.mark.thinned,
         ),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 from .conftest import ROOT, Environment
 
-pytestmark = [pytest.mark.wall, pytest.mark.nightly, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.wall, pytest.mark.thinned, pytest.mark.timeout(300)]
 
 
 def section(title: str) -> str:

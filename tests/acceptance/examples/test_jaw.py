@@ -9,7 +9,7 @@ import pytest
 
 from .conftest import Environment
 
-pytestmark = [pytest.mark.wall, pytest.mark.nightly, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.wall, pytest.mark.thinned, pytest.mark.timeout(300)]
 TOOL = "examples/kinds/jaw/end_effector.yaml"
 
 

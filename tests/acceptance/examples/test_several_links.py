@@ -34,7 +34,7 @@ def eehal(*words: object) -> str:
     return subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.nightly
+@pytest.mark.thinned
 def test_it_is_checked_verified_demonstrated_and_replayed(tmp_path: Path) -> None:
     assert "link      jaws: /dev/ttyACM0" in eehal("check", TOOL)
     proof = json.loads(eehal("verify", TOOL, "--json"))

@@ -17,6 +17,7 @@ from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import Claim
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
+from tests.support.nightly import first_of
 from tests.support.patience import wait_until
 
 from .conftest import ROOT
@@ -25,12 +26,12 @@ pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
 TOOLS = ROOT / "examples/tools"
 READY_S = 60.0
 PLAYED = (
-    "six_cups",
+    "two_coil_changer",
     "diy_vacuum",
     "double_acting_jaw",
     "bistable_and_magnet",
     "area_gripper",
-    "two_coil_changer",
+    "six_cups",
 )
 
 
@@ -40,8 +41,8 @@ def eehal(*words: object, expected: int = 0) -> str:
     return done.stdout
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", PLAYED)
+@pytest.mark.thinned
+@pytest.mark.parametrize("name", first_of(PLAYED, 2, 0))
 def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     assert json.loads(eehal("check", tool, "--json"))["warnings"] == []

@@ -50,7 +50,7 @@ def printed(lines: list[str]) -> re.Pattern[str]:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=[pytest.mark.nightly] * (each != IN_MAKE_TEST)) for each in PICTURES]
+    "name", [pytest.param(each, marks=[pytest.mark.thinned] * (each != IN_MAKE_TEST)) for each in PICTURES]
 )
 def test_the_commands_print_what_the_page_says(
     fresh: Environment, monkeypatch: pytest.MonkeyPatch, name: str

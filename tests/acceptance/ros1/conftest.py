@@ -38,7 +38,7 @@ def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
         if not item.get_closest_marker("ros"):
             continue
         if "acceptance/ros1/" in item.nodeid:  # what is the same in either ROS stands in the contract
-            item.add_marker(pytest.mark.nightly)
+            item.add_marker(pytest.mark.thinned)
         # rospy 1.15 is older than this Python's warnings; a warning in its threads would stop them
         item.add_marker(pytest.mark.filterwarnings(f"{OF_ROSPY}:DeprecationWarning"))
         item.add_marker(pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning"))

@@ -51,16 +51,16 @@ NO_TOOL = (
     ("arguments", "sentence"),
     [
         ((), NO_TOOL),
-        pytest.param(("descripton:=tool.yaml",), NO_TOOL, marks=pytest.mark.nightly),
+        pytest.param(("descripton:=tool.yaml",), NO_TOOL, marks=pytest.mark.thinned),
         pytest.param(
             ("description:=tool.yaml", "profile:=verdin_gripper"),
             NO_TOOL.replace("No tool is named", "Two tools are named"),
-            marks=pytest.mark.nightly,
+            marks=pytest.mark.thinned,
         ),
         pytest.param(
             ("profile:=verdin_griper",),
             "end_effector.launch: no profile is named 'verdin_griper'. Shipped: verdin_gripper.",
-            marks=pytest.mark.nightly,
+            marks=pytest.mark.thinned,
         ),
     ],
 )

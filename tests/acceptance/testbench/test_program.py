@@ -177,10 +177,10 @@ def test_a_reader_of_its_output_that_goes_away_is_no_reason_to_stop(start: Start
     ("options", "code", "message"),
     [
         (["--scenario", "fails-once:cylinda"], 2, "Did you mean 'cylinder'?"),
-        pytest.param(["--lines", "rpi4"], 2, "Expected: virtual:PATH", marks=pytest.mark.nightly),
+        pytest.param(["--lines", "rpi4"], 2, "Expected: virtual:PATH", marks=pytest.mark.thinned),
         (["--port", "/dev/nothing"], 3, "the port does not exist"),
-        pytest.param(["--events", "/dev/full"], 2, "No space left", marks=pytest.mark.nightly),
-        pytest.param(["nothing.yaml"], 2, "nothing.yaml", marks=pytest.mark.nightly),
+        pytest.param(["--events", "/dev/full"], 2, "No space left", marks=pytest.mark.thinned),
+        pytest.param(["nothing.yaml"], 2, "nothing.yaml", marks=pytest.mark.thinned),
     ],
 )
 def test_what_cannot_be_used_is_said_in_a_sentence(

@@ -24,7 +24,7 @@ PAUSED = Policy((JAW,), opposites={JAW: SecondCoil(BACK, 20 * MS, 90 * MS)})
 SEEDS = range(40)
 
 
-@pytest.mark.parametrize("seed", first_of(SEEDS, 2))
+@pytest.mark.parametrize("seed", first_of(SEEDS, 2, 4))
 @pytest.mark.parametrize("policy", [HELD, PULSED, SHORT, PAUSED], ids=["held", "pulsed", "short", "paused"])
 def test_what_the_line_arbiter_does_is_a_run_of_the_network(policy: Policy, seed: int) -> None:
     assert random_coil_run(policy, seed).is_one_of(model_text())

@@ -15,7 +15,7 @@ from tests.unit.arbiter import death_runs
 from tests.unit.arbiter.death_runs import ApartLines, DeathRun, model_text, random_death_run
 from tests.unit.arbiter.simulation import process
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 SEEDS, MORE = range(40 if NIGHTLY else 6), range(250)
 
@@ -35,7 +35,7 @@ def played(seed: int, monkeypatch: pytest.MonkeyPatch) -> DeathRun:
         return random_death_run(seed)
 
 
-@pytest.mark.parametrize("seed", first_of(SEEDS, 3))
+@pytest.mark.parametrize("seed", first_of(SEEDS, 2, 0))
 def test_what_the_line_arbiter_does_is_a_run_of_the_network(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -83,7 +83,8 @@ HELLO = LineArbiter.hello
             (ApartLines, "request", _inactive),
             (LineArbiter, "hello", _lets_in),
             (death_runs, "POLICY", replace(death_runs.POLICY, min_switch_us=40_000)),
-        ]
+        ],
+        thinned=0,
     ),
 )
 def test_an_arbiter_that_does_something_else_is_found_out(

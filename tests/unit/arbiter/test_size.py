@@ -51,7 +51,7 @@ def greeted(path: Path) -> None:
         through_the_protocol({"op": "hello", "role": SENSORS, "client": "x" * 64, "token": make_token()})
 
 
-@pytest.mark.nightly
+@pytest.mark.thinned
 @pytest.mark.parametrize("link", ["modbus", "text", "binary", "none"])
 def test_64_grippers_of_three_switches_each_and_a_tool_changer(
     link: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

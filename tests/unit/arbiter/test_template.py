@@ -5,21 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from _pytest.mark import ParameterSet
 
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import arbiter_policy
 from tests.support.blown import TOP_AIR, blown
 from tests.support.declared import declared
+from tests.support.nightly import first_of
 from tests.unit.arbiter.template_runs import random_run
 
 SEEDS = range(24)
-
-
-def first(count: int, seeds: range) -> list[ParameterSet]:
-    """The first seeds of some are in an ordinary run, the others in that of the night."""
-    return [pytest.param(seed, marks=[pytest.mark.nightly] if seed >= count else []) for seed in seeds]
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +33,7 @@ def policy(description: Description) -> Policy:
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
-@pytest.mark.parametrize("seed", first(3, SEEDS))
+@pytest.mark.parametrize("seed", first_of(SEEDS, 3, 3))
 def test_what_the_line_arbiter_does_is_a_run_of_its_template(
     description: Description, text: str, policy: Policy, seed: int
 ) -> None:
@@ -55,7 +50,7 @@ MIXED = {
 }
 
 
-@pytest.mark.parametrize("seed", first(1, range(8)))
+@pytest.mark.parametrize("seed", first_of(range(8), 1, 1))
 @pytest.mark.parametrize("mixed", MIXED)
 def test_so_it_is_with_endings_of_each_actuator(text: str, policy: Policy, mixed: str, seed: int) -> None:
     assert random_run(MIXED[mixed], policy, seed).is_one_of(text)
@@ -82,7 +77,7 @@ def policy_of(description: Description) -> Policy:
     return replace(arbiter_policy(description), needs={}, min_switch_us=0)
 
 
-@pytest.mark.parametrize("seed", first(3, SEEDS))
+@pytest.mark.parametrize("seed", first_of(SEEDS, 3, 3))
 def test_so_it_is_with_a_blow_off(one_blown: Description, text: str, seed: int) -> None:
     assert random_run(one_blown, policy_of(one_blown), seed).is_one_of(text)
 

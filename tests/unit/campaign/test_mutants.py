@@ -24,7 +24,7 @@ from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.campaign.mutants import ARBITER, CONTROLLER, MUTANTS
 from tests.unit.campaign.mutants.by_chance import recorded
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 SHIPPED = load(profile_path())
 KNOWN = CoverageMap(SHIPPED)
@@ -44,7 +44,7 @@ def objections(found_by: str, seed: int = 0) -> Collection[str]:
 
 
 def first_of_each_file() -> list[object]:
-    """Each mutant by its name; an ordinary run takes one of each file of the product."""
+    """Each mutant by its name; CI takes one of each file of the product."""
     seen, found = set[str](), list[object]()
     for name, mutant in MUTANTS.items():
         file = mutant.place.partition(":")[0]
@@ -82,7 +82,7 @@ def test_the_record_is_of_these_wrong_products() -> None:
     assert len(BY_CHANCE) >= 10
 
 
-@pytest.mark.parametrize("name", first_of(sorted(BY_CHANCE, key=lambda name: BY_CHANCE[name])))
+@pytest.mark.parametrize("name", first_of(sorted(BY_CHANCE, key=lambda name: BY_CHANCE[name]), thinned=0))
 def test_a_campaign_finds_a_mutant_and_shrinks_it(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,10 +14,11 @@ from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.check import _check
 from end_effector_hal.cli.init import _new_tool
 from end_effector_hal.control import model_constants
-from end_effector_hal.description import load
+from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.verification.proof import prove
 from end_effector_lab.processes import EEHAL
+from tests.support.nightly import first_of
 from timed_automata import load_network
 
 TOOLS = [
@@ -45,27 +46,29 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("actuators", "options"),
-    [
-        *TOOLS[1:3],
-        *(pytest.param(*each, marks=pytest.mark.nightly) for each in TOOLS[:1] + TOOLS[3:]),
-    ],
-)
-def test_it_is_checked_and_proven_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:
+def written(actuators: str, options: tuple[str, ...]) -> Description:
+    """The tool as `eehal init` describes it."""
     result = CliRunner().invoke(
         eehal, ["init", "My 2nd Tool", "--actuators", actuators, *options], catch_exceptions=False
     )
     assert result.exit_code == 0
-    path = Path("My 2nd Tool/end_effector.yaml")
-    checked = _check.check(path)
-    assert checked.faults == ()
-    tool = load(path)
+    return load(Path("My 2nd Tool/end_effector.yaml"))
+
+
+@pytest.mark.parametrize(("actuators", "options"), TOOLS)
+def test_it_is_checked_without_an_edit(actuators: str, options: tuple[str, ...]) -> None:
+    tool = written(actuators, options)
+    assert _check.check(tool.source).faults == ()
     assert (tool.name, tool.source.parent.name) == ("my_2nd_tool", "My 2nd Tool")
     wanted = [":".join(each.split(":")[:2]) for each in actuators.split(",")]
     assert [f"{name}:{part.kind}" for name, part in tool.ordered] == wanted
     assert (tool.tool_changer is None) is ("--no-tool-changer" in options)
     assert (tool.lines.backend == "virtual") is ("--virtual" in options)
+
+
+@pytest.mark.parametrize("number", first_of([1, 9, 3, *sorted({*range(len(TOOLS))} - {1, 9, 3})], 1, 2))
+def test_it_is_proven_without_an_edit(number: int) -> None:
+    tool = written(*TOOLS[number])
     proof = prove(load_network(tool.automata_path, model_constants(tool)))
     assert [finding.id for finding in proof.findings if not finding.holds] == []
 

@@ -33,7 +33,7 @@ CALLS: dict[str, tuple[str, ...]] = {
     "model check": (),
     "model fig5": (),
     "model show": ("--model", "lamp.xml"),
-    "model mutants": ("--template", "Arming", "--sample", "1", "--jobs", "1"),
+    "model mutants": ("--kept",),
     "model simulate": ("--steps", "30"),
     "plot": ("nothing",),
     "reload": (str(profile_path()),),

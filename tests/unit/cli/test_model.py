@@ -158,9 +158,18 @@ def test_a_file_without_a_suffix_is_known_by_its_first_letter() -> None:
 # show --------------------------------------------------------------------------------------------------------
 
 
-def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
+def test_a_template_is_drawn_with_the_constants_of_the_description() -> None:
     edited("tool.yaml", timeout_s="7.5")
-    result = run("show", "tool.yaml", "-o", "drawings")
+    assert run("show", "tool.yaml", "--template", "Gripper", "-o", "drawings").exit_code == 0
+    svg = Path("drawings/Gripper.svg").read_text(encoding="utf-8")
+    assert "T_CONFIRM = {7500, 5000, 5000}" in svg
+    assert "CANCEL_KEEPS = {false, false, false}" in svg
+    assert "STAND_BY =" not in svg  # Table II is no matter of the description
+
+
+@pytest.mark.thinned  # long
+def test_each_template_is_drawn() -> None:
+    result = run("show", "-o", "drawings")
     assert result.exit_code == 0
     names = [line.split(":")[0] for line in result.stdout.splitlines()]
     assert names == [
@@ -170,10 +179,6 @@ def test_each_template_is_drawn_with_the_constants_of_the_description() -> None:
     assert sorted(path.name for path in Path("drawings").iterdir()) == sorted(
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
     )
-    svg = Path("drawings/Gripper.svg").read_text(encoding="utf-8")
-    assert "T_CONFIRM = {7500, 5000, 5000}" in svg
-    assert "CANCEL_KEEPS = {false, false, false}" in svg
-    assert "STAND_BY =" not in svg  # Table II is no matter of the description
 
 
 def test_any_uppaal_file_is_drawn() -> None:

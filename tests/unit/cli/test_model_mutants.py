@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.errors import UsageError
 
-pytestmark = [pytest.mark.nightly, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.thinned, pytest.mark.timeout(300)]
 
 
 def run(*words: str) -> tuple[int, str]:
@@ -31,6 +31,7 @@ def test_json_has_each_mutant_and_the_same_seed_the_same_ones() -> None:
     words = ("--template", "Actuator", "--sample", "3", "--seed", "4", "--jobs", "2", "--json")
     code, told = run(*words)
     document = json.loads(told)
+    assert next(iter(document.items())) == ("schema_version", 1)
     assert len(document["mutants"]) == sum(document["outcomes"].values()) == 3
     assert {each["template"] for each in document["mutants"]} == {"Actuator"}
     caught = [each for each in document["mutants"] if each["outcome"] == "caught"]

@@ -238,6 +238,7 @@ def test_the_shipped_tool() -> None:
     assert answer["computed_bounds"] == []
 
 
+@pytest.mark.thinned  # long
 def test_a_fourth_actuator_needs_no_bounds() -> None:
     description = """
         name: tool

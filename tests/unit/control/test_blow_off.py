@@ -190,7 +190,7 @@ def test_the_line_arbiter_bounds_it_and_keeps_the_tool_locked_meanwhile() -> Non
     assert [each.line for each in guarded.partners(TOP_AIR)] == [TOP]
 
 
-@pytest.mark.parametrize("until_gone", [False, pytest.param(True, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("until_gone", [False, pytest.param(True, marks=pytest.mark.thinned)])
 def test_it_is_proven_and_its_time_is_in_the_bounds(until_gone: bool) -> None:
     proof = prove(network_of(blown(until_gone=until_gone)))
     assert [finding.id for finding in proof.findings if not finding.holds] == []

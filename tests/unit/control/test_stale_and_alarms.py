@@ -73,7 +73,7 @@ def cases() -> list[object]:
             changes += [frozen] if channel in watched else []
             for change in changes:
                 name = f"{tool.name}-{channel}-{change.__name__}"
-                marks = [pytest.mark.nightly] if number and change is not left_out else []
+                marks = [pytest.mark.thinned] if number and change is not left_out else []
                 found.append(pytest.param(tool, channel, change, id=name, marks=marks))
     return found
 

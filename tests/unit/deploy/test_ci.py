@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 
 import pytest
+from _pytest.mark.expression import Expression
 
 from tests.support.places import ROOT
 
@@ -125,3 +128,18 @@ def test_what_fails_twice_ends_ci_and_what_fails_by_the_dozen_at_once(
 
 def test_make_test_alone_runs_nothing_again() -> None:
     assert "once-more" not in (ROOT / "Makefile").read_text()
+
+
+def test_each_test_belongs_to_one_stage() -> None:
+    """`make test`, `make test-thinned` and, for what CI leaves out, `make nightly`; whatever its marks are."""
+    marks = ("wall", "ros", "alone", "thinned", "nightly")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    stages = [
+        Expression.compile(words)
+        for words in re.findall(r'pytest [^\n]*-m "([^"]+)"', makefile)
+        if set(re.findall(r"\w+", words)) <= {*marks, "not", "or", "and"}
+    ]
+    for given in product((False, True), repeat=len(marks)):
+        marked = dict(zip(marks, given, strict=True))
+        if not marked["alone"] or marked["wall"] or marked["ros"]:
+            assert [stage.evaluate(marked.__getitem__) for stage in stages].count(True) == 1, marked

@@ -14,18 +14,17 @@ from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.records import _session_store
 from end_effector_hal.arbiter.rules import _predicates
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from tests.support.nightly import first_of
 from tests.unit.arbiter.simulation.simulation import Met, play, table
 from tests.unit.arbiter.simulation.world import FAULTS
 
 RUNS, PARTS = 2_000, 32
 EACH = RUNS // PARTS
-"""Of a part; `make test` plays one, `make test-thinned` the others, `make nightly` 100,000 with run.py."""
+"""Of a part; `make test` plays one, `make test-thinned` four, `make nightly` the others and 100,000 with run.py."""
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize(
-    "part", [pytest.param(part, marks=[pytest.mark.nightly] if part else []) for part in range(PARTS)]
-)
+@pytest.mark.parametrize("part", first_of(range(PARTS), 1, 4))
 def test_nothing_falls_no_latch_is_lost_and_the_next_program_can_work(part: int) -> None:
     met: Met = Counter()
     violated = play(range(part * EACH, (part + 1) * EACH), met)

@@ -40,7 +40,7 @@ OTHERS = ("cylinder_retractd", "unloked", "in_stan", "tool_presnt")
 @pytest.mark.parametrize(
     ("old", "new", "wrong", "kind", "key", "meant"),
     [
-        pytest.param(*each, id=each[2], marks=[pytest.mark.nightly] if each[2] in OTHERS else [])
+        pytest.param(*each, id=each[2], marks=[pytest.mark.thinned] if each[2] in OTHERS else [])
         for each in KEYS
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,7 @@ def test_it_reads_well(template) -> None:  # type: ignore[no-untyped-def]
     assert layout_faults(template) == []
 
 
+@cache
 def proof(pulse_ms: int, **constants: int) -> Proof:
     return prove(load_network(COILS_FILE, {"PULSE": pulse_ms, **constants}))
 
@@ -81,6 +83,7 @@ def test_the_worst_cases_are_what_the_steps_add_up_to() -> None:
     assert off.computed_ms == d + (switch + d) + (pulse - 1)
 
 
+@pytest.mark.thinned  # long
 def test_with_a_pause_all_of_it_holds_and_a_change_waits_for_the_whole_pulse_and_the_pause() -> None:
     d, pulse, pause = 50, 100, 300
     found = proof(pulse, PAUSE=pause)
@@ -126,6 +129,7 @@ def test_eehal_verify_proves_the_tool_and_its_coils(tmp_path: Path, monkeypatch:
     assert answer["bounds"]["pusher.assumed_off_s"] == {"computed": 0.249, "declared": 0.4}
 
 
+@pytest.mark.thinned  # long
 def test_a_cut_that_does_not_hold_is_found_and_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

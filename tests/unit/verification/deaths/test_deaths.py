@@ -127,16 +127,16 @@ def refuted(mutant: Mutant) -> Finding:
 
 
 SLOWER = {
-    "last will executed late",
-    "death between two lines",
-    "journal stale",
-    "held is told while a deactivation of its line waits, with an activation behind it",
+    "last will executed late": pytest.mark.thinned,
+    "death between two lines": pytest.mark.nightly,
+    "journal stale": pytest.mark.nightly,
+    "held is told while a deactivation of its line waits, with an activation behind it": pytest.mark.nightly,
 }
 
 
 def place(mutant: Mutant) -> ParameterSet:
     name = mutant["name"].split(":")[0]
-    return pytest.param(mutant, id=name, marks=[pytest.mark.nightly] if name in SLOWER else [])
+    return pytest.param(mutant, id=name, marks=SLOWER.get(name, ()))
 
 
 @pytest.mark.parametrize("mutant", [place(each) for each in PLACES])
@@ -167,7 +167,7 @@ def test_a_last_will_that_the_next_arbiter_forgets_is_noticed(old: str) -> None:
     assert not Explorer(network).check(resumed.query).holds
 
 
-@pytest.mark.nightly
+@pytest.mark.thinned
 def test_the_shipped_tool_starts_from_any_lines() -> None:
     """The induction: whatever set of lines the deaths before have left, the next program may start from it."""
     tool = load(profile_path())

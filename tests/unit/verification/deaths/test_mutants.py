@@ -22,7 +22,7 @@ from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
 from timed_automata.mutate import Mutant, mutants
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 TEMPLATES = ("Program", "Arbiter", "Line")
 SAMPLE, SEED = 40, 2026
@@ -94,7 +94,7 @@ def reached(network: Network, but: Collection[str]) -> set[object]:
     return found
 
 
-@pytest.mark.parametrize("noticed", first_of(NOTICED, 2), ids=lambda each: each[1])
+@pytest.mark.parametrize("noticed", first_of(NOTICED, 2, 0), ids=lambda each: each[1])
 def test_a_requirement_notices_it(document: Document, baseline: Baseline, noticed: tuple[str, str]) -> None:
     words, by = noticed
     edits = [each for each in mutants(document, TEMPLATES) if words in str(each)]
@@ -109,7 +109,7 @@ def test_what_no_requirement_notices_stands_here(document: Document, baseline: B
     assert {str(each.mutant) for each in found if each.outcome in open_} == UNNOTICED
 
 
-@pytest.mark.parametrize("name", first_of(NO_RUN_OF_THE_CODE))
+@pytest.mark.parametrize("name", first_of(NO_RUN_OF_THE_CODE, thinned=0))
 def test_the_code_does_what_it_cannot(document: Document, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     number, run = numbered(document, name), played(NO_RUN_OF_THE_CODE[name], monkeypatch)
 
@@ -119,8 +119,7 @@ def test_the_code_does_what_it_cannot(document: Document, name: str, monkeypatch
     assert not run.is_one_of(model_text(), edited)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", SAME_STATES)
+@pytest.mark.parametrize("name", first_of(SAME_STATES, 2, 0))
 def test_it_reaches_the_same_states(document: Document, name: str) -> None:
     edited, but = drawn(document)[numbered(document, name)].document, SAME_STATES[name]
     assert reached(make_network(edited), but) == reached(make_network(document), but)

@@ -15,12 +15,19 @@ MUTANTS: list[Mutant] = tomllib.loads(Path(__file__).with_name("mutants.toml").r
 ]
 
 
-def first_of_each(mutants: Sequence[Mutant], key: str) -> pytest.MarkDecorator:
-    """Parametrizes ``mutant``: an ordinary run takes the first one with each value of ``key``, the night all."""
-    seen: set[str] = set()
+def first_of_each(mutants: Sequence[Mutant], key: str, thinned: str | None = None) -> pytest.MarkDecorator:
+    """Parametrizes ``mutant``: an ordinary run takes the first one with each value of ``key``, the night all.
+
+    ``thinned``: `make test-thinned` takes the first one with each value of this other key.
+    """
+    seen = set[object]()
     parameters = []
     for mutant in mutants:
-        marks = [pytest.mark.nightly] if mutant[key] in seen else []
-        seen.add(mutant[key])
+        if new := mutant[key] not in seen:
+            marks = []
+        else:
+            new = thinned is not None and (thinned, mutant[thinned]) not in seen
+            marks = [pytest.mark.thinned if new else pytest.mark.nightly]
+        seen |= {mutant[key], (thinned, mutant.get(thinned))}
         parameters.append(pytest.param(mutant, id=f"{mutant['name']} [{mutant[key]}]", marks=marks))
     return pytest.mark.parametrize("mutant", parameters)

@@ -54,7 +54,7 @@ def test_the_shipped_executor_is_accepted(shipped, refused) -> None:  # type: ig
     assert not any(refused(network, network, seed) for seed in random.Random(1).sample(range(RUNS), 40))
 
 
-@first_of_each(EXECUTABLE, "template")
+@first_of_each(EXECUTABLE, "template", thinned="caught_by")
 def test_the_executor_of_a_mutant_is_refused(shipped, refused, mutant) -> None:  # type: ignore[no-untyped-def]
     if mutant["name"] in SAME:
         return

@@ -9,7 +9,7 @@ from tests.unit.verification.mutants.conftest import REACTION
 from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
 from timed_automata.explore import overview
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 
 @first_of_each(MUTANTS, "caught_by")

@@ -57,6 +57,7 @@ def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  #
     assert len(caught) > (0.9 if NIGHTLY else 0.5) * SAMPLE / PARTS
 
 
+@pytest.mark.thinned  # long
 def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool, shipped) -> None:  # type: ignore[no-untyped-def]
     """The judge says that nothing notices where nothing does."""
     network, constants = load_automata(tool), model_constants(tool)
@@ -73,6 +74,7 @@ def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool, shipped) ->
     assert judge(edited, baseline).outcome == MutantOutcome.SURVIVES
 
 
+@pytest.mark.thinned  # long
 def test_an_edit_that_changes_nothing_is_equivalent(tool, shipped) -> None:  # type: ignore[no-untyped-def]
     """At ``Clearing`` the next actuator has the same time-out, unless the description says otherwise."""
     network, constants = load_automata(tool), model_constants(tool)
@@ -119,8 +121,20 @@ def test_an_edit_that_switches_an_edge_on_is_judged(shipped) -> None:  # type: i
     ("template", "element", "new", "by"),
     [
         ("Gripper", "Step -> Reset, assignment", "1", ("second-attempt", "one step")),
-        ("Gripper", "Abort -> Unwind, assignment", "1", ("forgotten", "one step")),
-        ("Arming", "Armed -> Idle, guard", "(T_ARM - 1)", ("arm-stays", "no sensors of the stand")),
+        pytest.param(
+            "Gripper",
+            "Abort -> Unwind, assignment",
+            "1",
+            ("forgotten", "one step"),
+            marks=pytest.mark.thinned,
+        ),
+        pytest.param(
+            "Arming",
+            "Armed -> Idle, guard",
+            "(T_ARM - 1)",
+            ("arm-stays", "no sensors of the stand"),
+            marks=pytest.mark.thinned,
+        ),
     ],
 )
 def test_what_one_tool_switches_off_is_judged_with_another(  # type: ignore[no-untyped-def]

@@ -13,7 +13,7 @@ from tests.support.declared import declared
 from tests.support.nightly import first_of
 from timed_automata import load_network
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 HOLD, RELEASE, LEAVE = "hold", "release", "leave"
 EVERY: dict[str, Any] = {"cancel": HOLD, "timeout": HOLD, "abort": HOLD, "process_death": HOLD}
@@ -41,7 +41,7 @@ def proved(description: Description) -> Proof:
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("tool", first_of(TOOLS, 2))
+@pytest.mark.parametrize("tool", first_of(TOOLS, thinned=0))
 def test_every_requirement_holds(tool: str) -> None:
     proof = proved(TOOLS[tool])
     assert [finding.id for finding in proof.findings if not finding.holds] == []

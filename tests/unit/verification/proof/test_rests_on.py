@@ -10,7 +10,7 @@ import pytest
 from tests.support.nightly import NIGHTLY
 from tests.unit.verification.proof.rests_on import ASSUMED, Assumption, failing, first_failing, row, table
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 PAGE = Path(__file__).parents[4] / "docs/explanation/verification.md"
 

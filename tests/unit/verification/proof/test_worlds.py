@@ -10,7 +10,7 @@ import pytest
 
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
-from tests.support.nightly import NIGHTLY
+from tests.support.nightly import NIGHTLY, first_of
 from timed_automata import Network, load_network, make_network, read_document
 from timed_automata.explore import overview
 from timed_automata.explore.search import Search
@@ -19,7 +19,7 @@ from timed_automata.explore.zones import Limits
 from timed_automata.network import State
 from timed_automata.queries import parse_query
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 ONE_IS_ENOUGH = (
     "    if (j == focus || j == witness() || any_odd()) return j == focus || odd == -1 || odd == j;\n"
@@ -65,7 +65,7 @@ def test_apart_reaches_every_state_of_grip_that_anything_reaches() -> None:
     assert [s for s, x, y in zip(states, anything, apart, strict=True) if x and not y] == []
 
 
-@pytest.mark.parametrize("count", [2, 3, 4] if NIGHTLY else [2, 3])
+@pytest.mark.parametrize("count", first_of([2, 3, 4] if NIGHTLY else [2, 3], thinned=0))
 def test_a_world_in_which_any_other_reading_is_odd_reaches_the_same_states_of_the_programs(
     count: int,
 ) -> None:
@@ -91,9 +91,9 @@ def freer(text: str) -> str:
 
 
 CONSTANTS: Mapping[str, Mapping[str, object]] = {
-    "one stays after a cancel": {"CANCEL_KEEPS": [True, False], "MIXED": True},
-    "what is found active goes": {"START_KEEPS": [False, False]},
     "blown off": {"BLOWS": True, "T_BLOW": [200, 0], "T_GAP": [150, 150], "IL_08_GAP": [50, 50]},
+    "what is found active goes": {"START_KEEPS": [False, False]},
+    "one stays after a cancel": {"CANCEL_KEEPS": [True, False], "MIXED": True},
     "one stays after a death": {"DEATH_KEEPS": [False, True], "MIXED": True},
     "all stay after a cancel": {"CANCEL_KEEPS": [True, True]},
     "with evidence of nothing": {"SHOWS_EMPTY": True},
@@ -101,19 +101,14 @@ CONSTANTS: Mapping[str, Mapping[str, object]] = {
 }
 
 
-OF_TIME = (
-    list(CONSTANTS) if NIGHTLY else ["what is found active goes", "blown off", "one stays after a death"]
-)
-
-
-@pytest.mark.parametrize("changed", OF_TIME)
+@pytest.mark.parametrize("changed", first_of(CONSTANTS, thinned=0))
 def test_so_it_is_with_any_endings(changed: str) -> None:
     text = shipped()
     expected = programs_in_anything(freer(text), 2, CONSTANTS[changed])
     assert programs_in_anything(text, 2, CONSTANTS[changed]) == expected
 
 
-@pytest.mark.parametrize("changed", ["", *OF_TIME])
+@pytest.mark.parametrize("changed", first_of(["", *CONSTANTS], thinned=0))
 def test_a_grip_that_has_died_may_as_well_be_over_at_once(changed: str) -> None:
     """Nobody hears it: lines, last wills and ToolChange are where they are if it goes on at its own pace."""
     text, constants = shipped(), CONSTANTS.get(changed, {})

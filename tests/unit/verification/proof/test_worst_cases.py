@@ -12,7 +12,7 @@ from end_effector_hal.verification.proof import WorstCase, prove
 from tests.support.nightly import first_of
 from timed_automata import load_network
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 
 @dataclass(frozen=True)
@@ -85,12 +85,14 @@ def test_the_formulas_give_the_numbers_of_the_contract():
 @pytest.mark.parametrize(
     "tool",
     [
-        pytest.param(ONE, id="one step", marks=pytest.mark.nightly),
+        pytest.param(ONE, id="one step"),
         pytest.param(
             replace(ONE, attempts=(1,), late=7), id="one step, one attempt", marks=pytest.mark.nightly
         ),
-        pytest.param(TWO, id="two steps, other times, released in the order of the grip"),
-        pytest.param(PAPER, id="the paper's"),
+        pytest.param(
+            TWO, id="two steps, other times, released in the order of the grip", marks=pytest.mark.nightly
+        ),
+        pytest.param(PAPER, id="the paper's", marks=pytest.mark.nightly),
         pytest.param(
             Tool((2, 1, 4), (700, 4000, 90), (2000, 10, 400), (100, 60, 2500), 5, (1, 2, 0)),
             id="three steps, all times different",

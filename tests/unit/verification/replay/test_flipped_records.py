@@ -22,7 +22,7 @@ from tests.support.flips import Path, flips
 from tests.support.nightly import examples
 from tests.support.recorded_lines import RecordedLinesTool
 
-pytestmark = pytest.mark.nightly  # long
+pytestmark = pytest.mark.thinned  # long
 
 UNFOUND = {
     ("header", "version"): "nothing else in a trace says which version wrote it; no decision rests on it",

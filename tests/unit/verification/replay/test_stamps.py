@@ -30,7 +30,7 @@ def outcome(trace: ProgramTrace) -> str:
         for place in (("frame", "stamp"), ("frame", "at"), ("time", "at"), ("command", "at"))
         for number, jump in enumerate(JUMPS)
         # each jump at one place, and each place with one jump ahead, one back and one that is no number
-        for marks in ([] if place[1] == "stamp" or number in (0, 4, 9) else [pytest.mark.nightly],)
+        for marks in ([] if place[1] == "stamp" or number in (0, 4, 9) else [pytest.mark.thinned],)
     ],
 )
 def test_a_jump_of_a_stamp_is_found_and_ends(
