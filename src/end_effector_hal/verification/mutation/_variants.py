@@ -52,6 +52,7 @@ VARIANTS: Mapping[str, Pattern] = {
         "START_KEEPS": (True, False),
         "MIXED": True,
     },
+    "one step, evidence of nothing": {"N": 1, "SHOWS_EMPTY": True},
     "evidence of nothing": {"SHOWS_EMPTY": True},
     "one is blown off, a cancel holds the other": {
         **_BLOWN_OFF,

@@ -151,6 +151,27 @@ def test_what_one_tool_switches_off_is_judged_with_another(  # type: ignore[no-u
     assert verdict.variant == by[1]
 
 
+ONCE_UNNOTICED = [
+    ("Empty -> Reset, assignment: constant, '0' -> '1'", "second-attempt", "one step, evidence of nothing"),
+    ("Step -> Empty, guard: constant, 'HEARD' -> '(HEARD + 1)'", "empty-soon", "one step, evidence of nothing"),
+    ("Step -> Step: target, 'Step -> Step' -> 'Step -> Decide'", "order-step", "an ending holds one of two"),
+    ("changer == LOCKED' -> 'IL_02 && !STAND'", "armed", "no sensors of the stand"),
+    ("Armed -> Idle: edge deleted", "armed", "no sensors of the stand"),
+    ("Blown: urgent", "blow-whole", "one is blown off, a cancel holds the other"),
+    ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
+    ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
+]
+"""Edits that no requirement noticed before: words of them, which one does today, and of which tool it is asked."""
+
+
+@pytest.mark.parametrize("case", first_of(ONCE_UNNOTICED, 2), ids=lambda each: each[1])
+def test_what_was_not_noticed_once(tool, baselines, case: tuple[str, str, str]) -> None:  # type: ignore[no-untyped-def]
+    words, by, variant = case
+    baseline = next(each for each in baselines if each.variant == variant)
+    edits = [each for each in mutants(load_automata(tool).document, EXECUTED) if words in str(each)]
+    assert by in {id_ for each in edits for id_ in judge(each, baseline).caught_by}
+
+
 def test_a_file_that_fails_itself_judges_nothing(tool) -> None:  # type: ignore[no-untyped-def]
     network, constants = load_automata(tool), model_constants(tool) | {"GRIP_BOUND": 1}
     with pytest.raises(UsageError, match="Does not hold of the file as it is"):
