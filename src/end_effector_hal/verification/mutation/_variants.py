@@ -18,9 +18,25 @@ _TIMES: Pattern = {
 _FAR_MS = 1_000_000  # how long a command may take is asked of the tool at hand alone
 _WIDE: Pattern = {"GRIP_BOUND": _FAR_MS, "RELEASE_BOUND": _FAR_MS, "CANCEL_BOUND": _FAR_MS}
 _BLOWN_OFF: Pattern = {"BLOWS": True, "T_GAP": (150, 100), "IL_08_GAP": (50, 50), "UNTIL_GONE": (True, False)}
+_ALONE: Pattern = {"N": 1, "CHANGER": False}
 
 VARIANTS: Mapping[str, Pattern] = {
     "one step": {"N": 1},
+    "one step, endings hold it": {
+        **_ALONE,
+        "CANCEL_KEEPS": (True,),
+        "ABORT_KEEPS": (True,),
+        "TIMEOUT_KEEPS": (True,),
+        "DEATH_KEEPS": (True,),
+    },
+    "one step, a loss and the start release it": {
+        **_ALONE,
+        "LOSS_KEEPS": (False,),
+        "START_KEEPS": (False,),
+        "HELD_DEATH_KEEPS": (False,),
+    },
+    "one step, evidence of nothing, no tool changer": {**_ALONE, "SHOWS_EMPTY": True},
+    "one step, blown off": {**_ALONE, **_BLOWN_OFF, "T_BLOW": (200,)},
     "a latching tool changer": {"N": 1, "LATCHING": True, "IL_02": False, "UNLOCK_KEEPS": True},
     "no sensors of the stand": {"N": 1, "STAND": False},
     "no tool changer, no IL-06 and IL-07": {
