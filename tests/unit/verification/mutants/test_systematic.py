@@ -153,7 +153,11 @@ def test_what_one_tool_switches_off_is_judged_with_another(  # type: ignore[no-u
 
 ONCE_UNNOTICED = [
     ("Empty -> Reset, assignment: constant, '0' -> '1'", "second-attempt", "one step, evidence of nothing"),
-    ("Step -> Empty, guard: constant, 'HEARD' -> '(HEARD + 1)'", "empty-soon", "one step, evidence of nothing"),
+    (
+        "Step -> Empty, guard: constant, 'HEARD' -> '(HEARD + 1)'",
+        "empty-soon",
+        "one step, evidence of nothing",
+    ),
     ("Step -> Step: target, 'Step -> Step' -> 'Step -> Decide'", "order-step", "an ending holds one of two"),
     ("changer == LOCKED' -> 'IL_02 && !STAND'", "armed", "no sensors of the stand"),
     ("Armed -> Idle: edge deleted", "armed", "no sensors of the stand"),
