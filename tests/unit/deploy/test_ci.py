@@ -26,7 +26,7 @@ CALLED = [
     "kill-matrix",
     "matrix-processes",
     "demo",
-    "demo-ros2",
+    "test-readme",
     "test-ros2",
     "kill-matrix-ros2",
     "link-campaign",
