@@ -44,7 +44,7 @@ export function overview(view) {
   put("state-word", state.word);
   setTone("panel-state", STATE_TONES[state.name] || "idle");
   put("state-reason", state.reason || (state.maintenance ? "Maintenance." : `for ${seconds((view.at - state.since) / 1e6)}`));
-  flag("held", state.held, state.held ? "ok" : "idle", state.held ? held(state, view.cards) : "nothing is held");
+  flag("held", state.held, ...(state.held ? held(state, view.cards) : ["idle", "nothing is held"]));
   flag("lift", state.lift_allowed, state.lift_allowed ? "ok" : state.held ? "warn" : "idle",
     state.lift_allowed ? "confirmed by the sensors" : state.held ? "not proven now" : "nothing is gripped");
   if (state.changer) {
@@ -61,8 +61,8 @@ export function overview(view) {
 }
 
 function held(state, cards) {
-  if (state.secure) return "secure";
-  return cards?.some((card) => card.hold?.secure === false) ? "not secure" : "not yet known to be secure";
+  if (state.secure) return ["ok", "secure"];
+  return cards?.some((card) => card.hold?.secure === false) ? ["warn", "not secure"] : ["ok", "not yet known to be secure"];
 }
 
 function alarms(texts) {
@@ -127,7 +127,7 @@ export function showEvent(entry, epoch, scroll = true) {
     if (detail.received) lines.push(`event ${detail.received}`);
     lines.push(`late by ${detail.late_ms.toFixed(1)} ms`);
     const readings = Object.entries(detail.readings).map(([name, value]) =>
-      `${name} ${value === null ? "no valid reading" : typeof value === "boolean" ? (value ? "on" : "off") : typeof value === "string" ? value : `${value.toFixed(1)} kPa`}`);
+      `${name} ${value === null ? "no valid reading" : typeof value === "boolean" ? (value ? "on" : "off") : typeof value === "string" ? value : `${value.toFixed(1)} kPa gauge`}`);
     if (readings.length) lines.push(`readings: ${readings.join(", ")}`);
   }
   const code = Object.assign(document.createElement("code"), { textContent: lines.join("\n") });
