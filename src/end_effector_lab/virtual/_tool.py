@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from random import Random
+from typing import TYPE_CHECKING
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import tool_status
@@ -30,12 +31,15 @@ from end_effector_hal.wires.lines import ComposedLines
 from end_effector_lab.testbench import Bench
 
 from ._arbiter import Memories, VirtualArbiter
-from ._bus import VirtualBus, VirtualBuses
+from ._buses import VirtualBuses
 from ._connection import VirtualConnection
 from ._leap import Leap
 from ._outputs import Edge, VirtualOutputs
 from ._sources import Source, StreamedLink, arbiter_source, sources_of_bench
 from ._watching import Watch, Watching
+
+if TYPE_CHECKING:
+    from ._bus import VirtualBus
 
 ARBITER = "arbiter"
 PROGRAMS: Mapping[str, type[Program]] = {"grip": GripProgram, "tool_change": ChangerProgram}

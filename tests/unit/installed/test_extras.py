@@ -95,6 +95,12 @@ def test_what_needs_none(command: str) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_virtual_time_needs_no_modbus_for_a_tool_without_a_bus(tmp_path: Path) -> None:
+    done = eehal_without(["pymodbus"], "campaign", "--runs", "1", "--jobs", "1", "--json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["runs"] == 1
+
+
 def test_a_modbus_codec(tmp_path: Path) -> None:
     text = profile_path().read_text(encoding="utf-8").replace("codec: ees1-ascii", "codec: modbus-rtu-epick")
     (tmp_path / "tool.yaml").write_text(text, encoding="utf-8")
