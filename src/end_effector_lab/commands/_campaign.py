@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli import PathName, Progress, print_document, seed_option
+from end_effector_hal.cli import PathName, Progress, json_text, print_document, seed_option
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
@@ -124,7 +124,7 @@ def _run(
     with campaign_folder(description, output, seed) as results:
         kept = results.write(UNREACHED, (json.dumps(unreached, indent=1) + "\n").encode())
     if as_json:
-        click.echo(json.dumps(found))
+        click.echo(json_text(found))
     else:
         for name in unreached["edges"][:MOST_LISTED]:
             click.echo(f"never taken: {name}")

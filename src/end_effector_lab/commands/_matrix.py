@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from end_effector_hal.cli import PathName, Progress, print_document
+from end_effector_hal.cli import PathName, Progress, json_text, print_document
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
@@ -107,7 +107,7 @@ def _all(
         found = summary(cells, played, left_out)
         kept = _write(description, cells, played, found, results)
     if as_json:
-        click.echo(json.dumps(found))
+        click.echo(json_text(found))
     else:
         _tell(found, [each for each in played if not each["explained"]], output)
     for path in kept:

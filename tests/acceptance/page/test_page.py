@@ -251,6 +251,8 @@ def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
     page.click("#control-take")
     page.click("#command-grip")
     shows(page, "state-word", "GRIPPED")
+    page.locator("#held-detail", has_text=re.compile("^secure$")).wait_for()
+    page.locator("#panel-state").scroll_into_view_if_needed()
     shot(page, "page-phone")
     page.context.close()
 

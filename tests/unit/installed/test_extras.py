@@ -98,7 +98,8 @@ def test_what_needs_none(command: str) -> None:
 def test_virtual_time_needs_no_modbus_for_a_tool_without_a_bus(tmp_path: Path) -> None:
     done = eehal_without(["pymodbus"], "campaign", "--runs", "1", "--jobs", "1", "--json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["runs"] == 1
+    told = json.loads(done.stdout)
+    assert (told["schema_version"], told["runs"]) == (1, 1)
 
 
 def test_a_modbus_codec(tmp_path: Path) -> None:

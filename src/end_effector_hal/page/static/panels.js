@@ -62,7 +62,8 @@ export function overview(view) {
 
 function held(state, cards) {
   if (state.secure) return ["ok", "secure"];
-  return cards?.some((card) => card.hold?.secure === false) ? ["warn", "not secure"] : ["ok", "not yet known to be secure"];
+  if (!cards?.some((card) => card.hold?.secure === false)) return ["ok", "not yet known to be secure"];
+  return [state.lift_allowed ? "ok" : "warn", "not secure"];  // a grip gets firm in its first second
 }
 
 function alarms(texts) {
