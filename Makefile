@@ -59,7 +59,7 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
 # What `make nightly` runs with thousands of examples
-AT_LENGTH := tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster
+AT_LENGTH := tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster tests/unit/bags/test_damage.py tests/unit/description/test_arbitrary.py tests/unit/timed_automata/execute/test_execution_any_input.py tests/unit/timed_automata/document/test_xml.py tests/unit/timed_automata/compiler/test_expressions.py tests/unit/timed_automata/simulate/test_simulate.py tests/unit/timed_automata/monitor/test_monitor.py tests/unit/kinds/conditions/test_judge.py tests/unit/recording/test_story.py
 
 nightly: setup ## at length: what CI leaves out, the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q -n 2 $(SHARED) -m "nightly" $(AT_LENGTH:%=--ignore=%)

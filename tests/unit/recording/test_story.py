@@ -18,6 +18,7 @@ from end_effector_hal.recording import (
     read_story,
 )
 from end_effector_hal.vocabulary import Command, EndEffectorState
+from tests.support.nightly import examples
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
 
 
@@ -340,7 +341,7 @@ ROWS = st.lists(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(100, 3000))
 @given(ROWS, st.booleans())
 def test_any_recording_has_a_story(rows, informed):
     times = sorted(row[0] / 4 for row in rows)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from end_effector_hal.kinds.conditions import ConditionJudge
 from end_effector_hal.kinds.stanza import Condition
 from end_effector_hal.signals import Value, clone, memory_of, recall
+from tests.support.nightly import examples
 
 from .samples import Samples
 
@@ -137,7 +138,7 @@ def slowly(condition: dict[str, Any], frames: list[tuple[Value, ...]], now: int)
     return length >= count and length > 0 and (now - first) * PERIOD >= ms * 1000
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(50, 3000), deadline=None)
 @given(CONDITIONS, FRAMES)
 def test_it_agrees_with_a_judge_that_has_no_memory(
     condition: dict[str, Any], frames: list[tuple[Value, ...]]

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import ModelError, RangeError
+from tests.support.nightly import examples
 from timed_automata import load_network, make_network, read_document
 from timed_automata.network import Semantics
 
@@ -196,7 +197,7 @@ def result_of(network):
     return semantics.fire(network.initial, transition.edges).state.values[0]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(100, 3000), deadline=None)
 @given(tree=trees)
 def test_random_expressions_with_variables_and_with_constants(tree):
     """Computed at run time and folded at load time, both as the independent evaluator has it."""

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, UsageError
+from tests.support.nightly import examples
 from timed_automata import export, load_document, load_network, make_network, read_document, write_document
 
 LAMP = Path(__file__).parents[1] / "models" / "lamp.xml"
@@ -133,7 +134,7 @@ def test_a_file_cut_off_anywhere_is_a_model_error():
         assert error.value.where.startswith("cut.xml:")
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(100, 3000), deadline=None)
 @given(data=st.data())
 def test_a_file_with_noise_is_read_or_refused(data):
     """Never a traceback, whatever happens to the bytes."""

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import ModelError
+from tests.support.nightly import examples
 from tests.unit.timed_automata.explore.random_networks import networks
 from timed_automata import Change, Event, Execution, Received, Step, Written, load_network
 from timed_automata.monitor import Monitor
@@ -196,7 +197,7 @@ def test_a_level_that_was_written_counts(model, seen):
 gaps = st.integers(0, 3_000) | st.sampled_from([0, 1, 999, 1_000, 1_001, 10_000, 50_000, 60_000])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(66, 2000), deadline=None)
 @given(
     gaps=st.lists(st.tuples(gaps, st.sampled_from(EVENTS)), max_size=25),
     late=st.lists(st.sampled_from([0, 1, 4_999, 5_000, 5_001, 40_000]), max_size=25),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import ModelError, RangeError, UsageError
+from tests.support.nightly import examples
 from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import networks
 from tests.unit.timed_automata.simulate.run_facts import assert_is_run
@@ -60,7 +61,7 @@ def test_random_runs_of_the_shipped_model_are_runs_of_it(shipped, seed):
     assert_is_run(run.trace)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(50, 2000), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(model=networks(), seed=st.integers(0, 1 << 32))
 def test_random_runs_of_random_models_are_runs_of_them(model, seed):
     try:
