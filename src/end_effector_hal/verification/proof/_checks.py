@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
 from end_effector_hal.errors import StoppedError
-from timed_automata import Network, make_network
+from timed_automata import Document, Network, make_network
 from timed_automata.explore import CoverageReport, Explorer, Overview, ReactionBound, overview
 
 from ._finding import Finding
@@ -18,6 +19,9 @@ _CHANNELS = "channels", "Every channel has both ends."
 _ROOM = "Every time-out that is executed is due D ({} ms) before its invariant ends it."
 _TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
 _NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
+_KEPT: dict[bytes, CoverageReport] = {}
+"""What was explored of whole files, by all that stands in them."""
+_MOST_KEPT = 4
 
 
 def checks(
@@ -61,11 +65,21 @@ def without_unused(network: Network, found: Overview, progress: Callable[[int], 
     missing = found.coverage
     if not network.replaced or not (missing.edges or missing.locations):
         return found
-    there = overview(make_network(network.document), [], progress).coverage
+    there = _own_coverage(network.document, progress)
     edges = tuple(edge for edge in missing.edges if edge in there.edges)
     locations = tuple(location for location in missing.locations if location in there.locations)
     unused = tuple(edge for edge in missing.edges if edge not in there.edges)
     return replace(found, coverage=CoverageReport(locations, edges, (*missing.disabled, *unused)))
+
+
+def _own_coverage(document: Document, progress: Callable[[int], None]) -> CoverageReport:
+    """What happens with the constants of the file itself: the same for each tool, so it is explored once."""
+    content = pickle.dumps(document)  # all of it, also of one that was edited since it was read
+    if content not in _KEPT:
+        if len(_KEPT) == _MOST_KEPT:
+            del _KEPT[next(iter(_KEPT))]
+        _KEPT[content] = overview(make_network(document), [], progress).coverage
+    return _KEPT[content]
 
 
 def not_decided(error: StoppedError) -> str:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from time import process_time
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 
 from end_effector_hal.errors import ModelError
 from end_effector_hal.verification.proof import Finding, Proof, Requirement, WorstCase, prove
+from end_effector_hal.verification.proof import _checks as checking
 from end_effector_hal.verification.proof import _prove as proving
 from tests.support.nightly import NIGHTLY, PHASES, examples
 from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions
-from timed_automata import Network
+from timed_automata import Network, make_network
+from timed_automata.explore import Overview, overview
 from timed_automata.queries import parse_query
 
 GOOD = ["locations", "edges", "channels", "time"]
@@ -196,3 +199,23 @@ def test_progress_is_told() -> None:
     assert ("all requirements", 1000) in told
     assert ("the shortest runs", 2000) in told
     assert process_time() - begun < 30
+
+
+def test_what_a_file_can_do_with_its_own_constants_is_explored_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of each edit of it again: an edge that is dead there is dead."""
+    explored: list[Network] = []
+
+    def count(network: Network, *others: Any) -> Overview:
+        explored.append(network)
+        return overview(network, *others)
+
+    monkeypatch.setattr(checking, "overview", count)
+    monkeypatch.setattr(checking, "_KEPT", {})
+    more = Template("Steps", ["a -> b; guard: i < N; do: i = i + 1", "b -> a"])
+    file = network("const int N = 1; int[0, 9] i = 0;", more).document
+    for number in (0, -1, -2):
+        assert finding(prove(make_network(file, {"N": number})), "edges").holds
+    assert len(explored) == 1
+    dead = network("const int N = 0; int[0, 9] i = 0;", more).document
+    assert not finding(prove(make_network(dead, {"N": -1})), "edges").holds
+    assert len(explored) == 2
