@@ -61,7 +61,7 @@ def test_a_refusal_is_worded_as_documented(construct: str, where: str, written: 
 
 
 @pytest.mark.parametrize(
-    "line", first_of(sorted(COMMANDS, key=lambda line: " -o drawings" in line), len(COMMANDS) - 1)
+    "line", first_of(sorted(COMMANDS, key=lambda line: " -o drawings" in line), len(COMMANDS) - 1, 0)
 )
 def test_a_command_works_as_documented(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
