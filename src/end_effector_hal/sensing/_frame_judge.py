@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from end_effector_hal.signals import Frame, Value, clone, lengthen, same_memory, streaks_of
@@ -74,7 +74,7 @@ class FrameJudge:
             if at is not None:
                 judged.states[-1].readings.renew(at)
 
-    def stays(self, corners: Iterable[Mapping[str, Value]], first: int, last: int, samples: int) -> bool:
+    def stays(self, corners: Sequence[Mapping[str, Value]], first: int, period: int, samples: int) -> bool:
         """Whether frames that are yet to come leave all as it is that the newest one has shown; nothing is changed.
 
         Two things are asked. A frame of each corner proves what the newest one does, and has no detector begin or cease
@@ -83,27 +83,37 @@ class FrameJudge:
 
         Args:
             corners: values of a frame; those that come lie between them.
-            first, last: µs of the frames.
+            first: µs of the first of the frames, and ``period`` from one to the next.
             samples: how many there are.
         """
-        if len(self._newest) != 1 or self._newest[0].states[-1].is_guarded:
-            return False  # not all have seen the same; or a detector is somebody else's, who may count by himself
-        frame, state = self._newest[0].frame, clone(self._newest[0].states[-1])
-        now, streaks = state.verdict(frame.at), list(streaks_of(state))
-        counts = [streak.samples > 0 for streak in streaks]
+        last = first + (samples - 1) * period
+        # one for all, or some who have not yet counted as much as the others
+        return bool(self._newest) and all(
+            _stays(judged, corners, first, last, samples) for judged in self._newest
+        )
 
-        def ends_alike(at: int, values: Mapping[str, Value]) -> bool:
-            for _ in state.take(Frame(at, None, None, values)):
-                if state.verdict(at) != now or [streak.samples > 0 for streak in streaks] != counts:
-                    return False
-            return True
 
-        values: Mapping[str, Value] = frame.values
-        for values in corners:
-            if not ends_alike(first, values):
+def _stays(
+    judged: _Judged, corners: Iterable[Mapping[str, Value]], first: int, last: int, samples: int
+) -> bool:
+    if judged.states[-1].is_guarded:  # a detector is somebody else's, who may count by himself
+        return False
+    frame, state = judged.frame, clone(judged.states[-1])
+    now, streaks = state.verdict(frame.at), list(streaks_of(state))
+    counts = [streak.samples > 0 for streak in streaks]
+
+    def ends_alike(at: int, values: Mapping[str, Value]) -> bool:
+        for _ in state.take(Frame(at, None, None, values)):
+            if state.verdict(at) != now or [streak.samples > 0 for streak in streaks] != counts:
                 return False
-        lengthen(streaks, samples)
-        return ends_alike(last, values)
+        return True
+
+    values: Mapping[str, Value] = frame.values
+    for values in corners:
+        if not ends_alike(first, values):
+            return False
+    lengthen(streaks, samples)
+    return ends_alike(last, values)
 
 
 def _alike(ones: tuple[SensorState, ...], others: tuple[SensorState, ...]) -> bool:

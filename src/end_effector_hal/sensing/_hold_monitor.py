@@ -155,8 +155,11 @@ class HoldMonitor:
                 self._log.forget(AlarmKind.DEVICE, name)
 
     def _readable(self, index: int, name: str, at: int) -> None:
+        unknown = self._senses.now.evidence[index] is Evidence.UNKNOWN
+        if not unknown and not self._log.active(AlarmKind.STALE):
+            return
         who = display_name(name)
-        if self._senses.now.evidence[index] is Evidence.UNKNOWN:
+        if unknown:
             readings, part = self._senses.now.readings, self._description.actuators[name]
             sent = any(readings.sent_invalid(each, at) for each in kind_of(part).channel_names(part))
             why = f" ({SENT_INVALID})" if sent else ""
@@ -166,7 +169,10 @@ class HoldMonitor:
             self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
 
     def _supply(self, at: int) -> None:
-        supply, warn = self._senses.now.supply, f"{self._description.supply.warn_kpa:g} kPa"
+        supply = self._senses.now.supply
+        if not supply.low and not self._log.active(AlarmKind.SUPPLY):
+            return
+        warn = f"{self._description.supply.warn_kpa:g} kPa"
         if supply.low and supply.kpa is not None:
             text = f"Low supply: under {warn} while a part is held ({supply.kpa:.0f} kPa)."
             self._log.raise_(AlarmKind.SUPPLY, "", text, at)

@@ -43,9 +43,10 @@ class PassingReadings:
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """See `ChannelReadings`."""
-        if channel is not None and channel in self._values:
-            return self._values[channel]
-        return self._remembered.get(channel, at)
+        value = None if channel is None else self._values.get(channel)
+        return (
+            self._remembered.get(channel, at) if value is None else value
+        )  # an invalid one refreshes nothing
 
     def arrived(self, channel: str) -> bool:
         """See `ChannelReadings`."""

@@ -271,22 +271,21 @@ class Bench:
         self._advance(at)
         return self._values(self._plant, at)
 
-    def corners(
-        self, at: int, until: int, link: str | None
-    ) -> tuple[dict[str, Value], dict[str, Value]] | None:
+    def corners(self, at: int, until: int) -> tuple[dict[str, Value], dict[str, Value]] | None:
         """The least and the most that each sensor shows from now on, if nobody does anything.
 
         Args:
-            at: µs of the last sample.
+            at: µs, now.
             until: µs.
-            link: over which it is shown.
 
         Returns:
-            None: it is not known, or may change abruptly, or not all of it arrives.
+            None: a bit changes, or not all of it arrives.
+
+        Raises:
+            ValueError: something may happen by then; see `quiet_until`.
         """
-        plant = None if self._is_disturbed(at, until, link) else self._plant.ahead(until)
-        if plant is None:
-            return None
+        self._advance(at)
+        plant = self._plant.ahead(until)
         low, high = self._values(self._plant, at), self._values(plant, until)
         for name, one in low.items():
             other = high[name]
@@ -299,17 +298,37 @@ class Bench:
             low[name], high[name] = min(one, other) - most, max(one, other) + most
         return low, high
 
-    def _is_disturbed(self, at: int, until: int, link: str | None) -> bool:
-        """Whether something of the scenario happens by ``until``, or happens again and again."""
+    def quiet_until(self, at: int, link: str | None) -> int | None:
+        """µs until which nothing happens by itself: no fault begins, no valve switches, no device restarts.
+
+        Args:
+            at: µs of the last sample; what is returned may be before it.
+            link: whose faults count.
+
+        Returns:
+            None: nothing is to come.
+        """
         effect = self.scenario.on_link(link)
-        effects = self.scenario.effects.values()
-        happen = [effect.silent_after_us, effect.babble_after_us, *(each.frozen_after_us for each in effects)]
-        return (
-            effect.disturbs
-            or any(self._is_over(after_us, until) for after_us in happen)
-            or self.booted(until, link) > at
-            or any(each.due is not None and each.due <= until for each in self._driven)
-        )
+        if effect.disturbs or at < self.booted(at, link):
+            return at
+        happen = [effect.silent_after_us, effect.babble_after_us, *self._frozen_after_us]
+        if effect.reboot_after_us is not None and not self._is_over(effect.reboot_after_us, at):
+            happen.append(effect.reboot_after_us)
+        dues = [self._since(after_us) for after_us in happen if after_us is not None]
+        dues += [station.due for station in self._driven if station.due is not None]
+        if (switches := self._plant.quiet_before) is not None:
+            dues.append(switches)
+        return min(dues) - 1 if dues else None
+
+    @property
+    def _frozen_after_us(self) -> list[int]:
+        """Of the sensors that freeze: what they then show is what is looked at first."""
+        every = [effect.frozen_after_us for effect in self.scenario.effects.values()]
+        return [after_us for after_us in every if after_us is not None]
+
+    def leaves_no_trace(self, at: int, link: str | None, *, unheard: bool) -> bool:
+        """Whether nobody can tell if the sensors are looked at at ``at`` (µs): ``unheard``, or a silent link."""
+        return (unheard or self.silent(at, link)) and not self._frozen_after_us
 
     def _values(self, plant: Plant, at: int) -> dict[str, Value]:
         """What sensors show of a plant."""
@@ -360,7 +379,9 @@ class Bench:
 
     def _shown(self, name: str, channel: str, kpa: float, at: int) -> Value:
         """What the pressure sensor of a device shows while ``kpa`` is there."""
-        effect = self.scenario.effect(name)
+        effect = self.scenario.effects.get(name)
+        if effect is None:
+            return self._pa(channel, kpa, at)
         if effect.invalid:
             return None
         shown = self._pa(channel, kpa if effect.shows_kpa is None else effect.shows_kpa, at)

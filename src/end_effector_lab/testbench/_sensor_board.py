@@ -24,13 +24,10 @@ def carried(
         channels: of the codec.
         description: its thresholds are those of the switches.
     """
-    seen: dict[str, Value] = {}
-    for name, kind in channels.items():
-        if name in values:
-            value = values[name]
-            if kind is Kind.BIT and type(value) is int:
-                value = abs(value) >= _present_pa(name, description)
-            seen[name] = value
+    seen = {name: values[name] for name in channels if name in values}
+    for name, value in seen.items():
+        if type(value) is int and channels[name] is Kind.BIT:
+            seen[name] = abs(value) >= _present_pa(name, description)
     return seen
 
 
@@ -90,7 +87,7 @@ class SensorBoard:
 
     def frame(self, at: int) -> Sent:
         """The frame that is due at ``at`` (µs)."""
-        sample, seq = self._bench.sample(at), self._next(at)
+        sample, seq = self._bench.sample(at), self.count(at)
         age_ms = max(0, at - self._booted) // 1000
         return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
 
@@ -108,15 +105,16 @@ class SensorBoard:
                 return None
             self._registers.hear(request, at)
             if done := self._registers.answer(request):
-                return self._sent(done, self._next(at), sample, at)
+                return self._sent(done, self.count(at), sample, at)
             sample |= self._registers.values
         answers = self._device.answer(request, self._carried(sample)) if self._device else b""
         if not answers:
             return None
         answers, late_us = self._bench.answered(answers, at, self._link)
-        return self._sent(answers, self._next(at), sample, at)._replace(late_us=late_us)
+        return self._sent(answers, self.count(at), sample, at)._replace(late_us=late_us)
 
-    def _next(self, at: int) -> int:
+    def count(self, at: int) -> int:
+        """The number of the frame, or the answer, of ``at`` (µs), each of which is counted once."""
         if (booted := self._bench.booted(at, self._link)) != self._booted:
             self._booted, self._seq = booted, 0
         seq = self._seq

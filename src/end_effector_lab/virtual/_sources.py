@@ -6,12 +6,12 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import Protocol
 
-from end_effector_hal.codecs import PolledCodec, asks, board_inputs, codec_of, is_polled, line_of
+from end_effector_hal.codecs import Codec, PolledCodec, asks, board_inputs, codec_of, is_polled, line_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.signals import Frame, Value
+from end_effector_hal.signals import Frame, Kind, Value
 from end_effector_hal.wires.inputs import input_lines, pulls_of
-from end_effector_lab.testbench import Bench, SensorBoard, Sent, carried
+from end_effector_lab.testbench import Bench, SensorBoard, carried
 
 LOOK_US = 5_000
 """So often an edge of an input is looked for."""
@@ -39,19 +39,36 @@ class StreamedLink:
         self.period_us = self._codec.period_us
         self._board = SensorBoard(self._codec, bench, description, start, name or None)
         self.decoder = self._codec.decoder()
-        self.sent: Sent | None = None
-        """What was sent last."""
+        self._is_exact = carries_exactly(self._codec)
         self.due = start
 
     def frames(self, at: int) -> list[Frame]:
         """See `Source`."""
         self.due = at + self.period_us
-        self.sent = self._board.frame(at)
-        return self.decoder.feed(self.sent.data, at) if self.sent.data else []
+        sent = self._board.frame(at)
+        return self.decoder.feed(sent.data, at) if sent.data else []
+
+    def passing(self, at: int) -> Mapping[str, Value]:
+        """What the frame of ``at`` (µs) shows, which comes as `quiet_until` has said, and changes nothing."""
+        self.due = at + self.period_us
+        sample = self._bench.sample(at)
+        return self._carried(sample) if self._is_exact else self._as_it_comes(sample)
+
+    def pass_by(self, to: int, *, unheard: bool) -> None:
+        """Let the frames until ``to`` (µs) go by that nobody gets: ``unheard``, or while the link is silent."""
+        while self.due <= to and self._bench.leaves_no_trace(self.due, self._name, unheard=unheard):
+            self._board.count(self.due)
+            self.due += self.period_us
+
+    def quiet_until(self, at: int) -> int | None:
+        """See `Bench.quiet_until`."""
+        return self._bench.quiet_until(at, self._name)
 
     def corners(self, at: int, until: int) -> tuple[Mapping[str, Value], Mapping[str, Value]] | None:
         """The least and the most that frames bring until then; see `Bench.corners`."""
-        found = self._bench.corners(at, until, self._name)
+        found = self._bench.corners(at, until)
+        if found and self._is_exact:
+            return self._carried(found[0]), self._carried(found[1])
         try:
             low, high = map(self._as_it_comes, found or ())
         except (UsageError, ValueError):  # the format cannot carry what is so near to its end
@@ -59,9 +76,28 @@ class StreamedLink:
         return low, high
 
     def _as_it_comes(self, values: Mapping[str, Value]) -> Mapping[str, Value]:
-        sent = Frame(0, 0, 0, carried(values, self._codec.channels, self._description))
-        (frame,) = self._codec.decoder().feed(self._codec.encode(sent), 0)
+        (frame,) = self._codec.decoder().feed(self._codec.encode(Frame(0, 0, 0, self._carried(values))), 0)
         return frame.values
+
+    def _carried(self, values: Mapping[str, Value]) -> Mapping[str, Value]:
+        return carried(values, self._codec.channels, self._description)
+
+
+def carries_exactly(codec: Codec) -> bool:
+    """Whether what a codec carries comes as it was sent: neighbours stay apart, at low and at high values."""
+    for many in (-60_000, 0, 99_990, 500_000):
+        for more in range(10):
+            values: dict[str, Value] = {
+                name: bool(more % 2) if kind is Kind.BIT else many + more
+                for name, kind in codec.channels.items()
+            }
+            try:
+                (frame,) = codec.decoder().feed(codec.encode(Frame(0, 0, 0, values)), 0)
+            except (UsageError, ValueError):
+                return False
+            if frame.values != values:
+                return False
+    return True
 
 
 class PolledLink:

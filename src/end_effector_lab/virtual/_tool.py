@@ -47,6 +47,8 @@ _OF_CHANGER = ("lock", "unlock", "arm", "reset")
 REPEAT_US = 50_000
 _TRIES_US = 200_000
 STARTED_US = 5_000_000
+LONGEST_LOOK_US = 250_000
+"""Somebody may look at the tool at least so often, also while no frame comes."""
 
 
 class VirtualTool:
@@ -182,7 +184,7 @@ class VirtualTool:
             if self.at >= at:
                 return False
             waits = self._waiting()
-            if self._leap and self._publisher:
+            if self._leap:
                 self._leave_out(self._leap, min([at, *(due for due, _ in waits)]), at)
             waits = self._bringing() + waits
             self.at = max(self.at, min([at, *(due for due, _ in waits)]))
@@ -369,25 +371,27 @@ class VirtualTool:
 
         The last one before time stops, at ``end``, is played.
         """
-        if any(program.waits for program in self._programs.values()):
+        link = leap.link
+        link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._publisher is None)
+        if not self._publisher or any(program.waits for program in self._programs.values()):
             return
-        link, marks = leap.link, self._marks
-        first = link.due
-        to = leap.next(self.at, limit)
-        if to > first and leap.covers(to) and to + link.period_us <= end:
-            to += link.period_us
-        if to > first and self._judge.released:
-            link.due = to
-        while link.due < to and marks == self._marks:
-            self.at = link.due
-            for frame in link.frames(self.at):
+        marks = self._marks
+        while marks == self._marks:
+            first, to = link.due, leap.next(self.at, limit)
+            if to <= limit and leap.covers(to) and to + link.period_us <= end:
+                to += link.period_us
+            if to == first:
+                return
+            if self._judge.released:
+                link.due = to
+            while link.due < to and marks == self._marks:
+                self.at = link.due
+                frame = Frame(self.at, None, None, link.passing(self.at))
                 for program in list(self._programs.values()):
                     program.pass_over(frame)
-        if left_out := (link.due - first) // link.period_us:
             self.at = link.due - link.period_us
-            self._judge.pass_over(left_out, self.at)
-            if self._publisher:
-                self._publisher.pass_over()
+            self._judge.pass_over((link.due - first) // link.period_us, self.at)
+            self._publisher.pass_over()
 
     @property
     def _marks(self) -> tuple[int, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -12,9 +14,10 @@ import pytest
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.sensing import FrameJudge, SensorState
 from end_effector_hal.signals import Frame
 from end_effector_lab.campaign import Case, CaseSource, CoverageMap, play_case
+from end_effector_lab.testbench import SensorBoard, Sent
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 
@@ -81,13 +84,61 @@ def test_the_same_for_other_tools(name: str) -> None:
 
 
 def test_most_frames_at_rest_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    tool, played = VirtualTool(SHIPPED), list[Frame]()
+    tool = VirtualTool(SHIPPED)
     tool.run(1.0)
-    real = FrameJudge.after
-    monkeypatch.setattr(FrameJudge, "after", lambda *given: (played.append(given[2]), real(*given))[1])
+    played = played_from_now_on(monkeypatch)
     tool.run(20.0)
     assert tool.at == 21_000_000
-    assert 10 < len({frame.at for frame in played}) < 100  # of 1000
+    assert 1 <= len(played) < 20  # of 1000
+
+
+def played_from_now_on(monkeypatch: pytest.MonkeyPatch) -> set[int]:
+    """Gets µs of each frame that is judged."""
+    played, real = set[int](), FrameJudge.after
+
+    def after(judge: FrameJudge, state: SensorState, frame: Frame) -> tuple[SensorState, ...]:
+        played.add(frame.at)
+        return real(judge, state, frame)
+
+    monkeypatch.setattr(FrameJudge, "after", after)
+    return played
+
+
+def test_frames_of_a_silent_link_and_those_that_nobody_gets_are_not_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[int] = []
+    real = SensorBoard.frame
+
+    def frame(board: SensorBoard, at: int) -> Sent:
+        made.append(at)
+        return real(board, at)
+
+    monkeypatch.setattr(SensorBoard, "frame", frame)
+    tool = VirtualTool(SHIPPED)
+    silences: tuple[Callable[[], None], ...] = (
+        partial(tool.choose, "silent-after:0"),
+        partial(tool.kill, "hal"),
+    )
+    for silence in silences:
+        tool.run(1.0)
+        silence()
+        made.clear()
+        tool.run(5.0)
+        assert len(made) < 25  # of 250: somebody may look four times a second
+        tool.choose("nominal")
+        tool.start("hal")
+
+
+def test_frames_are_left_out_after_a_program_has_begun_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    tool = VirtualTool(SHIPPED)
+    tool.run(1.0)
+    tool.kill("grip")
+    tool.start("grip")
+    tool.run(1.0)
+    played = played_from_now_on(monkeypatch)
+    tool.run(5.0)
+    assert len(played) < 20  # of 250
 
 
 def test_a_frame_that_is_asked_for_is_played() -> None:

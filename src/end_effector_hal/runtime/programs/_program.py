@@ -134,8 +134,9 @@ class Program(ABC):
         self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
 
     def pass_over(self, frame: Frame) -> None:
-        """Submit a frame that is known to change nothing of what the sensors prove, in virtual time."""
-        self._submit(lambda: self._adoption.controller.pass_over(frame))
+        """Take a frame that is known to change nothing of what the sensors prove, in virtual time."""
+        if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame)):
+            self._submit(lambda: statuses)
 
     def update_peer(self, **values: int) -> None:
         """Submit interface variables of the other program; returns at once."""

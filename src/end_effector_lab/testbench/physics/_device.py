@@ -136,6 +136,7 @@ class Plant(Model):
         self.devices = dict(devices)
         self._solved = tuple(each for each in self.devices.values() if isinstance(each, SolvedModel))
         self._stepping = tuple(each for each in self.devices.values() if not isinstance(each, SolvedModel))
+        self._models: tuple[SolvedModel, ...] = (supply, *self._solved)
         self._stepped = True
 
     @property
@@ -150,14 +151,18 @@ class Plant(Model):
         while self.now < at:
             self.now = self._go(at)
 
-    def ahead(self, at: int) -> Self | None:
-        """Another plant with the state of ``at`` (µs) if nobody does anything; None: something may switch by then."""
+    @property
+    def quiet_before(self) -> int | None:
+        """µs at which something may switch if nobody does anything; None: nothing does."""
+        if any(each.stale for each in self._models) or not all(each.settled for each in self._stepping):
+            return self.now
+        return min([each.due for each in self._models if each.due is not None], default=None)
+
+    def ahead(self, at: int) -> Self:
+        """Another plant with the state of ``at`` (µs), before anything switches; raises ValueError: it may by then."""
         to = self.now + (at - self.now) // STEP_US * STEP_US
-        models = (self.supply, *self._solved)
-        if [each for each in models if each.stale or (each.due is not None and each.due <= to)]:
-            return None
-        if not all(each.settled for each in self._stepping):
-            return None
+        if (switches := self.quiet_before) is not None and switches <= to:
+            raise ValueError(f"something switches at {switches} µs")
         other = copy(self)
         other.supply = self.supply.ahead(to)
         other.devices = {
@@ -169,19 +174,20 @@ class Plant(Model):
     def _go(self, at: int) -> int:
         """Go to ``at``, or as far as nothing switches; returns how far that was."""
         moving = [device for device in self._stepping if not device.settled]
-        if moving or self._stepped or any(model.stale for model in (self.supply, *self._solved)):
+        if moving or self._stepped or any(model.stale for model in self._models):
             self._begin()
         self._stepped = bool(moving)
         to = self.now + STEP_US if moving else at
-        for model in (self.supply, *self._solved):
-            to = to if model.due is None else min(to, model.due)
+        for model in self._models:
+            if model.due is not None and model.due < to:
+                to = model.due
         for device in self._stepping:
             device.now = self.now
         for device in moving:
             device.step()
         for device in self._stepping:
             device.now = to
-        for model in (self.supply, *self._solved):
+        for model in self._models:
             model.go(to)
         return to
 
