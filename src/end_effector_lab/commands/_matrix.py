@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -179,7 +180,7 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
 
     from end_effector_hal.cli import figures
     from end_effector_lab.figures import RecordedRun, save
-    from end_effector_lab.matrix import cell_folder, record
+    from end_effector_lab.matrix import cell_folder, disturbances, record
 
     cell = next((each for each in cells if each.id == name), None)
     if cell is None:
@@ -189,7 +190,9 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
     folder = output / "cell"
     with cell_folder(folder) as new:
         played = record(description, cell, new)
-        figure = save(RecordedRun.read(new / "states.csv").figure("timeline"), new / "timeline.png")
+        run = RecordedRun.read(new / "states.csv")
+        run = replace(run, missed=(*run.missed, *disturbances(cell)))
+        figure = save(run.figure("timeline"), new / "timeline.png")
     figure = folder / figure.name
     if as_json:
         print_document(played.as_json() | {"figure": str(figure)})

@@ -40,7 +40,7 @@ class RecordedRun:
     """All of a recording that figures show.
 
     Attributes:
-        missed: what the monitor would have decided, and the program did not.
+        missed: what the monitor would have decided, and the program did not; and what else is to be marked.
         notes: what could not be read, in sentences.
     """
 

@@ -49,6 +49,7 @@ MARKERS = {
     "lost": ("X", "#b8232f"),
     "alarm": ("^", "#a85400"),
     "missed": ("D", "#7a2f8f"),
+    "disturbed": ("s", "#b0104f"),
     "gripped": ("*", "#1f7a55"),
 }
 """Kind of moment -> its mark and colour."""

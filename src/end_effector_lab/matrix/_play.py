@@ -67,7 +67,7 @@ class Played:
 
 def play(description: Description, cell: Cell) -> Played:
     """Play a cell and judge it."""
-    return CellRun(description, cell).played()
+    return CellRun(Undisturbed(description), cell).played()
 
 
 def outcome_of(
@@ -100,22 +100,33 @@ def outcome_of(
     return Outcome.REFUSED if refused else Outcome.AT_REST
 
 
-class CellRun:
-    """A cell on a tool of its own; ``tool`` keeps what happened for a figure."""
+class Undisturbed:
+    """The run that every cell disturbs, until something happens to it: the same for all cells of one moment."""
 
-    def __init__(
-        self, description: Description, cell: Cell, on_frame: Callable[[Frame], None] | None = None
-    ) -> None:
-        self._description, self._cell = description, cell
-        self._monitors = Monitors(description)
+    def __init__(self, description: Description, on_frame: Callable[[Frame], None] | None = None) -> None:
+        self.description, self.monitors = description, Monitors(description)
+        self.tool = prepared(description, self.monitors.watch, on_frame)
+        self.script = Script(self.tool)
+
+
+class CellRun:
+    """A cell on a tool of its own; ``tool`` keeps what happened for a figure.
+
+    Args:
+        undisturbed: gone to the moment of the cell at most; the cell goes on with it.
+        cell: what happens then.
+    """
+
+    def __init__(self, undisturbed: Undisturbed, cell: Cell) -> None:
+        self._description, self._cell = undisturbed.description, cell
+        self._monitors, self._script = undisturbed.monitors, undisturbed.script
         self._answered: list[tuple[str, bool]] = []
         self._let_go_at: int | None = None
-        self.tool = prepared(description, self._monitors.watch, on_frame)
+        self.tool = undisturbed.tool
 
     def played(self) -> Played:
         """Play it, once."""
-        cell, tool = self._cell, self.tool
-        script = Script(tool)
+        cell, tool, script = self._cell, self.tool, self._script
         script.run_until(cell.moment.at)
         self._let_go_at = script.dropped_at
         marks = len(tool.edges), len(tool.statuses), len(tool.changes)

@@ -12,11 +12,11 @@ from pydantic import TypeAdapter
 
 from end_effector_hal.description import Description
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
-from end_effector_lab.workers import ShippedAutomata, Workers
+from end_effector_lab.workers import ShippedAutomata, Workers, in_a_copy
 
 from ._cells import WORDS, Cell
 from ._outcome import Outcome
-from ._play import Played, play
+from ._play import CellRun, Played, Undisturbed
 from ._script import PHASES
 
 FMEA, PAGE, FIGURES = "fmea.csv", "report.html", "report.json"
@@ -58,9 +58,9 @@ def play_all(
         WorkersError: they cannot be reached or do not fit, or some cells were not played.
     """
     done = _kept(results, {cell.id: cell for cell in cells})
-    todo = [cell for cell in cells if cell.id not in done]
+    todo = sorted([cell for cell in cells if cell.id not in done], key=lambda cell: cell.moment.at)
     on_progress(len(cells) - len(todo), len(cells))
-    shared = description, ShippedAutomata(description)
+    shared = _Shared(description)
     for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
         done[cell.id] = played
         results.append(played)
@@ -78,10 +78,28 @@ def no_log() -> Iterator[None]:
         logging.disable(logging.NOTSET)
 
 
-def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> dict[str, Any]:
-    description, automata = shared
+class _Shared:
+    """What every worker needs; each goes on with the run that cells disturb from where it has played it."""
+
+    def __init__(self, description: Description) -> None:
+        self._described, self._automata = description, ShippedAutomata(description)
+        self._undisturbed: Undisturbed | None = None
+
+    def undisturbed(self, at: int) -> Undisturbed:
+        """The run until ``at`` (µs)."""
+        if self._undisturbed is None or self._undisturbed.tool.at > at:
+            self._undisturbed = Undisturbed(self._automata.of(self._described))
+        self._undisturbed.script.run_until(at)
+        return self._undisturbed
+
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"_undisturbed": None}
+
+
+def _play(shared: _Shared, cell: Cell) -> dict[str, Any]:
     with no_log():
-        return play(automata.of(description), cell).as_json()
+        undisturbed = shared.undisturbed(cell.moment.at)
+        return in_a_copy(lambda: CellRun(undisturbed, cell).played().as_json())
 
 
 def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:

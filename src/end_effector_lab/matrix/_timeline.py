@@ -6,12 +6,12 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.recording import Recording, read_run
+from end_effector_hal.recording import Moment, Recording, read_run
 from end_effector_hal.signals import Frame
 from end_effector_lab.results import replaced_folder
 
-from ._cells import Cell
-from ._play import CellRun, Played
+from ._cells import NO_FAULT, Cell
+from ._play import DEAD_US, CellRun, Played, Undisturbed
 from ._run import no_log
 
 TIMELINE = "timeline.png"
@@ -35,11 +35,23 @@ def _is_a_cell(folder: Path) -> bool:
     return " @ " in read_run(folder).scenario  # no scenario that a testbench takes has it
 
 
+def disturbances(cell: Cell) -> tuple[Moment, ...]:
+    """What happens to the tool, for its figure; commands are a part of its story."""
+    killed = cell.command if cell.command.startswith("kill") else ""
+    what = ", ".join(filter(None, ("" if cell.name == NO_FAULT else cell.fault, killed)))
+    at, again = cell.moment.at, "started again"
+    if killed and cell.at_once:
+        found = [(at, f"{what}, {again} at once")]
+    else:
+        found = [*([(at, what)] if what else []), *([(at + DEAD_US, again)] if killed else [])]
+    return tuple(Moment(at / 1e6, "disturbed", text) for at, text in found)
+
+
 def record(description: Description, cell: Cell, folder: Path) -> Played:
     """Play a cell and write its recording into a folder; raises UsageError if that cannot be written."""
     frames: list[Frame] = []
     with no_log():
-        run = CellRun(description, cell, frames.append)
+        run = CellRun(Undisturbed(description, frames.append), cell)
         played, tool = run.played(), run.tool
     lines = description.lines.model_copy(update={"backend": "virtual"})  # whatever the wires of the tool are
     played_on = description.model_copy(update={"lines": lines})

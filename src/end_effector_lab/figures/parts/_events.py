@@ -23,7 +23,7 @@ FOOT_IN = 0.3
 """From the lowest row down to the lanes."""
 
 LONGEST_ROWS = 7
-_FIRST = ("abort", "lost", "missed", "timeout", "alarm", "gripped", "command")
+_FIRST = ("disturbed", "abort", "lost", "missed", "timeout", "alarm", "gripped", "command")
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Event:
 
 
 def weight_of(moment: Moment) -> str:
-    """What went wrong for good stands out."""
-    return "bold" if moment.kind in ("abort", "lost") else "normal"
+    """What went wrong for good stands out, and what was done to the tool."""
+    return "bold" if moment.kind in ("abort", "lost", "disturbed") else "normal"
 
 
 def place_events(moments: Sequence[Moment], x_of: Callable[[float], float], right_in: float) -> list[Event]:
