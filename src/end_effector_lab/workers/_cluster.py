@@ -7,6 +7,7 @@ import pickle
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from itertools import islice
 from queue import Empty, SimpleQueue
@@ -36,7 +37,8 @@ _TASK_S, _MOST_IN_TASK = 1.0, 64
 _TASKS_EACH = 2
 """Tasks for each worker: none waits for the next one."""
 _CHECKED = ("python", "distributed", "end-effector-hal")
-_FAILURES = (OSError, TimeoutError)
+_FAILURES = (OSError, TimeoutError, CancelledError)
+"""The last one: of what was under way when the connection was lost."""
 
 
 class ClusterWorkers:

@@ -22,6 +22,7 @@ from end_effector_lab.processes import EEHAL
 from end_effector_lab.workers import Workers, _cluster, cluster_workers, local_workers
 from tests.support.nightly import NIGHTLY
 from tests.support.patience import wait_until
+from tests.support.places import ROOT
 
 from . import functions
 from .conftest import ENV, Cluster
@@ -84,6 +85,34 @@ def test_a_campaign_is_the_same_on_any_workers(workers: Workers, tmp_path: Path)
     assert there.reached.edges == here.reached.edges
     runs = [(tmp_path / name / "runs.jsonl").read_text() for name in ("local", "cluster")]
     assert runs[0] == runs[1]
+
+
+@pytest.mark.timeout(600)  # two programs, a scheduler and two workers begin
+def test_a_sweep_goes_on_when_one_of_two_workers_is_killed(bare: Cluster, tmp_path: Path) -> None:
+    worker, _ = (bare.worker("--nthreads", "1", "--no-nanny") for _ in range(2))
+    with Client(bare.address, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)
+    tool = ROOT / "examples" / "tools" / "diy_vacuum" / "end_effector.yaml"
+    kept = tmp_path / "combinations.jsonl"
+    command = [*EEHAL, "verify", str(tool), "--sweep", "actuators.cup.timeout_s=1:4:1", "--json"]
+    env = {**os.environ, **ENV}
+    wanted = [*command, "--scheduler", bare.address, "-o", str(tmp_path)]
+    with subprocess.Popen(wanted, env=env, stdout=subprocess.PIPE) as there:
+        wait_until(
+            "a combination", lambda: kept.exists() and kept.read_text().count("\n") >= 1, timeout_s=300
+        )
+        lines_at_death = kept.read_text().count("\n")
+        worker.end(signal_number=signal.SIGKILL)
+        said, _ = there.communicate(timeout=300)
+    here = subprocess.run([*command, "--jobs", "1"], env=env, capture_output=True, check=False)
+    assert (there.returncode, here.returncode) == (0, 0), here.stderr
+    assert lines_at_death < kept.read_text().count("\n") == 4
+    assert proven(said) == proven(here.stdout)
+
+
+def proven(document: bytes) -> list[dict[str, object]]:
+    """The combinations of a sweep, without the time that they took."""
+    return [each | {"seconds": 0} for each in json.loads(document)["combinations"]]
 
 
 def test_an_item_that_kills_is_named_after_all_others_are_done(workers: Workers) -> None:
