@@ -44,9 +44,9 @@ class PassingReadings:
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """See `ChannelReadings`."""
         value = None if channel is None else self._values.get(channel)
-        return (
-            self._remembered.get(channel, at) if value is None else value
-        )  # an invalid one refreshes nothing
+        if value is not None:
+            return value
+        return self._remembered.get(channel, at)  # an invalid value refreshes nothing
 
     def arrived(self, channel: str) -> bool:
         """See `ChannelReadings`."""
