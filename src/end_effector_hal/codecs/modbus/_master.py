@@ -73,6 +73,8 @@ class ModbusMaster(ReadCycle):
         """µs, from when on the line is free for somebody else's request; None: an answer is awaited."""
         self.answers: tuple[bytes, ...] = ()
         """To the reads of the last whole cycle, as they came, empty where none did; before that: empty."""
+        self.asked_at = 0
+        """µs, when the first read of the cycle was asked for."""
         self._baudrate = baudrate
         self._period_us, self._timeout_us = period_us, timeout_us
         self.silence_after_us = self.silence_us(baudrate)
@@ -80,7 +82,6 @@ class ModbusMaster(ReadCycle):
         self._next = 0
         self._unanswered: dict[tuple[int, int, int], tuple[Read, int]] = {}
         self._pending: Read | None = None
-        self._cycle_at = 0
         self._heard: list[bytes] = []
         self._heard_at: int | None = None
         self._rest = b""
@@ -105,7 +106,7 @@ class ModbusMaster(ReadCycle):
             self.errors["late"] += 1
             self._next = 0
         if self._next == 0:
-            self._cycle_at, self._values, self._heard_at = at, {}, None
+            self.asked_at, self._values, self._heard_at = at, {}, None
             self._heard = [b""] * len(self._reads)
             while self._may_mix(self._reads[self._next], at):  # never all: not who has not answered
                 self._next += 1
@@ -167,7 +168,7 @@ class ModbusMaster(ReadCycle):
         self.due = self.free_at = at + self.silence_after_us
         if self._next:
             return ()
-        self.due = max(self.due, self._cycle_at + self._period_us)
+        self.due = max(self.due, self.asked_at + self._period_us)
         self.answers = tuple(self._heard)
         return self._cycle_over(self._heard_at)
 

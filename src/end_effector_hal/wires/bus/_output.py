@@ -67,7 +67,7 @@ class BusOutput:
         self._repeats = False  # a handshake of this command has begun again
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = self._written_at = 0
-        self._reports: dict[str, tuple[bool, int]] = {}
+        self._reports: dict[str, tuple[bool, int, int]] = {}
 
     @property
     def pending(self) -> bool:
@@ -102,8 +102,8 @@ class BusOutput:
         off = self._told(level=False) if self.level is False else []
         self._steps = deque([*(Row(self.stanza.address, row) for row in rows), *off])
 
-    def report(self, values: Mapping[str, Value], at: int) -> None:
-        """What the channels of the bus show at ``at``."""
+    def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
+        """What the channels of the bus show at ``at``; it was asked for from ``asked_at`` on, by several reads."""
         stanza = self.stanza
         ready, taken = (
             stanza.activation and stanza.activation.ready,
@@ -112,11 +112,11 @@ class BusOutput:
         for channel in (stanza.verify, ready, taken):
             value = values.get(channel) if channel else None
             if channel and isinstance(value, bool):
-                self._reports[channel] = value, at
+                self._reports[channel] = value, at, asked_at
 
     def reported(self, channel: str | None, at: int) -> bool | None:
         """The last report of a bit; None: there is no fresh one."""
-        value, when = self._reports.get(channel or "", (None, 0))
+        value, when, _ = self._reports.get(channel or "", (None, 0, 0))
         return value if at - when <= self._fresh_us else None
 
     @property
@@ -192,7 +192,7 @@ class BusOutput:
         if self.level is None:
             return seen
         # what it showed before it acknowledged the last write says nothing against that
-        newer = seen is not None and self._reports[self.stanza.verify or ""][1] > self._written_at
+        newer = seen is not None and self._is_answer(self.stanza.verify or "")
         if self.pending or self.why or (newer and seen != self.level):
             return None
         return self.level
@@ -222,6 +222,10 @@ class BusOutput:
         times += [self._give_up_at] if self._give_up_at is not None and self.pending else []
         return min(times, default=None)
 
+    def _is_answer(self, channel: str) -> bool:
+        """Whether a report was asked for after the last write: what was read before it says nothing of it."""
+        return self._reports[channel][2] > self._written_at
+
     def _told(self, level: bool) -> list[Row | Awaited]:
         """The steps that make it so."""
         command = Row(self.stanza.address, self.stanza.command_on if level else self.stanza.command_off)
@@ -246,7 +250,7 @@ class BusOutput:
         handshake = self.stanza.handshake
         while self._steps and isinstance(step := self._steps[0], Awaited):
             shown = self.reported(step.channel, at)
-            if shown is not step.level or self._reports[step.channel][1] <= self._written_at:
+            if shown is not step.level or not self._is_answer(step.channel):
                 break
             self._steps.popleft()
             self._progress_at = at

@@ -31,10 +31,10 @@ class BusOutputs:
         for name, level in levels.items():
             self._outputs[name].command(level, at)
 
-    def report(self, values: Mapping[str, Value], at: int) -> None:
-        """What the channels of the bus show."""
+    def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
+        """What the channels of the bus show; see `BusOutput.report`."""
         for each in self._outputs.values():
-            each.report(values, at)
+            each.report(values, at, asked_at)
 
     def advance(self, at: int) -> None:
         """Time has come to ``at``."""
@@ -62,10 +62,12 @@ class BusOutputs:
         first = min(due, key=lambda each: each.retry_at)
         row = first.next_row(at)
         assert row is not None
-        write = self._together(first, row, at)
-        for each, sent in self._rows_of(write):
-            each.sent(sent)
-        return write
+        return self._together(first, row, at)
+
+    def sent(self, write: RegisterWrite) -> None:
+        """It is on its way."""
+        for each, row in self._rows_of(write):
+            each.sent(row)
 
     def acknowledged(self, write: RegisterWrite, at: int) -> None:
         """A device has done it."""

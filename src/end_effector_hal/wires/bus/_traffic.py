@@ -90,6 +90,8 @@ class BusTraffic:
         # a read shows whether the adapter hears itself; and after a write that failed it comes first, or one dead
         # device would end the reading of the others
         self._read_next = True
+        self._done = b""
+        """The last acknowledgement, until a read follows it."""
         self._echo = EchoFilter()
         self.unacknowledged = 0
         """Writes that were refused or not answered."""
@@ -103,16 +105,16 @@ class BusTraffic:
         free_at = self._master.free_at
         free = free_at is not None and at >= max(free_at, self._free_at)
         if free and not self._read_next and (write := self._outputs.next_write(at)) is not None:
-            self._write, self._rest, request = write, b"", write_request(write)
-            self._until = at + self._master.answered_within_us(request)
-            self._echo.sent(request)
-            return request, None
+            # an answer that comes twice would be taken for that to the next write, if they read the same
+            self._read_next = acknowledgement(write) == self._done
+            if not self._read_next:
+                return self._send(write, at), None
         if at < self._free_at:
             return b"", None
         before = self._master.answers
         polled = self._master.poll(at)
-        self._read_next = self._read_next and not polled.data
         if polled.data:
+            self._read_next, self._done = False, b""
             self._echo.sent(polled.data)
         return polled.data, self._cycle(at, polled.frames, before)
 
@@ -144,12 +146,20 @@ class BusTraffic:
             due = min(due, max(wanted, free_at))
         return max(due, self._free_at)
 
+    def _send(self, write: RegisterWrite, at: int) -> bytes:
+        self._outputs.sent(write)
+        self._write, self._rest, request = write, b"", write_request(write)
+        self._until = at + self._master.answered_within_us(request)
+        self._echo.sent(request)
+        return request
+
     def _end_write(self, at: int, *, done: bool) -> None:
         write, self._write, self._rest = self._write, None, b""
         self._free_at = at + self._master.silence_after_us
         if write is None:
             return
         if done:
+            self._done = acknowledgement(write)
             self._outputs.acknowledged(write, at)
         else:
             self.unacknowledged += 1
@@ -161,5 +171,5 @@ class BusTraffic:
             return None
         frame = frames[-1] if frames else None
         if frame is not None:
-            self._outputs.report(frame.values, frame.at)
+            self._outputs.report(frame.values, frame.at, self._master.asked_at)
         return Cycle(at if frame is None else frame.at, self._master.answers, frame)

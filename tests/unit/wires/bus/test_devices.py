@@ -125,3 +125,37 @@ def test_a_late_answer_to_one_command_is_none_to_the_next() -> None:
     bus.to(bus.at + 1 * S)
     assert device.words[0] == 0
     assert bus.outputs.known(bus.at)[a] is False
+
+
+def test_an_acknowledgement_that_comes_twice_is_none_to_the_next_write() -> None:
+    """A reset and the release behind it have the same acknowledgement, and the release is lost on its way."""
+    device, a = Registers(), "modbus:65/0x0000"
+    rows = VG10.replace("[0x0150]", "[1, 1]").replace("[0x0000]", "[0, 0], acknowledge: [[7, 7]]", 1)
+    rows = rows.replace("[0x0000]", "[0, 0]").replace("address: 1,", "address: 8,")
+    bus = Bus(described(rows), {65: device})
+    bus.to(1 * S)
+    bus.outputs.command({a: False}, bus.at)
+    bus.to(bus.at + 1 * S)
+    device.words[0] = 1  # it did not obey: it has a fault
+    twice: list[bytes] = []
+    answers = bus.server.answer
+
+    def loses_releases(request: bytes, at: int) -> bytes:
+        return b"" if twice and writes(request) else answers(request, at)
+
+    def wire(request: bytes, answer: bytes) -> bytes:
+        if writes(request) and answer:
+            twice.append(answer)
+        return answer
+
+    bus.server.answer = loses_releases  # type: ignore[method-assign]
+    bus.wire = wire
+    bus.outputs.acknowledge(bus.at)
+    while not twice or bus.arriving:
+        bus.to(bus.at + 100)
+    asked = len(bus.requests)
+    while len(bus.requests) == asked:
+        bus.to(bus.at + 100)
+    bus.traffic.feed(twice[0], bus.at)
+    bus.to(bus.at + 20 * MS)
+    assert a not in bus.outputs.known(bus.at)

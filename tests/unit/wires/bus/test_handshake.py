@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.description import Description
+from end_effector_hal.wires.bus import BusOutputs, fresh_for_us
 from end_effector_lab.testbench.modbus import HandshakeGripper
-from tests.unit.wires.bus.played_bus import MS, Bus, S, described
+from tests.unit.wires.bus.played_bus import ANSWER_US, MS, Bus, S, described
 
 JAWS = "modbus:1/0x0000"
 ON, OFF = (0x0200, 50), (0x0100, 50)
@@ -250,3 +251,32 @@ def test_of_an_adapter_that_loses_each_second_answer_the_handshake_survives(
     bus.to(bus.at + 10 * S)
     assert not jaws.closes
     assert bus.outputs.known(bus.at) == {JAWS: False}
+
+
+def test_a_bit_that_was_asked_for_before_a_write_is_no_answer_to_it_though_its_cycle_ends_later(
+    tool: Description,
+) -> None:
+    outputs = BusOutputs(tool.register_outputs, fresh_for_us(20 * MS))
+    outputs.command({JAWS: False}, 0)
+    end = outputs.next_write(1 * MS)
+    assert end is not None
+    outputs.sent(end)
+    outputs.acknowledged(end, 10 * MS)
+    outputs.report({"taken": False}, 20 * MS, asked_at=5 * MS)
+    assert outputs.next_write(21 * MS) is None
+    outputs.report({"taken": False}, 40 * MS, asked_at=30 * MS)
+    ask = outputs.next_write(41 * MS)
+    assert ask is not None
+    assert ask.values == ASK
+
+
+def test_a_cycle_of_several_reads_counts_from_its_first_one(
+    jaws: HandshakeGripper, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = TOOL.replace("  part:", "  far: {modbus: {address: 0x0900}, on: [1]}\n  part:", 1)
+    bus = Bus(described(text), {1: jaws})
+    found: list[tuple[int, int]] = []
+    monkeypatch.setattr(bus.outputs, "report", lambda values, at, asked_at: found.append((at, asked_at)))
+    bus.to(1 * S)
+    assert found
+    assert all(at - asked_at >= 2 * ANSWER_US for at, asked_at in found)

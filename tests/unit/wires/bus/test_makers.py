@@ -169,14 +169,14 @@ def test_a_command_is_sent_as_the_maker_prints_it_and_its_answer_acknowledges_it
     tool = described(commanded(modbus))
     (name,) = tool.register_outputs
     outputs = BusOutputs(tool.register_outputs, fresh_for_us(20 * MS))
-    outputs.report({"ready": ready}, 0)
+    outputs.report({"ready": ready}, 0, 0)
     outputs.command({name: level}, 0)
     master = codec_of(tool, "").decoder()
     assert isinstance(master, ModbusMaster)
     traffic, at, sent = BusTraffic(master, outputs), 0, b""
     while not sent or sent[0] == 7:  # what the channels ask is of unit 7, and stays without an answer
         at += MS
-        outputs.report({"ready": ready}, at)
+        outputs.report({"ready": ready}, at, at)
         sent, _ = traffic.poll(at)
     assert sent == bytes.fromhex(request_)
     before = outputs.next_write(at)
