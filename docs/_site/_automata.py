@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from end_effector_hal.description import load, profile_path
+from end_effector_hal.verification.bus import BUS_FILE
 from end_effector_hal.verification.coils import COILS_FILE
 from end_effector_hal.verification.deaths import DEATHS_FILE
 from end_effector_lab.figures import draw_template
@@ -23,10 +24,11 @@ def automata() -> str:
     executed |= dict.fromkeys(tool.automata.tool_change, "Executed in ToolChange.")
     tools = _templates(tool.automata_path, executed, "Part of the environment, which the proof needs.")
     coils = _templates(COILS_FILE, {}, "Of `two_coils.xml`, which proves outputs with two coils.")
+    bus = _templates(BUS_FILE, {}, "Of `bus_output.xml`, which proves outputs on a bus.")
     deaths = _templates(
         DEATHS_FILE, {}, "Of `deaths.xml`, in which program and line arbiter die at any instant."
     )
-    return "\n\n".join((*tools, *coils, *deaths))
+    return "\n\n".join((*tools, *coils, *bus, *deaths))
 
 
 def _templates(file: Path, executed: dict[str, str], others: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from end_effector_hal.control import network_of
 from end_effector_hal.description import load, profile_path
+from end_effector_hal.verification.bus import BUS_FILE
 from end_effector_hal.verification.coils import COILS_FILE
 from end_effector_hal.verification.deaths import DEATHS_FILE
 from end_effector_hal.verification.proof import Requirement, requirements_of
@@ -47,6 +48,9 @@ def requirements() -> str:
         "A network of their own proves them, with the times of each; that of the tool may then assume it."
     )
     parts += _apart(COILS_FILE)
+    parts.append("## Of outputs on a bus")
+    parts.append("A network of their own proves them, for whatever steps their commands have.")
+    parts += _apart(BUS_FILE)
     parts.append("## Of deaths at any instant")
     parts.append("A network of its own proves them, once for all tools: `eehal verify --deaths`.")
     parts += _apart(DEATHS_FILE)

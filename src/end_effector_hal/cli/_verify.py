@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, REGISTERS, Source, open_source
 from end_effector_hal.errors import UsageError
 
 from ._figures import Drawing, draw_run, figures, is_figure
@@ -33,6 +33,7 @@ T = TypeVar("T")
 @click.command(name="verify")
 @DESCRIPTION
 @MODEL
+@REGISTERS
 @DEATHS
 @click.option("--all", "every", is_flag=True, help="Print every requirement, not only what does not hold.")
 @click.option(
@@ -70,6 +71,7 @@ T = TypeVar("T")
 def command(
     description: Path | None,
     model: Path | None,
+    registers: str | None,
     deaths: bool,
     every: bool,
     as_json: bool,
@@ -93,6 +95,9 @@ def command(
     With --deaths another network is proven, once for all tools: whichever process dies, whenever and how often, no
     line of a held part goes inactive except after a Drop. It takes some seconds.
 
+    With --registers NAME it is the network of the registers that command an actuator over a bus: what the device has
+    done, over a bus that loses, delays and doubles answers, when a command counts as done.
+
     With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
     two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
     flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
@@ -111,15 +116,23 @@ def command(
     from end_effector_hal.verification.proof import prove
 
     if sweeps:
-        if model is not None or deaths or every or free is not None or most_gib is not None:
+        if (
+            model is not None
+            or registers is not None
+            or deaths
+            or every
+            or free is not None
+            or most_gib is not None
+        ):
             raise UsageError("A sweep is of a DESCRIPTION as it is.", todo="Leave the other options out.")
         path = description or profile_path()
         sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
     if jobs or scheduler:
         raise UsageError("Only a sweep is shared out.", todo="Add --sweep KEY=A,B,C.")
-    if deaths and free is not None:
-        raise UsageError("The network of deaths has no sensors.", todo="Leave --free-sensors out.")
-    source = open_source(description, model, deaths=deaths)
+    if (deaths or registers is not None) and free is not None:
+        which = "deaths" if deaths else "registers"
+        raise UsageError(f"The network of {which} has no sensors.", todo="Leave --free-sensors out.")
+    source = open_source(description, model, registers=registers, deaths=deaths)
     if free is not None:
         source = _set_free(source, free)
     content = content_hash(source.description) if source.description is not None else ""

@@ -17,14 +17,14 @@ from end_effector_hal.cli.model._edges import edge_needs, told_edges
 from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
-from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, open_source
+from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, REGISTERS, open_source
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
 
 
 def _template_names(context: click.Context) -> Iterable[str]:
-    named = (context.params.get(each) for each in ("description", "model", "coils"))
+    named = (context.params.get(each) for each in ("description", "model", "coils", "registers"))
     source = open_source(*named, deaths=bool(context.params.get("deaths")))
     return [_name(each) for each in source.network.document.templates]
 
@@ -38,6 +38,7 @@ def command() -> None:
 @DESCRIPTION
 @MODEL
 @COILS
+@REGISTERS
 @DEATHS
 @click.option(
     "-o",
@@ -62,6 +63,7 @@ def show(
     description: Path | None,
     model: Path | None,
     coils: str | None,
+    registers: str | None,
     deaths: bool,
     output: Path,
     template: str | None,
@@ -75,7 +77,10 @@ def show(
     With --edges: a requirement needs an edge when it was seen to fail of an edit of it (eehal model mutants). Of an
     edge that nobody has edited yet, or that is not one of the shipped automata, nothing is known.
     """
-    draw, source = figures().draw_template, open_source(description, model, coils, deaths=deaths)
+    draw, source = (
+        figures().draw_template,
+        open_source(description, model, coils, registers=registers, deaths=deaths),
+    )
     templates = _wanted(source.network.document.templates, template)
     one = is_figure(output)
     if one and len(templates) > 1:
@@ -131,9 +136,12 @@ def _file_names(names: list[str]) -> list[str]:
 @command.command(name="export", short_help="Write the network with the constants of a description.")
 @DESCRIPTION
 @COILS
+@REGISTERS
 @DEATHS
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
-def export_network(description: Path | None, coils: str | None, deaths: bool, output: Path | None) -> None:
+def export_network(
+    description: Path | None, coils: str | None, registers: str | None, deaths: bool, output: Path | None
+) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 
     Layout, comments and queries are those of the file; only the values of constants differ. The same
@@ -141,7 +149,7 @@ def export_network(description: Path | None, coils: str | None, deaths: bool, ou
     """
     from timed_automata import export
 
-    source = open_source(description, None, coils, deaths=deaths)
+    source = open_source(description, None, coils, registers=registers, deaths=deaths)
     data = export(source.network)
     if output is None:
         click.echo(data, nl=False)

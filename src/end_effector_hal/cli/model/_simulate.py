@@ -13,7 +13,15 @@ from end_effector_hal.cli._figures import Drawing, draw_run, figures, is_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
-from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, Source, open_source
+from end_effector_hal.cli.model._source import (
+    COILS,
+    DEATHS,
+    DESCRIPTION,
+    MODEL,
+    REGISTERS,
+    Source,
+    open_source,
+)
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
@@ -27,6 +35,7 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
 @DESCRIPTION
 @MODEL
 @COILS
+@REGISTERS
 @DEATHS
 @click.option("--seed", default=0, show_default=True, help="The same seed, the same run.")
 @click.option("--steps", type=click.IntRange(0), help="Largest number of transitions; by default 100.")
@@ -46,6 +55,7 @@ def simulate(
     description: Path | None,
     model: Path | None,
     coils: str | None,
+    registers: str | None,
     deaths: bool,
     seed: int,
     steps: int | None,
@@ -71,7 +81,7 @@ def simulate(
         figures()  # without what draws them nothing is played
     elif output is not None:
         check_replaceable(output)
-    source = open_source(description, model, coils, deaths=deaths)
+    source = open_source(description, model, coils, registers=registers, deaths=deaths)
     choices = parse_choices(source.network, choose)
     if seconds is not None and isnan(seconds):  # what a range of click lets through
         raise UsageError("--for nan is no length of time.")

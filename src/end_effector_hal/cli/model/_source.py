@@ -25,6 +25,11 @@ COILS = click.option(
     metavar="NAME",
     help="Instead: the network of the two coils of an actuator, or of tool_changer.",
 )
+REGISTERS = click.option(
+    "--registers",
+    metavar="NAME",
+    help="Instead: the network of the registers that command an actuator over a bus.",
+)
 DEATHS = click.option(
     "--deaths",
     is_flag=True,
@@ -51,13 +56,19 @@ class Source:
 
 
 def open_source(
-    description: Path | None, model: Path | None, coils: str | None = None, *, deaths: bool = False
+    description: Path | None,
+    model: Path | None,
+    coils: str | None = None,
+    *,
+    registers: str | None = None,
+    deaths: bool = False,
 ) -> Source:
     """The network of a description (by default the shipped one), or of a UPPAAL file.
 
     Args:
         description, model: the file.
         coils: instead of the automata of a description: an output of two coils.
+        registers: instead: an output on a bus.
         deaths: instead: the network in which program and line arbiter die.
 
     Raises:
@@ -71,13 +82,14 @@ def open_source(
     from timed_automata import load_network
 
     if model is not None:
-        if description is not None or coils is not None or deaths:
+        if description is not None or coils is not None or registers is not None or deaths:
             other = "The network of deaths" if deaths else "A description"
             raise UsageError(f"{other} and a model are named.", todo="Leave one of them out.")
         network = load_network(model)
         return Source(str(model), network, None, _told(network))
-    if deaths and coils is not None:
-        raise UsageError("Two networks are named: --coils and --deaths.", todo="Leave one of them out.")
+    named = {"--coils": coils is not None, "--registers": registers is not None, "--deaths": deaths}
+    if len(two := [option for option, given in named.items() if given]) > 1:
+        raise UsageError(f"Two networks are named: {two[0]} and {two[1]}.", todo="Leave one of them out.")
     path = description or profile_path()
     if is_uppaal(path):
         todo = f"Write '--model {path}'."
@@ -85,6 +97,8 @@ def open_source(
     loaded = load_tool(path)
     if coils is not None:
         return _coils_of(loaded, coils)
+    if registers is not None:
+        return _registers_of(loaded, registers)
     if deaths:
         return _deaths_of(loaded)
     constants, network = model_constants(loaded), load_automata(loaded)
@@ -103,6 +117,17 @@ def _coils_of(description: Description, output: str) -> Source:
         )
     network = networks[output]
     return Source(f"{description.source}: the coils of {output}", network, None, _told(network))
+
+
+def _registers_of(description: Description, actuator: str) -> Source:
+    from end_effector_hal.verification.bus import bus_networks
+
+    networks = bus_networks(description)
+    if actuator not in networks:
+        has = f"Those on a bus are {', '.join(networks)}" if networks else "None is on a bus"
+        raise UsageError(f"{actuator!r} is not commanded over a bus. {has}.", where=str(description.source))
+    network = networks[actuator]
+    return Source(f"{description.source}: the registers of {actuator}", network, None, _told(network))
 
 
 def _deaths_of(description: Description) -> Source:
