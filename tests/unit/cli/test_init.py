@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.cli._main import eehal
+from end_effector_hal.cli.init import _init
 from end_effector_hal.cli.init._init import command
 from end_effector_hal.description import load, schema_text
 from end_effector_hal.errors import UsageError
@@ -78,3 +79,14 @@ def test_a_path_with_blanks_is_quoted_in_what_comes_next(tmp_path: Path) -> None
     result = CliRunner().invoke(eehal, ["init", f"{tmp_path}/my tool"], catch_exceptions=False)
     file = f"'{tmp_path}/my tool/end_effector.yaml'"
     assert f"Next: edit {file}, then `eehal check {file}`." in result.output
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_the_extra_of_a_modbus_link_is_named_where_it_is_not_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, installed: bool
+) -> None:
+    monkeypatch.setattr(_init, "find_spec", lambda name: object() if installed else None)
+    words = [str(tmp_path / "tool"), "--actuators", "cup:vacuum", "--link", "modbus", "--virtual"]
+    result = CliRunner().invoke(command, words, catch_exceptions=False)
+    assert result.exit_code == 0
+    assert ("needs the extra modbus" in result.output) is not installed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -78,7 +79,7 @@ def command(
         click.echo(str(path))
     file = shlex.quote(str(files[0]))
     click.echo(f"Next: edit {file}, then `eehal check {file}`.", err=True)
-    if "frame: {modbus:" in description.decode():
+    if "frame: {modbus:" in description.decode() and find_spec("pymodbus") is None:
         click.echo("A Modbus link needs the extra modbus: pip install '.[modbus]' in a checkout.", err=True)
     if actuators is not None:
         click.echo(f"To try it without hardware: `eehal run --simulate {file}`.", err=True)
