@@ -56,6 +56,7 @@ NOTICED = [
     ("Holding -> Lost: target, 'Holding -> Lost' -> 'Holding -> Asking'", "program-told"),
     ("Ready -> Ready, guard: comparison, '!=' -> '=='", "record-lines"),
     ("Ready -> Ready: target, 'Ready -> Ready' -> 'Ready -> Working'", "answered"),
+    ("put: comparison, '==' -> '!='", "as-asked"),
 ]
 """Edits that nothing noticed before this was required; those of several edges that are alike have the same words."""
 
@@ -71,9 +72,10 @@ def baseline(document: Document) -> Baseline:
 
 
 def drawn(document: Document) -> dict[int, Mutant]:
-    """The sample, by the numbers of the mutants."""
-    every = list(mutants(document, TEMPLATES))
-    order = list(range(len(every)))
+    """The sample, by the numbers of the mutants; what only watches a write, for `as-asked`, is not edited."""
+    every, lines = list(mutants(document, TEMPLATES)), DEATHS_FILE.read_text(encoding="utf-8").splitlines()
+    order = [n for n, each in enumerate(every) if "strayed" not in lines[int(each.place.split(":")[-2]) - 1]]
+    assert len(order) == len(every) - 7
     Random(SEED).shuffle(order)
     return {number: every[number] for number in order[:SAMPLE]}
 
