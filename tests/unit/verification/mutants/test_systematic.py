@@ -162,6 +162,11 @@ ONCE_UNNOTICED = [
     ("changer == LOCKED' -> 'IL_02 && !STAND'", "armed", "no sensors of the stand"),
     ("Armed -> Idle: edge deleted", "armed", "no sensors of the stand"),
     ("Blown: urgent", "blow-whole", "one is blown off, a cancel holds the other"),
+    (
+        "Check -> Unwind, guard: condition dropped, 'evidence[now()] == GONE && !blows()'",
+        "blow-due",
+        "one step, blown off",
+    ),
     ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
     ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
 ]
