@@ -27,7 +27,7 @@ EVERY: Mapping[str, int] = {
     "bistable_and_magnet": 1,
     "diy_record": 8,
     "diy_text": 4,
-    "diy_vacuum": 2,
+    "diy_vacuum": 1,
     "double_acting_jaw": 1,
     "epick_commanded": 2,
     "gripper_2f85": 3,
