@@ -167,6 +167,11 @@ ONCE_UNNOTICED = [
         "blow-due",
         "one step, blown off",
     ),
+    (
+        "Empty -> Abort, assignment: constant, 'EMPTY'",
+        "cause-at",
+        "one step, evidence of nothing, no tool changer",
+    ),
     ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
     ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
 ]
