@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pty
 import subprocess
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 
 import pytest
@@ -236,8 +237,15 @@ def test_a_key_that_nobody_can_guess_is_asked_for(monkeypatch: pytest.MonkeyPatc
     assert any(line.startswith("    confirmed_kpa: 61 ") for line in lines)
 
 
-@pytest.mark.parametrize(("link", "said"), [("modbus", True), ("text", False)])
-def test_the_extra_that_a_modbus_link_needs_is_named(link: str, said: bool) -> None:
+@pytest.mark.parametrize(
+    ("link", "installed", "said"),
+    [("modbus", False, True), ("modbus", True, False), ("text", False, False)],
+)
+def test_the_extra_that_a_modbus_link_needs_is_named_where_it_is_missing(
+    monkeypatch: pytest.MonkeyPatch, link: str, installed: bool, said: bool
+) -> None:
+    found = ModuleSpec("pymodbus", None) if installed else None
+    monkeypatch.setattr("end_effector_hal.cli.init._init.find_spec", lambda name: found)
     options = ["init", "tool", "--actuators", "a:vacuum", "--link", link, "--no-tool-changer"]
     result = CliRunner().invoke(eehal, options, catch_exceptions=False)
     assert ("pip install '.[modbus]'" in result.stderr) is said

@@ -232,9 +232,11 @@ def test_an_output_on_a_bus_moves_when_its_device_has_acknowledged_it() -> None:
 @pytest.mark.parametrize("acknowledged", [True, False])
 def test_a_last_will_that_no_device_has_heard(acknowledged: bool) -> None:
     """It is executed again; where the device had said that it is active, it stays so, and that is told."""
-    tool = ready(load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml"))
+    tool = on_a_bus("gripper_2f85")
+    tool.command("drop")
+    until(tool, STAND_BY)
     tool.command("grip")
-    assert tool.run_until(tool.at + 1_000_000, lambda: any(tool.levels.values()))
+    assert tool.run_until(tool.at + 50_000, lambda: any(tool.levels.values())), "the last will waits for IL-10"
     if acknowledged:
         tool.run(0.15)
     tool.kill("hal")

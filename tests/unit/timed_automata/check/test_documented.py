@@ -22,7 +22,7 @@ PAGE = (DOCS / "reference/model.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| ([^|]+) \| (\w+) \| `(.+?)` \| (.+) \|$", LIBRARY, re.MULTILINE)
 COMMANDS = re.findall(r"^\$ eehal model (.*)$", PAGE, re.MULTILINE)
 
-BISTABLE = Path("examples/tools/bistable_and_magnet/end_effector.yaml").absolute()
+TOOLS = Path("examples/tools").absolute()
 
 MODEL = """<nta><declaration>clock x, y; int a; broadcast chan c; urgent chan u;
 {declaration}</declaration><template><name>P</name>{template}
@@ -50,7 +50,7 @@ def faults(where: str, written: str) -> list[ModelError]:
 
 
 def test_the_pages_have_their_rows_and_commands() -> None:
-    assert (len(ROWS), len(COMMANDS)) == (24, 13)
+    assert (len(ROWS), len(COMMANDS)) == (24, 16)
     assert faults("guard", "x > 3") == []
 
 
@@ -65,6 +65,7 @@ def test_a_refusal_is_worded_as_documented(construct: str, where: str, written: 
 )
 def test_a_command_works_as_documented(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("my_tool.yaml").write_bytes(BISTABLE.read_bytes())
+    tool = "gripper_2f85" if "--registers" in line else "bistable_and_magnet"
+    Path("my_tool.yaml").write_bytes((TOOLS / tool / "end_effector.yaml").read_bytes())
     result = CliRunner().invoke(command, shlex.split(line, comments=True), catch_exceptions=False)
     assert result.exit_code == 0, result.output
