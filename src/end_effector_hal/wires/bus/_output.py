@@ -60,6 +60,7 @@ class BusOutput:
         self.why = ""
         """Why the last command was given up, a clause; empty: it was not."""
         self._steps: deque[Row | Awaited] = deque()
+        self._sent: Row | None = None  # of the last command; its answer is awaited
         self._undecided = False  # whether the device must be activated first is not known yet
         self._was_off = False  # before the last command
         self._waits = False  # for an activation of its device that another output has begun
@@ -81,6 +82,7 @@ class BusOutput:
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = False
+        self._sent = None  # the device may have restarted since, and have lost what it had
         activation, handshake = self.stanza.activation, self.stanza.handshake
         self._undecided = level and activation is not None
         limit_s = activation.ready_within_s if activation else 0.0
@@ -177,11 +179,12 @@ class BusOutput:
     def sent(self, row: Row) -> None:
         """It is on its way."""
         handshake = self.stanza.handshake
+        self._sent = row
         self._open = self._open or (handshake is not None and row == self._control(handshake.request))
 
     def acknowledged(self, row: Row, at: int) -> None:
         """The device has done it."""
-        if self._steps and self._steps[0] == row:
+        if self._sent == row and self._steps and self._steps[0] == row:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone = False

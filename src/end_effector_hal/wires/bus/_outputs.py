@@ -25,6 +25,7 @@ class BusOutputs:
 
     def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
+        self._sent: list[tuple[BusOutput, Row]] = []  # what the write that is on its way was made of
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """These levels, from now on."""
@@ -66,19 +67,19 @@ class BusOutputs:
 
     def sent(self, write: RegisterWrite) -> None:
         """It is on its way."""
-        for each, row in self._rows_of(write):
+        self._sent = list(self._rows_of(write))
+        for each, row in self._sent:
             each.sent(row)
 
-    def acknowledged(self, write: RegisterWrite, at: int) -> None:
-        """A device has done it."""
-        for each, row in self._rows_of(write):
+    def acknowledged(self, at: int) -> None:
+        """A device has done what was sent last."""
+        for each, row in self._sent:
             each.acknowledged(row, at)
 
-    def failed(self, write: RegisterWrite, at: int) -> None:
-        """It was refused, or not acknowledged."""
-        failed = [each for each, _ in self._rows_of(write)]
-        for each in failed:
-            each.retry_at, each.alone = at + RETRY_US, each.alone or len(failed) > 1
+    def failed(self, at: int) -> None:
+        """What was sent last was refused, or not acknowledged."""
+        for each, _ in self._sent:  # also where something else is commanded by now: its answer may come late
+            each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
 
     def withdraw(self, names: Iterable[str], why: str) -> None:
         """Activations of these that are not done yet are not done any more."""

@@ -160,11 +160,11 @@ class BusTraffic:
             return
         if done:
             self._done = acknowledgement(write)
-            self._outputs.acknowledged(write, at)
+            self._outputs.acknowledged(at)
         else:
             self.unacknowledged += 1
             self._read_next = True
-            self._outputs.failed(write, at)
+            self._outputs.failed(at)
 
     def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:
         if self._master.answers is before:

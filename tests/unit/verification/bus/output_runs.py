@@ -98,14 +98,16 @@ class OutputRun:
         outcome = self.chooser.choice(["done"] * 6 + ["lost", "unheard"])
         if outcome != "lost":
             self._reach(write)
+        for _ in range(self.chooser.choice([0, 0, 0, 0, 1, 2])):
+            self.asks()  # while the answer is on its way
         self.wait(10)
         self.read_first = True
         if outcome == "done":
             self._event("done")
-            self.outputs.acknowledged(write, self.at * MS)
+            self.outputs.acknowledged(self.at * MS)
         else:
             self.wait(30)
-            self.outputs.failed(write, self.at * MS)
+            self.outputs.failed(self.at * MS)
         self._look()
 
     def wait(self, ms: int) -> None:

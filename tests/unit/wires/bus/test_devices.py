@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
+
+from end_effector_hal.wires.bus import BusOutputs, fresh_for_us
 from end_effector_lab.testbench.modbus import SimulatedEPick
 from tests.unit.wires.bus.played_bus import (
     MS,
@@ -94,7 +97,8 @@ def test_devices_that_are_dead_keep_no_release_and_no_reading_from_the_others() 
     assert set(bus.outputs.troubles(bus.at)) == {a, b}
 
 
-def test_a_late_answer_to_one_command_is_none_to_the_next() -> None:
+@pytest.mark.parametrize("next_ms", [10, 31])  # before its time-out is over, and after
+def test_a_late_answer_to_one_command_is_none_to_the_next(next_ms: int) -> None:
     """That to a write of several registers does not say which values were written."""
     device, a = Registers(), "modbus:65/0x0000"
     rows = (
@@ -114,9 +118,9 @@ def test_a_late_answer_to_one_command_is_none_to_the_next() -> None:
     bus.outputs.command({a: True}, bus.at)
     while not late:
         bus.to(bus.at + 1 * MS)
-    bus.to(bus.at + 31 * MS)  # its time-out is over
+    bus.to(bus.at + next_ms * MS)
     bus.outputs.command({a: False}, bus.at)
-    sent, until = len(late), bus.at + 50 * MS
+    sent, until = len(late), bus.at + 80 * MS
     while bus.at < until and len(late) == sent:
         bus.to(bus.at + 1 * MS)
     bus.traffic.feed(late[0], bus.at)
@@ -125,6 +129,24 @@ def test_a_late_answer_to_one_command_is_none_to_the_next() -> None:
     bus.to(bus.at + 1 * S)
     assert device.words[0] == 0
     assert bus.outputs.known(bus.at)[a] is False
+
+
+def test_an_acknowledgement_counts_only_for_the_command_that_was_written() -> None:
+    """The device may have lost it before the same was commanded again."""
+    a, tool = "modbus:65/0x0000", described(VG10)
+    outputs = BusOutputs(tool.register_outputs, fresh_for_us(20 * MS))
+    outputs.command({a: True}, 0)
+    write = outputs.next_write(1 * MS)
+    assert write is not None
+    outputs.sent(write)
+    outputs.command({a: False}, 5 * MS)
+    outputs.command({a: True}, 10 * MS)
+    outputs.acknowledged(20 * MS)
+    assert outputs.known(20 * MS) == {}
+    assert outputs.next_write(21 * MS) == write
+    outputs.sent(write)
+    outputs.acknowledged(30 * MS)
+    assert outputs.known(30 * MS) == {a: True}
 
 
 def test_an_acknowledgement_that_comes_twice_is_none_to_the_next_write() -> None:

@@ -261,7 +261,7 @@ def test_a_bit_that_was_asked_for_before_a_write_is_no_answer_to_it_though_its_c
     end = outputs.next_write(1 * MS)
     assert end is not None
     outputs.sent(end)
-    outputs.acknowledged(end, 10 * MS)
+    outputs.acknowledged(10 * MS)
     outputs.report({"taken": False}, 20 * MS, asked_at=5 * MS)
     assert outputs.next_write(21 * MS) is None
     outputs.report({"taken": False}, 40 * MS, asked_at=30 * MS)
