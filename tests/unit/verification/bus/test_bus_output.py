@@ -40,7 +40,7 @@ def test_it_reads_well(template) -> None:  # type: ignore[no-untyped-def]
     assert layout_faults(template) == []
 
 
-@pytest.mark.parametrize("constants", first_of(PATTERNS, 2), ids=str)
+@pytest.mark.parametrize("constants", first_of(PATTERNS, 2, 6), ids=str)
 def test_all_of_it_holds(constants: dict[str, int]) -> None:
     found = prove(load_network(BUS_FILE, constants))
     assert [each.id for each in found.findings if not each.holds] == []
