@@ -236,7 +236,9 @@ def test_a_last_will_that_no_device_has_heard(acknowledged: bool) -> None:
     tool.command("drop")
     until(tool, STAND_BY)
     tool.command("grip")
-    assert tool.run_until(tool.at + 50_000, lambda: any(tool.levels.values())), "the last will waits for IL-10"
+    assert tool.run_until(tool.at + 50_000, lambda: any(tool.levels.values())), (
+        "the last will waits for IL-10"
+    )
     if acknowledged:
         tool.run(0.15)
     tool.kill("hal")
