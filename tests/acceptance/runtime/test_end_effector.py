@@ -89,7 +89,7 @@ def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
         assert tool.set_actuator("cylinder", False).accepted
         wait_until("it", lambda: tool.lock().succeeded)
         result = tool.grip()
-        assert (result.succeeded, result.state) == (True, EndEffectorState.GRIPPED)
+        assert (result.succeeded, result.state) == (True, EndEffectorState.GRIPPED), result.reason
         assert [step.attempts for step in result.steps] == [1, 1, 1]
         assert levels(world) == ALL_ACTIVE
         assert not tool.unlock().succeeded
