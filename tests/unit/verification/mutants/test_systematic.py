@@ -174,6 +174,27 @@ ONCE_UNNOTICED = [
     ),
     ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
     ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
+    ("Blown -> Rest, assignment: constant, '0' -> '1'", "blow-gap", "one step, blown off"),
+    (
+        "Gap -> Blowing, assignment: assignment dropped, 'blow[now()] = true, t = 0' -> 'b",
+        "blow-whole",
+        "one step, blown off",
+    ),
+    (
+        "Gap -> Blowing, assignment: assignment dropped, 'blow[now()] = true, t = 0' -> 't",
+        "blow-alone",
+        "one step, blown off",
+    ),
+    (
+        "Gripped -> Abort, assignment: constant, 'j' -> '(j - 1)'",
+        "cause-at",
+        "one step, a loss and the start release it",
+    ),
+    (
+        "Empty -> Abort, guard: constant, 'HEARD' -> '(HEARD - 1)'",
+        "cause-at",
+        "one step, evidence of nothing",
+    ),
 ]
 """Edits that no requirement noticed before: words of them, which one does today, and of which tool it is asked."""
 
