@@ -110,7 +110,7 @@ class Undisturbed:
 
 
 class CellRun:
-    """A cell on a tool of its own; ``tool`` keeps what happened for a figure.
+    """A cell that goes on with an undisturbed run, and uses it up; ``tool`` keeps what happened for a figure.
 
     Args:
         undisturbed: gone to the moment of the cell at most; the cell goes on with it.

@@ -85,12 +85,17 @@ class _Shared:
         self._described, self._automata = description, ShippedAutomata(description)
         self._undisturbed: Undisturbed | None = None
 
-    def undisturbed(self, at: int) -> Undisturbed:
-        """The run until ``at`` (µs)."""
+    def run_until(self, at: int) -> None:
+        """Have the run played until ``at`` (µs)."""
         if self._undisturbed is None or self._undisturbed.tool.at > at:
             self._undisturbed = Undisturbed(self._automata.of(self._described))
         self._undisturbed.script.run_until(at)
-        return self._undisturbed
+
+    def take(self) -> Undisturbed:
+        """The run, which a cell uses up: the next one begins another, unless this is a copy."""
+        taken, self._undisturbed = self._undisturbed, None
+        assert taken is not None
+        return taken
 
     def __getstate__(self) -> dict[str, Any]:
         return vars(self) | {"_undisturbed": None}
@@ -98,8 +103,8 @@ class _Shared:
 
 def _play(shared: _Shared, cell: Cell) -> dict[str, Any]:
     with no_log():
-        undisturbed = shared.undisturbed(cell.moment.at)
-        return in_a_copy(lambda: CellRun(undisturbed, cell).played().as_json())
+        shared.run_until(cell.moment.at)
+        return in_a_copy(lambda: CellRun(shared.take(), cell).played().as_json())
 
 
 def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:

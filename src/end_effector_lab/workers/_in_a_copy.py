@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-import warnings
+import threading
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -14,26 +14,27 @@ T = TypeVar("T")
 def in_a_copy(work: Callable[[], T]) -> T:
     """What ``work`` returns in a copy of this process, or raises there; whatever it changes is changed there only.
 
-    In a copy only this thread goes on. If the copy dies, the work is done here.
+    If the copy dies, the work is done here. So it is in any thread but the main one, as in a worker of a cluster: only
+    the thread that makes a copy goes on in it, and a lock that another one holds would never be released.
     """
+    if threading.current_thread() is not threading.main_thread():
+        return work()
     read, write = os.pipe()
-    with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", DeprecationWarning
-        )  # other threads: the copy needs none of their locks
-        child = os.fork()
+    child = os.fork()
     if child == 0:
+        code = 1
         try:
             os.close(read)
             with open(write, "wb") as file:
                 file.write(_answer(work))
+            code = 0
         finally:
-            os._exit(0)  # nothing of this process is to be ended twice
+            os._exit(code)  # nothing of this process is to be ended twice
     os.close(write)
     with open(read, "rb") as file:
         content = file.read()
-    os.waitpid(child, 0)
-    if not content:
+    _, status = os.waitpid(child, 0)
+    if status != 0:  # what came may be cut
         return work()
     succeeded, answer = pickle.loads(content)  # of this very program
     if not succeeded:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from io import StringIO
 from pathlib import Path
@@ -44,6 +45,21 @@ def kept(folder: Path, *lines: dict[str, Any]) -> list[dict[str, Any]]:
     (folder / "cells.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     with matrix_folder(SHIPPED, folder) as results:
         return play_all(SHIPPED, CELLS, results, workers=local_workers(1))
+
+
+def test_without_copies_no_cell_goes_on_with_what_another_has_disturbed(tmp_path: Path) -> None:
+    """In a thread none is made, as on a worker of a cluster."""
+    cells = [
+        Cell("supply:0", REST, "none"),
+        Cell("nominal", Moment("later", 200_000_000, "rest", ()), "cancel"),
+    ]
+
+    def play(name: str) -> list[dict[str, Any]]:
+        with matrix_folder(SHIPPED, tmp_path / name) as results:
+            return play_all(SHIPPED, cells, results, workers=local_workers(1))
+
+    with ThreadPoolExecutor(1) as threads:
+        assert threads.submit(play, "thread").result() == play("copies")
 
 
 def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:

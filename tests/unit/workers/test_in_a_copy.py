@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,23 @@ def test_the_work_of_a_copy_that_dies_is_done_here(tmp_path: Path) -> None:
 
     assert in_a_copy(work) == 7
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_what_comes_from_a_copy_that_fails_does_not_count() -> None:
+    here = os.getpid()
+
+    def work() -> int:
+        if os.getpid() != here:
+            really = os._exit
+            os._exit = lambda code: really(3)  # type: ignore[assignment]
+        return os.getpid()
+
+    assert in_a_copy(work) == here
+
+
+def test_a_thread_makes_no_copy() -> None:
+    with ThreadPoolExecutor(1) as threads:
+        assert threads.submit(in_a_copy, os.getpid).result() == os.getpid()
 
 
 def test_no_copy_is_left() -> None:
