@@ -95,8 +95,9 @@ def command(
     With --deaths another network is proven, once for all tools: whichever process dies, whenever and how often, no
     line of a held part goes inactive except after a Drop. It takes some seconds.
 
-    With --registers NAME it is the network of the registers that command an actuator over a bus: what the device has
-    done, over a bus that loses, delays and doubles answers, when a command counts as done.
+    With --registers NAME the network of an actuator that is commanded over a bus is proven instead: a command counts as
+    done only when its device has done it, although the bus loses, delays and doubles answers. The proof of the
+    DESCRIPTION does not contain it.
 
     With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
     two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may

@@ -67,10 +67,12 @@ class StreamedLink:
     def corners(self, at: int, until: int) -> tuple[Mapping[str, Value], Mapping[str, Value]] | None:
         """The least and the most that frames bring until then; see `Bench.corners`."""
         found = self._bench.corners(at, until)
-        if found and self._is_exact:
+        if found is None:
+            return None
+        if self._is_exact:
             return self._carried(found[0]), self._carried(found[1])
         try:
-            low, high = map(self._as_it_comes, found or ())
+            low, high = map(self._as_it_comes, found)
         except (UsageError, ValueError):  # the format cannot carry what is so near to its end
             return None
         return low, high

@@ -33,4 +33,4 @@ def command(description: Path, as_json: bool) -> None:
     if as_json:
         print_document({"ok": True, "stopped": True, "reason": what})
     else:
-        click.echo(f"{what} It ends with: eehal reset {description}")
+        click.echo(f"{what} To end the stop: eehal reset {description}")

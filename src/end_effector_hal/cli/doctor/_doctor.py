@@ -61,11 +61,11 @@ def command(
     path = file or profile_path()
     if report is not None and report.suffix not in (".txt", ".json"):
         raise UsageError(
-            "A report is written into FILE.txt or FILE.json.",
+            "The name of a report ends in .txt or .json.",
             where=str(report),
             todo=f"To look at the tool of this file: eehal doctor {report} --report report.txt."
             if report.suffix in (".yaml", ".yml")
-            else "Name it so.",
+            else "Choose such a name.",
         )
     findings: list[CheckResult] = []
     with Progress("Looking at this machine", shown=not as_json) as progress:

@@ -81,15 +81,19 @@ def open_source(
     from end_effector_hal.runtime import load_automata
     from timed_automata import load_network
 
-    if model is not None:
-        if description is not None or coils is not None or registers is not None or deaths:
-            other = "The network of deaths" if deaths else "A description"
-            raise UsageError(f"{other} and a model are named.", todo="Leave one of them out.")
-        network = load_network(model)
-        return Source(str(model), network, None, _told(network))
-    named = {"--coils": coils is not None, "--registers": registers is not None, "--deaths": deaths}
+    named = {
+        "--model": model is not None,
+        "--coils": coils is not None,
+        "--registers": registers is not None,
+        "--deaths": deaths,
+    }
     if len(two := [option for option, given in named.items() if given]) > 1:
         raise UsageError(f"Two networks are named: {two[0]} and {two[1]}.", todo="Leave one of them out.")
+    if model is not None:
+        if description is not None:
+            raise UsageError("A description and a model are named.", todo="Leave one of them out.")
+        network = load_network(model)
+        return Source(str(model), network, None, _told(network))
     path = description or profile_path()
     if is_uppaal(path):
         todo = f"Write '--model {path}'."

@@ -182,9 +182,9 @@ class BusOutput:
         self._sent = row
         self._open = self._open or (handshake is not None and row == self._control(handshake.request))
 
-    def acknowledged(self, row: Row, at: int) -> None:
-        """The device has done it."""
-        if self._sent == row and self._steps and self._steps[0] == row:
+    def acknowledged(self, at: int) -> None:
+        """The device has done what was sent last."""
+        if self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone = False

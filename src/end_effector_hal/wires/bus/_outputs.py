@@ -25,7 +25,7 @@ class BusOutputs:
 
     def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
-        self._sent: list[tuple[BusOutput, Row]] = []  # what the write that is on its way was made of
+        self._sent: list[BusOutput] = []  # those of the write that is on its way
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """These levels, from now on."""
@@ -67,18 +67,19 @@ class BusOutputs:
 
     def sent(self, write: RegisterWrite) -> None:
         """It is on its way."""
-        self._sent = list(self._rows_of(write))
-        for each, row in self._sent:
+        rows = list(self._rows_of(write))
+        self._sent = [each for each, _ in rows]
+        for each, row in rows:
             each.sent(row)
 
     def acknowledged(self, at: int) -> None:
         """A device has done what was sent last."""
-        for each, row in self._sent:
-            each.acknowledged(row, at)
+        for each in self._sent:
+            each.acknowledged(at)
 
     def failed(self, at: int) -> None:
         """What was sent last was refused, or not acknowledged."""
-        for each, _ in self._sent:  # also where something else is commanded by now: its answer may come late
+        for each in self._sent:  # also where something else is commanded by now: its answer may come late
             each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
 
     def withdraw(self, names: Iterable[str], why: str) -> None:

@@ -169,6 +169,8 @@ class Plant(Model):
             name: each.ahead(to) if isinstance(each, SolvedDevice) else each
             for name, each in self.devices.items()
         }
+        other._solved = tuple(each for each in other.devices.values() if isinstance(each, SolvedModel))
+        other._models = (other.supply, *other._solved)
         return other
 
     def _go(self, at: int) -> int:

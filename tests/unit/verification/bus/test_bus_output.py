@@ -56,7 +56,7 @@ def test_with_an_activation_it_is_one_too(seed: int) -> None:
     assert random_output_run(ACTIVATED, seed).is_one_of(model_text())
 
 
-def _believes_every_acknowledgement(self: BusOutput, row: object, at: int) -> None:
+def _believes_every_acknowledgement(self: BusOutput, at: int) -> None:
     self._steps.clear()
     self._written_at = at
 

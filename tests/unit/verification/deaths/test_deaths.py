@@ -56,7 +56,12 @@ def test_its_network_is_exported(tmp_path: Path) -> None:
     ("command", "words", "what"),
     [
         (verify, ["--deaths", "--free-sensors", "all"], "The network of deaths has no sensors"),
-        (verify, ["--deaths", "--model", "lamp.xml"], "The network of deaths and a model are named"),
+        (verify, ["--deaths", "--model", "lamp.xml"], "Two networks are named: --model and --deaths"),
+        (
+            verify,
+            ["--registers", "a", "--model", "lamp.xml"],
+            "Two networks are named: --model and --registers",
+        ),
         (model, ["show", "--deaths", "--coils", "cup"], "Two networks are named"),
     ],
 )
