@@ -103,6 +103,9 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
         if start is not None and start + len(row) > 0x10000:
             what, expected = "the last of these registers does not exist", "less than 65536 with address"
             yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
+        if "acknowledge" in where and on and row[: len(on)] == on:
+            what, expected = "a reset would make it grip", "rows that begin otherwise than 'command_on'"
+            yield Fault.at(facts.places.value(*where), CODE, what, expected=expected)
     yield from _handshake(facts, path, coils=coils)
     if not on or not off or any(facts.broken_within(*each) for each, _ in rows):
         return
@@ -139,9 +142,10 @@ def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
     elif request and request == end:
         what = "'request' and 'end' are the same"
         yield Fault.at(place, CODE, what, expected="what ends the handshake")
-    if address == facts.get(*path, "address") and facts.get(*keys, "order") == "after" and request:
-        on = facts.get(*path, "command_on")
-        if on and len(request) < len(on):
+    command, on = facts.get(*path, "address"), facts.get(*path, "command_on")
+    if facts.get(*keys, "order") == "after" and request and on and None not in (address, command):
+        apart = address + len(request) <= command or command + len(on) <= address
+        if not apart and not (address == command and len(request) >= len(on)):
             what = "the handshake overwrites a part of the command"
             expected = "an address of its own, or the whole command with it"
             yield Fault.at(facts.places.value(*keys, "request"), CODE, what, expected=expected)
