@@ -100,16 +100,20 @@ class _ProcessRun:
             self._wanted |= set(processes(rest))
             self._keep(0.0)
         else:
-            for name in processes(rest):
-                self._wanted.discard(name)
-                self._die(name, signal.SIGKILL if verb == KILL else signal.SIGTERM)
+            self._wanted -= set(processes(rest))
+            dying = [child for name in processes(rest) if (child := self._take(name)) is not None]
+            if verb == KILL:  # the arbiter first: it has no moment for a last will
+                for child in reversed(dying):
+                    os.kill(child.pid, signal.SIGKILL)
+            for child in dying:
+                if verb == END:
+                    os.kill(child.pid, signal.SIGTERM)
+                child.wait_for_end(timeout_s=START_S)
 
-    def _die(self, name: str, number: int) -> None:
+    def _take(self, name: str) -> Child | None:
+        """It, if it lives; from now on another one counts."""
         child, self._children[name] = self._children[name], None
-        if child is not None and child.code is None:
-            with suppress(ProcessLookupError):
-                os.kill(child.pid, number)
-            child.wait_for_end(timeout_s=START_S)
+        return child if child is not None and child.code is None else None
 
     # Who is to live, lives
 

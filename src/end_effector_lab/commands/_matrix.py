@@ -62,8 +62,10 @@ def command(
     from end_effector_lab.workers import open_workers
 
     description = load_tool(tool or profile_path())
-    if cell is not None and (jobs or scheduler):
-        raise UsageError("--cell plays one cell, here.", todo="Leave --jobs and --scheduler out.")
+    if cell is not None and (jobs or scheduler or only or every > 1 or listed):
+        raise UsageError(
+            "--cell plays one cell, here.", todo="Leave --jobs, --scheduler, --only, --every and --list out."
+        )
     if cell is not None:
         raise SystemExit(_one(description, _whole(description, as_json), cell, output, as_json=as_json))
     if listed:
@@ -191,7 +193,7 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
     with cell_folder(folder) as new:
         played = record(description, cell, new)
         run = RecordedRun.read(new / "states.csv")
-        run = replace(run, missed=(*run.missed, *disturbances(cell)))
+        run = replace(run, marks=disturbances(cell))
         figure = save(run.figure("timeline"), new / "timeline.png")
     figure = folder / figure.name
     if as_json:

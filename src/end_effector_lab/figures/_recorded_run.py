@@ -40,8 +40,9 @@ class RecordedRun:
     """All of a recording that figures show.
 
     Attributes:
-        missed: what the monitor would have decided, and the program did not; and what else is to be marked.
+        missed: what the monitor would have decided, and the program did not.
         notes: what could not be read, in sentences.
+        marks: what a figure shows besides.
     """
 
     log: StatesLog
@@ -52,6 +53,7 @@ class RecordedRun:
     missed: Sequence[Moment]
     notes: tuple[str, ...]
     switches: SwitchesLog | None = None
+    marks: Sequence[Moment] = ()
 
     @classmethod
     def read(cls, states: Path) -> RecordedRun:
@@ -83,8 +85,9 @@ class RecordedRun:
         """In one of `STYLES`; raises UsageError for a recording without a row."""
         if style == "paper":
             return paper(self.log, self.info)
+        marks = (*self.missed, *self.marks)
         return timeline(
-            self.log, self.pressures, self.info, self.alarms, self.missed, self.changer, self.switches
+            self.log, self.pressures, self.info, self.alarms, marks, self.changer, self.switches
         )
 
 

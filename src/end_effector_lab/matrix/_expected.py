@@ -136,14 +136,18 @@ class _Rules:
     @property
     def _is_late(self) -> bool:
         """Whether outputs of the grip are on a bus, and what is written there may not arrive."""
-        cell, begun = self._cell, self._phase != REST or self._cell.command == NOTHING
-        disturbed = {*SILENCING, *DAMAGING, "reboot-after"}
-        on_bus = bool(self._description.buses)
-        return on_bus and begun and (cell.name in disturbed or cell.command in ("kill arbiter", BOTH))
+        if not self._description.buses:
+            return False
+        command, at_rest = self._cell.command, self._phase == REST
+        if self._cell.name in {*SILENCING, *DAMAGING, "reboot-after"}:
+            return not at_rest or command in (NOTHING, BOTH)
+        return not at_rest and command in ("kill arbiter", BOTH)
 
     def _not_acknowledged(self) -> set[Outcome]:
         """Rule 8."""
         found = {Outcome.HELD, Outcome.STILL_THERE}
+        if self._phase == REST and self._cell.command == BOTH:  # what cannot be read may hold something
+            return found
         if self._phase in (REST, GRIP):  # what was measured before is on its way
             found |= {Outcome.FAILED, Outcome.SUCCESS}
         if self._cell.command == BOTH:  # the last will did not arrive: what is gripped is adopted

@@ -238,6 +238,12 @@ def test_an_unknown_cell_is_refused_with_the_nearest() -> None:
     assert "Did you mean 'nominal @ rest + none'?" in str(result.exception)
 
 
+@pytest.mark.parametrize("more", [["--only", "supply"], ["--every", "2"], ["--list"], ["--jobs", "2"]])
+def test_one_cell_is_not_chosen_twice(more: list[str]) -> None:
+    result = CliRunner().invoke(command, ["--cell", "nominal @ rest + none", *more])
+    assert "--cell plays one cell" in str(result.exception)
+
+
 def test_an_fmea_has_a_row_for_each_fault_and_function() -> None:
     cells = [
         cell for cell in all_cells().values() if cell.fault == "leak:top_vacuum:40" and cell.command == "none"
@@ -264,3 +270,13 @@ def test_a_part_that_its_device_lets_go_is_told_apart() -> None:
     (row,) = csv.DictReader(StringIO(fmea(tool, unheard[-1:], rows)))
     assert row["effect on the part"] == "falls: its device lets go when it hears nothing"
     assert row["unexplained"] == "0"
+
+
+def test_what_cannot_be_read_after_a_restart_may_hold_something() -> None:
+    tool = load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml")
+    cells = {cell.id: cell for cell in cells_of(tool, moments(tool))}
+    played = play(tool, cells["no-answers:1 @ rest + kill both"])
+    assert (played.outcome, played.explained) == (Outcome.HELD, True), played.objections
+    undisturbed = cells["nominal @ rest + kill both"]
+    assert Outcome.HELD not in expected(tool, undisturbed).outcomes
+    assert play(tool, undisturbed).outcome == Outcome.AT_REST

@@ -37,6 +37,19 @@ def test_what_is_raised_there_is_raised_here() -> None:
         in_a_copy(work)
 
 
+class TwoWordsError(Exception):
+    def __init__(self, one: str, other: str) -> None:
+        super().__init__(f"{one} {other}")
+
+
+def test_what_cannot_be_made_again_is_raised_by_the_work_itself() -> None:
+    def work() -> None:
+        raise TwoWordsError("no", "tool")
+
+    with pytest.raises(TwoWordsError, match="no tool"):
+        in_a_copy(work)
+
+
 def test_the_work_of_a_copy_that_dies_is_done_here(tmp_path: Path) -> None:
     here = os.getpid()
 

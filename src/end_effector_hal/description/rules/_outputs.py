@@ -28,6 +28,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
         yield from _keeps_alive(facts, path)
         for key in (("verify",), ("activation", "ready"), ("handshake", "taken")):
             yield from _channel(facts, (*path, *key))
+        yield from _told_twice(facts, path)
         yield from _shared(facts, name, taken)
 
 
@@ -180,6 +181,14 @@ def _activation(facts: Facts, name: str) -> Iterator[Fault]:
                 expected += f": twice, and ready_within_s = {number(activated_s)}"
             yield Fault.at(facts.places.value(*shakes), "EE-222", what, expected=expected)
             return
+
+
+def _told_twice(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """A device that is active and open has its `ready` set, and its `verify` not."""
+    ready, verify = (*path, "activation", "ready"), facts.get(*path, "verify")
+    if facts.written(*ready) and verify is not None and facts.get(*ready) == verify:
+        what, expected = "'ready' and 'verify' are the same", "the bit of an active device, open or closed"
+        yield Fault.at(facts.places.value(*ready), CODE, what, expected=expected)
 
 
 def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
