@@ -86,9 +86,7 @@ class RecordedRun:
         if style == "paper":
             return paper(self.log, self.info)
         marks = (*self.missed, *self.marks)
-        return timeline(
-            self.log, self.pressures, self.info, self.alarms, marks, self.changer, self.switches
-        )
+        return timeline(self.log, self.pressures, self.info, self.alarms, marks, self.changer, self.switches)
 
 
 def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
