@@ -126,6 +126,8 @@ class System:
 
         rospy.init_node("tests", disable_signals=True)
         rospy.Subscriber("EndEffectorState", Message, self.states.append, queue_size=500, tcp_nodelay=True)
+        # all publishers of a topic in this process share the queue of the first: its ten would drop goals of a flood
+        rospy.set_param("actionlib_client_pub_queue_size", 5000)
         for name in ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop"):
             self._clients[name] = actionlib.ActionClient(name, EndEffectorAction)
         for name, client in self._clients.items():
