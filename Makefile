@@ -91,7 +91,7 @@ test-gpiochip: setup ## on a real GPIO chip and serial driver, in a kernel of it
 	@deploy/debian.sh tests/acceptance/gpiochip/debian-packages.txt || true
 	@[ "$$EEHAL_GPIOCHIP" = gpio-sim ] || tests/acceptance/gpiochip/build-kernel.sh || test $$? = 3
 	@$(ROS_ENV) && EEHAL_GPIOCHIP=$${EEHAL_GPIOCHIP:-1} EEHAL_GPIOCHIP_ROS="$(THROUGH_ROS)" \
-		pytest -q --durations=0 --durations-min=1 tests/acceptance/gpiochip
+		$(WALL) pytest -q --durations=0 --durations-min=1 tests/acceptance/gpiochip
 
 test-board: test-gpiochip ## by hand: the same on an emulated Verdin with its own device tree, all compared (an hour)
 	@$(ROS_ENV) && eehal board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/acceptance/board

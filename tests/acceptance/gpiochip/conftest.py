@@ -18,6 +18,7 @@ import pytest
 from end_effector_hal.description import Description, load, profile_path
 from tests.acceptance.gpiochip.machines import Guest, Machine, ThisMachine, lacks_gpio_sim
 from tests.acceptance.gpiochip.priority import MEMORY
+from tests.acceptance.gpiochip.slow_link import with_a_slow_link
 from tests.acceptance.gpiochip.virtual_lines import OnVirtualLines
 from tests.support.by_hand import only_when_asked
 from tests.support.places import ROOT
@@ -66,9 +67,10 @@ def tool() -> Description:
 
 
 @pytest.fixture(scope="session")
-def on_virtual_lines(tool: Description, runs: Path) -> OnVirtualLines:
-    """The same scenarios on virtual lines."""
-    return OnVirtualLines(tool, runs / "virtual")
+def on_virtual_lines(tool: Description, runs: Path) -> dict[bool, OnVirtualLines]:
+    """The same scenarios on virtual lines; ``True``: of the tool that is played through ROS, whose link is slower."""
+    slow = with_a_slow_link(tool, runs / "slow_link.yaml")
+    return {False: OnVirtualLines(tool, runs / "virtual"), True: OnVirtualLines(slow, runs / "virtual-slow")}
 
 
 @pytest.fixture

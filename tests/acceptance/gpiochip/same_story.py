@@ -40,7 +40,8 @@ def differences(one: StatesLog, other: StatesLog) -> list[float]:
     """By how many seconds each step of the other is longer; fails where the states are not the same."""
     mine, theirs = steps(one), steps(other)
     assert mine, "no grip was recorded"
-    assert [state for state, _ in mine] == [state for state, _ in theirs]
+    here, there = [state for state, _ in mine], [state for state, _ in theirs]
+    assert here == there, f"the states here are {here}, there {there}"
     return [theirs_s - mine_s for (_, mine_s), (_, theirs_s) in zip(mine, theirs, strict=True)]
 
 

@@ -22,12 +22,12 @@ class OnVirtualLines:
     """Records each scenario when it is first asked for.
 
     Args:
-        tool: the description; its own lines and port are not used.
+        tool: the description; for the recordings its own lines and port are not used.
         folder: gets a folder for each.
     """
 
     def __init__(self, tool: Description, folder: Path) -> None:
-        self._tool, self._folder = tool, folder
+        self.tool, self._folder = tool, folder
         self._recordings: dict[str, StatesLog] = {}
 
     def recording(self, name: str) -> StatesLog:
@@ -47,7 +47,7 @@ class OnVirtualLines:
             with tempfile.TemporaryDirectory(prefix="eehal-", dir=MEMORY) as place:
                 ended = subprocess.run(
                     [
-                        *before_others(GUEST), *EEHAL, "demo", str(self._tool.source), "--no-ros", "--no-figures",
+                        *before_others(GUEST), *EEHAL, "demo", str(self.tool.source), "--no-ros", "--no-figures",
                         "--only", name, "-o", f"{place}/runs",
                     ],
                     env={**os.environ, "TMPDIR": place},
