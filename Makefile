@@ -49,7 +49,7 @@ contract-edits: setup ros2 ## by hand: edits of the transport, each of which the
 	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
 test-thinned: setup ## those of which `make test` runs representatives, what only ROS 1 has, the packages of examples/
-	@$(ROS_ENV) && pytest -q -n 2 $(SHARED) -m "thinned and not (nightly or ros)" --durations=15 $(THINNED)
+	@$(ROS_ENV) && $(WALL) pytest -q -n 2 $(SHARED) -m "thinned and not (nightly or ros)" --durations=15 $(THINNED)
 	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "thinned and ros and not nightly" tests/acceptance
 
 # The peer knows the messages and nothing else of this product
