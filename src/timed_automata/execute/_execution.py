@@ -104,7 +104,7 @@ class Execution:
         self._observe(Begun(at, dict(inputs or {})))
         self._state = _with(self._state, writes)
         self._schedule.renew(self._state, at, None)
-        return tuple(self._at_once())
+        return tuple(self._at_once(at))
 
     def receive(self, event: Event, at: int, *, stamp: int | None = None) -> Reaction:
         """Take what is due before ``at``, then the event, then what follows from it without delay.
@@ -121,10 +121,11 @@ class Execution:
             ModelError: the network came to where it cannot go on.
         """
         channel, writes = self._boundary.input(event.channel), self._boundary.writes(event.writes)
-        steps = self._before(at, stamp)
-        self._observe(Received(self._advance_clock(None), event.channel, event.writes))
-        taken = self._receive(event.channel, channel, writes)
-        return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once()))
+        now = self._advance_clock(at)
+        steps = self._take(now, (now if stamp is None else min(stamp, now)) - 1)
+        self._observe(Received(now, event.channel, event.writes))
+        taken = self._receive(now, event.channel, channel, writes)
+        return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once(now)))
 
     def takes(self, event: Event) -> bool:
         """Whether an edge would receive an event now, before anything that is due; nothing is changed by asking.
@@ -142,17 +143,16 @@ class Execution:
         with a time.
         """
         offsets = self._boundary.writes(writes)
-        if at is None:
-            self._advance_clock(None)
-            self._rewrite(offsets, writes)
-            return ()
-        steps = self._before(at)
-        self._rewrite(offsets, writes)
-        return (*steps, *self._at_once())
+        now = self._advance_clock(at)
+        steps = () if at is None else self._take(now, now - 1)
+        if self._write(now, offsets):
+            self._observe(Written(now, writes))
+        return () if at is None else (*steps, *self._at_once(now))
 
     def advance(self, at: int) -> tuple[Step, ...]:
         """Take what is due at or before ``at``, one after the other as its lateness allows, all at ``at``."""
-        return tuple(self._take(self._advance_clock(at)))
+        now = self._advance_clock(at)
+        return tuple(self._take(now, now))
 
     def snapshot(self) -> ExecutionSnapshot | None:
         """Where it stands; None: it is not started."""
@@ -203,46 +203,41 @@ class Execution:
         self._now = max(self._now, at) if at is not None else self._now
         return self._now
 
-    def _before(self, at: int, stamp: int | None = None) -> list[Step]:
-        now = self._advance_clock(at)
-        return self._take((now if stamp is None else min(stamp, now)) - 1)
-
-    def _at_once(self) -> list[Step]:
+    def _at_once(self, now: int) -> list[Step]:
         """Take what does not wait for a clock: all but what reaches a lower bound at this very instant."""
-        now = self._advance_clock(None)
-        return self._take(now, first_before=now)
+        return self._take(now, now, first_before=now)
 
-    def _rewrite(self, offsets: Mapping[int, int], writes: Mapping[str, int]) -> None:
-        before = self._state
-        self._write(offsets)
-        if self._state is not before:
-            self._observe(Written(self._advance_clock(None), writes))
-
-    def _write(self, offsets: Mapping[int, int]) -> None:
+    def _write(self, now: int, offsets: Mapping[int, int]) -> bool:
+        """Whether anything has changed."""
         values = self._state.values
-        if any(values[offset] != value for offset, value in offsets.items()):
-            self._state = state = _with(self._state, offsets)
-            self._schedule.renew(state, self._advance_clock(None), None)
+        changes = any(values[offset] != value for offset, value in offsets.items())
+        if changes:
+            self._state = _with(self._state, offsets)
+            self._schedule.renew(self._state, now, None)
+        return changes
 
-    def _receive(self, name: str, channel: int, writes: Mapping[int, int]) -> Step | None:
+    def _receive(self, now: int, name: str, channel: int, writes: Mapping[int, int]) -> Step | None:
         successor = self._successors.received(self._state, channel, writes)
         if successor is None:
-            self._write(writes)
+            self._write(now, writes)
             return None
-        return self._move(successor, None, self._schedule.last, received=name)
+        return self._move(now, successor, None, self._schedule.last, received=name)
 
-    def _take(self, until: int, first_before: int = NEVER) -> list[Step]:
+    def _take(self, now: int, until: int, first_before: int = NEVER) -> list[Step]:
+        """Take at ``now`` what is due at or before ``until``; see `Schedule.next`."""
         steps: list[Step] = []
         while candidate := self._schedule.next(until, first_before):
             if len(steps) == _MOST_STEPS:
                 raise self._livelock(steps, candidate)
-            steps.append(self._move(candidate.successor, candidate.due, candidate.last))
+            steps.append(self._move(now, candidate.successor, candidate.due, candidate.last))
         if self._schedule.committed and not self._schedule.candidates:
             raise self._stuck()
         return steps
 
-    def _move(self, successor: Successor, due: int | None, last: int, received: str | None = None) -> Step:
-        now, transition, fired = self._advance_clock(None), successor.transition, successor.fired
+    def _move(
+        self, now: int, successor: Successor, due: int | None, last: int, received: str | None = None
+    ) -> Step:
+        transition, fired = successor.transition, successor.fired
         if isinstance(fired, RangeError):
             raise fired
         self._state = fired.state

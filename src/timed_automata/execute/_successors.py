@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 
 from timed_automata.compiler import Bound
@@ -47,10 +46,8 @@ class Successor:
 
         ``expired`` are invariants that count no more: they are broken already.
         """
-        first, last = clocks.window(self.transition.bounds)
         kept = [bound for bound in self.kept if bound not in expired] if expired else self.kept
-        first_kept, last_kept = clocks.window(kept)
-        return max(first, first_kept), min(last, last_kept)
+        return clocks.window((*self.transition.bounds, *kept))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -103,13 +100,10 @@ class SuccessorCache:
             RangeError: an assignment is out of range.
         """
         key = (state, channel, tuple(writes.items()))
-        with suppress(KeyError):
+        try:
             return self._received[key]
-        transition = next(self._semantics.received(state, channel), None)
-        found = None
-        if transition is not None and transition.edges:
-            fired = self._semantics.fire(state, transition.edges, writes)
-            found = self._made(state, transition, fired)
+        except KeyError:
+            found = self._work_out(state, channel, writes)
         if len(self._received) >= MOST:
             self._received.clear()
         self._received[key] = found
@@ -153,6 +147,13 @@ class SuccessorCache:
             if isinstance(each.fired, Fired)
             and not (at_once and any(bound.op in (">=", ">", "==") for bound in each.transition.bounds))
         ]
+
+    def _work_out(self, state: State, channel: int, writes: Mapping[int, int]) -> Successor | None:
+        transition = next(self._semantics.received(state, channel), None)
+        if transition is None or not transition.edges:
+            return None
+        fired = self._semantics.fire(state, transition.edges, writes)
+        return self._made(state, transition, fired)
 
     def _successor(self, state: State, transition: Transition) -> Successor | None:
         """None: it would break an invariant, whatever the time is."""
