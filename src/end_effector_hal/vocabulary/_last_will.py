@@ -59,7 +59,10 @@ def read_last_will(steps: object) -> LastWill:
 
 def _step(i: int, given: Any) -> LastWillStep:
     try:
-        step = LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
+        if isinstance(given, LastWillStep):
+            step = given
+        else:
+            step = LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
     except TypeError:
         raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
     if not isinstance(step.line, str):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import socket
 import struct
 from collections.abc import Mapping
@@ -72,9 +71,9 @@ class Conversation:
         assert self._socket
         self._number += 1
         try:
-            # A connection that the arbiter closed may still hold its last message.
-            with contextlib.suppress(BrokenPipeError):
-                self._socket.sendall(write_message({"id": self._number, "op": op, **fields}))
+            self._socket.sendall(write_message({"id": self._number, "op": op, **fields}))
+        except BrokenPipeError:
+            pass  # a connection that the arbiter closed may still hold its last message
         except OSError as error:
             return error
         return None

@@ -77,12 +77,14 @@ def _check(message: dict[str, Any], deepest: int) -> None:
             inside += value
             if isinstance(value, dict):
                 inside += value.values()
+        level = []
         for value in inside:
-            if isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
+            if isinstance(value, dict | list):
+                level.append(value)
+            elif isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
                 raise UsageError(
                     f"a text in a message has at most {LONGEST_SENTENCE} characters, all printable."
                 )
-        level = [value for value in inside if isinstance(value, dict | list)]
     if level:
         raise UsageError(f"a message is nested at most {deepest} levels deep.")
 

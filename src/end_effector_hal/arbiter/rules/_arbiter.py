@@ -61,8 +61,9 @@ class LineArbiter:
         self._stays: dict[str, str] = {}  # faults of lines that the hardware does not deactivate
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
-        for line in policy.lines:
-            if self.levels[line] and any(self.levels[partner.line] for partner in policy.partners(line)):
+        self._partners = {line: policy.partners(line) for line in policy.lines}
+        for line, partners in self._partners.items():
+            if self.levels[line] and any(self.levels[partner.line] for partner in partners):
                 _log.error("%s was found active together with a line that excludes it", policy.called(line))
         self._resume(state, at)
 
@@ -290,7 +291,7 @@ class LineArbiter:
             LineRefusedError: an interlock refuses; its id stands first.
         """
         called = self.policy.called(line)
-        for other, interlock, gap_us in self.policy.partners(line):
+        for other, interlock, gap_us in self._partners[line]:
             # with a pause between the two, the same write cannot end one and begin the other
             active = self._may_be_active(other)
             if (active or levels.get(other, False)) if gap_us else levels.get(other, active):
@@ -433,8 +434,8 @@ class LineArbiter:
 
 
 def _check_own(session: Session, levels: Mapping[str, object]) -> None:
-    foreign = [line for line in levels if line not in session.lines]
-    if foreign:
+    if not session.lines.issuperset(levels):
+        foreign = [line for line in levels if line not in session.lines]
         raise UsageError(
             f"{session.client} does not write {', '.join(foreign)}: its hello did not name this line."
         )

@@ -112,7 +112,9 @@ class OutputLines:
 
     def troubles(self) -> dict[str, str]:
         """What is wrong with outputs that are not written here, a sentence by the name of a fault."""
-        found = self.remote.troubles() if self.remote else {}
+        if self.remote is None:
+            return {}
+        found = self.remote.troubles()
         return {f"output {line}": f"{self._policy.called(line)} {why}." for line, why in found.items()}
 
     def ready_at(self, write: Write) -> int:

@@ -71,9 +71,10 @@ class Connection:
 
     def next_message(self) -> bytes | None:
         """Fetch the next message; None: there is no whole one."""
-        if not self.waits:
+        line, newline, rest = self._rest.partition(b"\n")
+        if not newline:
             return None
-        line, self._rest = self._rest.split(b"\n", 1)
+        self._rest = rest
         return line
 
     def send(self, message: Mapping[str, object]) -> bool:

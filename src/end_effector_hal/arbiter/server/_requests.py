@@ -53,12 +53,12 @@ class RequestHandler:
     def handle(self, connection: Connection, line: bytes) -> dict[str, Any] | None:
         """Execute a message; returns the reply, None: it gets no reply."""
         number = None
-        connection.heard_at = now_us()
+        connection.heard_at = at = now_us()
         try:
             message = read_message(line)
             number = read_id(message)
             request = read_request(message)
-            more = self._execute(connection, request)
+            more = self._execute(connection, request, at)
             self._arbiter.written(now_us())
             self._records.keep(self._arbiter)
             if request.op == "tell" and number is None:
@@ -75,8 +75,8 @@ class RequestHandler:
         """A connection has ended."""
         self._sender_role.leave(connection)
 
-    def _execute(self, connection: Connection, request: Request) -> dict[str, Any]:
-        arbiter, session, at = self._arbiter, connection.session, now_us()
+    def _execute(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
+        arbiter, session = self._arbiter, connection.session
         match request.op:
             case "status":
                 about = {"pid": os.getpid(), "unclean": self._unclean}
