@@ -158,9 +158,10 @@ class Controller:
         """A command by the name of its channel; whether it is accepted is an edge of the automaton."""
         at = self._until(at)
         statuses = self._due_before(at)
-        if name == "grip" and self._execution.takes(Event(name)) and (why := self._faulty(at)):
+        event = Event(name)
+        if name == "grip" and (why := self._faulty(at)) and self._execution.takes(event):
             return Answer(False, why), statuses
-        reaction = self._execution.receive(Event(name), at)
+        reaction = self._execution.receive(event, at)
         if not reaction.taken:
             why = refusal(self._description, name, self.status(), self._senses.now, at)
             return Answer(False, why), statuses + self._told(reaction.steps)

@@ -148,7 +148,10 @@ class StatusBuilder:
         """The state at ``at`` µs."""
         values, hold, steps = self.values, self._hold, self._steps
         ee = _STATES[values["ee"]]
-        self._look(at)
+        seen = (at, self._senses.revision, self.held)
+        if seen != self._seen:
+            self._seen = seen
+            self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed
         step, fault = steps.step, values["changer_fault"]
         reason = self._why if self._left else self._reason
@@ -189,20 +192,18 @@ class StatusBuilder:
 
     def _look(self, at: int) -> None:
         """At the sensors, once for all steps that follow from what they show."""
-        seen = (at, self._senses.revision, self.held)
-        if seen != self._seen:
-            self._seen, senses = seen, self._senses
-            readings, self._refused = senses.now.readings, senses.refused
-            stale = readings.stale(at)
-            self._down = readings.down(at)
-            self._stale = tuple(filter(self._used.__contains__, stale))
-            self._notices = senses.notices(at, held=self.held)
+        senses, readings = self._senses, self._senses.now.readings
+        self._refused = senses.refused
+        self._down = readings.down(at)
+        down = [f"The {self._description.sensors_are('down', source.link)}." for source in self._down]
+        self._outages = tuple(dict.fromkeys(down))
+        self._stale = tuple(filter(self._used.__contains__, readings.stale(at)))
+        self._notices = senses.notices(at, held=self.held)
 
     def _alarms(self) -> tuple[str, ...]:
         alarms: list[str] = []
         if self.adopted:
-            down = (self._description.sensors_are("down", source.link) for source in self._down)
-            alarms += dict.fromkeys(f"The {each}." for each in down)
+            alarms += self._outages
         if self._latched:
             alarms.append(self.latched_error)
         if not self._grips and self.values["changer"] == ChangerState.FAULT:

@@ -180,8 +180,9 @@ class Outputs:
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
         """What was to be activated when the owner was lost comes with the next attempt, if it stays active between."""
         before, self._attempt = self._attempt, status.attempt
-        again = {line: True for line in sorted(self._unheard) if wanted.get(line)}
-        return again if status.attempt > before else {}
+        if status.attempt <= before:
+            return {}
+        return {line: True for line in sorted(self._unheard) if wanted.get(line)}
 
     def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
         before = self._wanted
