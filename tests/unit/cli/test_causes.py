@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import partial
 from typing import Any
 
 import pytest
@@ -25,7 +24,7 @@ def played(description: Description, causes: Causes, scenario: str, seconds: flo
     tool = VirtualTool(
         description,
         scenario,
-        controller=lambda d, n, p: RecordedController(d, n, p, partial(causes.take, p)),  # type: ignore[arg-type,return-value]
+        controller=lambda d, n, p: RecordedController(d, n, p, lambda entry: causes.take(p, *entry)),  # type: ignore[arg-type,return-value]
     )
     tool.run(1.0)
     assert tool.command("grip").accepted

@@ -77,8 +77,7 @@ class WatchedAndRecorded(Watched):
         super().__init__(description, scenario)
 
     def put(self, program: str, kind: str, at: int, content: object) -> None:
-        self.writers[program].put(kind, at, content)
-        self.writers[program].flush()
+        self.writers[program].put([(kind, at, content)])
         super().put(program, kind, at, content)
 
     def look(self, seconds: float) -> None:

@@ -41,7 +41,7 @@ class Watched:
             self.send(program, "header", 0, header_of(description, program, 0))
 
         def recorded(tool: Description, network: Any, program: str) -> RecordedController:
-            return RecordedController(tool, network, program, lambda *entry: self.put(program, *entry))
+            return RecordedController(tool, network, program, lambda entry: self.put(program, *entry))
 
         self.tool = VirtualTool(description, scenario, controller=recorded)  # type: ignore[arg-type]
 

@@ -34,8 +34,7 @@ FILES = {"tool.json": b"{}", "model.xml": b"<nta/>"}
 def written(folder: Path, count: int) -> TraceWriter:
     writer = TraceWriter(folder, "grip", KINDS, now=0, attachments=FILES)
     for number in range(count):
-        writer.put("seen", number, Seen(number, number, "é" * (number % 7)))
-        writer.flush()
+        writer.put([("seen", number, Seen(number, number, "é" * (number % 7)))])
     writer.close()
     return writer
 
@@ -121,8 +120,7 @@ from tests.unit.recording.test_trace_file import FILES, KINDS, Seen
 from end_effector_hal.recording import TraceWriter
 writer = TraceWriter(Path(sys.argv[1]), "grip", KINDS, now=0, attachments=FILES)
 for number in range(1_000_000):
-    writer.put("seen", number, Seen(number, number))
-    writer.flush()
+    writer.put([("seen", number, Seen(number, number))])
     time.sleep(0.0005)
 """
 

@@ -98,8 +98,7 @@ class Recording:
     def say(self, count: int = 1) -> None:
         for _ in range(count):
             self.number += 1
-            self.writer.put("seen", self.number, Seen(self.number, self.number))
-            self.writer.flush()
+            self.writer.put([("seen", self.number, Seen(self.number, self.number))])
             if self.writer.wants_state:
                 self.writer.begin(self.number, [("state", self.number, Seen(self.number, self.number))])
 
@@ -191,8 +190,7 @@ def test_a_disk_that_hangs_delays_nobody(tmp_path: Path, disk: Disk, monkeypatch
 def test_a_record_that_cannot_be_written_is_a_gap(tmp_path: Path, disk: Disk) -> None:
     recording = Recording(tmp_path)
     recording.say(2)
-    recording.writer.put("unknown", 3, Seen(3, 3))
-    recording.writer.flush()
+    recording.writer.put([("unknown", 3, Seen(3, 3))])
     wait_until("trouble", lambda: recording.writer.trouble)
     wait_until("the next segment", lambda: recording.writer.wants_state)
     recording.say()

@@ -68,7 +68,7 @@ class _Begin(NamedTuple):
 class TraceWriter:
     """Writes records in a thread of its own, each batch at once: what was written is there after a kill.
 
-    `put`, `flush` and `begin` never wait and never raise: recording does not stand in the way of a reaction. They
+    `put` and `begin` never wait and never raise: recording does not stand in the way of a reaction. They
     belong to one thread at a time. Files are made, written and closed in the writer's thread only. While the disk
     fails nothing is recorded and :attr:`trouble` says so; it is tried again each second.
 
@@ -111,8 +111,7 @@ class TraceWriter:
         )
         self._header, self._limits = header, limits or RecordingLimits()
         self._day_us = time_ns() // 1000 - now
-        self._waiting: list[Entry] = []
-        self._queue: queue.SimpleQueue[list[Entry] | _Begin | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Sequence[Entry] | _Begin | None] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._queued = 0
         self._gap: Gap | None = None
@@ -130,15 +129,10 @@ class TraceWriter:
         """Of the segment that is being written; None: there is none."""
         return self._segment.path if self._segment is not None else None
 
-    def put(self, kind: str, at: int, content: object) -> None:
-        """A record of what happened at ``at`` µs on the monotonic clock; it is written after :meth:`flush`."""
-        self._waiting.append((kind, at, content))
-
-    def flush(self) -> None:
-        """Have written what was put; returns at once."""
-        if not self._waiting:
+    def put(self, batch: Sequence[Entry]) -> None:
+        """Have records written, times in µs on the monotonic clock; returns at once."""
+        if not batch:
             return
-        batch, self._waiting = self._waiting, []
         with self._lock:
             room = self._gap is None and self._queued + len(batch) <= MOST_WAITING
             self._queued += len(batch) if room else 0
@@ -149,7 +143,6 @@ class TraceWriter:
 
     def begin(self, at: int, first: Sequence[Entry]) -> None:
         """Begin the next segment at ``at`` µs, with these records after its header; returns at once."""
-        self.flush()
         with self._lock:
             gap, self._gap = self._gap, None
             self.wants_state, self._ordered = False, True
@@ -157,7 +150,6 @@ class TraceWriter:
 
     def close(self) -> None:
         """Write the rest and the index; what takes longer than two seconds is given up. May be called again."""
-        self.flush()
         self._queue.put(None)
         self._thread.join(END_S)
 
@@ -201,12 +193,12 @@ class TraceWriter:
                 self._take(entry)
         self._end()
 
-    def _take(self, batch: list[Entry]) -> None:
+    def _take(self, batch: Sequence[Entry]) -> None:
         self._write(batch)
         with self._lock:
             self._queued -= len(batch)
 
-    def _write(self, batch: list[Entry]) -> None:
+    def _write(self, batch: Sequence[Entry]) -> None:
         segment = self._segment
         if segment is None:
             self._lose(batch[0][1], len(batch), "the disk does not work")

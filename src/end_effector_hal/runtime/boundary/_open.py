@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +16,6 @@ from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, co
 from end_effector_hal.runtime.stream import PROGRAM_WORDS, RELOAD_WORDS, RecordStream, program_socket
 from end_effector_hal.wires import now_us
 
-from ._recorded_controller import Put
 from ._recorder import Recorder
 from ._records import KINDS, Header
 
@@ -30,7 +30,7 @@ def open_recorder(
     at: int | None = None,
     limits: RecordingLimits | None = None,
     stream: RecordStream | None = None,
-    observe: Put | None = None,
+    observe: Callable[[str, int, object], None] | None = None,
 ) -> Recorder:
     """A recorder that writes ``<program>.mcap`` and its further segments into a folder; does not wait for the disk.
 

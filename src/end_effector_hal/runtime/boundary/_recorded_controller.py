@@ -7,14 +7,15 @@ from typing import Any
 
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
+from end_effector_hal.runtime.stream import Entry
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
 from ._records import Acknowledged, ActivationRefused, Answered, Commanded, FrameTaken, Start, TimeTold, Told
 
-Put = Callable[[str, int, object], None]
-"""Takes the kind of a record, its time and its content."""
+Put = Callable[[Entry], None]
+"""Takes a record."""
 _KIND_OF: Mapping[type, str] = {Begun: "begin", Written: "write", Received: "event", Step: "step"}
 
 
@@ -47,13 +48,15 @@ class RecordedController:
 
     def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
         """Begin."""
-        self._put("start", at, Start(at, dict(levels), sensor_fault))
+        self._put(("start", at, Start(at, dict(levels), sensor_fault)))
         return self._decided(self._controller.start(levels, at, sensor_fault=sensor_fault))
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
         """One frame of the link."""
         taken_at = frame.at if at is None else at
-        self._put("frame", taken_at, FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
+        self._put(
+            ("frame", taken_at, FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
+        )
         return self._decided(self._controller.frame(frame, at))
 
     def pass_over(self, frame: Frame) -> list[Status]:
@@ -62,39 +65,39 @@ class RecordedController:
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
         """Interface variables of the other program."""
-        self._put("tell", at, Told(at, dict(values)))
+        self._put(("tell", at, Told(at, dict(values))))
         return self._decided(self._controller.update_peer(values, at))
 
     def refused(self, at: int) -> list[Status]:
         """The line arbiter refused an activation."""
-        self._put("refused", at, ActivationRefused(at))
+        self._put(("refused", at, ActivationRefused(at)))
         return self._decided(self._controller.refused(at))
 
     def acknowledge(self, at: int) -> list[Status]:
         """Alarms that are over were seen."""
-        self._put("acknowledge", at, Acknowledged(at))
+        self._put(("acknowledge", at, Acknowledged(at)))
         return self._decided(self._controller.acknowledge(at))
 
     def advance(self, at: int) -> list[Status]:
         """Everything that is due at or before ``at``."""
-        self._put("time", at, TimeTold(at))
+        self._put(("time", at, TimeTold(at)))
         return self._decided(self._controller.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
         """A command by the name of its channel."""
-        self._put("command", at, Commanded(at, name))
+        self._put(("command", at, Commanded(at, name)))
         answer, statuses = self._controller.command(name, at)
         self._decided(statuses)
-        self._put("answer", at, Answered(at, answer.accepted, answer.reason))
+        self._put(("answer", at, Answered(at, answer.accepted, answer.reason)))
         return answer, statuses
 
     def _decided(self, statuses: list[Status]) -> list[Status]:
         for status in statuses:
-            self._put("status", status.at, status)
+            self._put(("status", status.at, status))
         return statuses
 
     def _observed(self, observation: Observation) -> None:
-        self._put(_KIND_OF[type(observation)], observation.at, observation)
+        self._put((_KIND_OF[type(observation)], observation.at, observation))
 
 
 AnyController = Controller | RecordedController

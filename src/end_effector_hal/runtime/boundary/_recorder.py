@@ -41,9 +41,10 @@ class Recorder:
         self,
         writer: TraceWriter | None = None,
         stream: RecordStream | None = None,
-        observe: Put | None = None,
+        observe: Callable[[str, int, object], None] | None = None,
     ) -> None:
         self._writer, self._stream, self._observe = writer, stream, observe
+        self._entries: list[Entry] = []  # until `flush`: nobody needs them before
         self._controller: RecordedController | None = None
         self._published: Published | None = None
         self._defect = ""
@@ -81,21 +82,17 @@ class Recorder:
         """A status as it was published; ``refused``: why commands do not even come to the automata now."""
         if self._stream is not None:
             self._published = Published(status.at, status, refused)
-            self._stream.put(PUBLISHED, status.at, self._published)
+            self._entries.append((PUBLISHED, status.at, self._published))
 
     def flush(self) -> None:
         """Pass on what was recorded, and begin the next segment if it is time; never waits.
 
         The program calls it between its jobs, so that it costs no reaction.
         """
-        if (stream := self._stream) is not None:
-            stream.flush()
-            if stream.wants_state:
-                stream.begin(self._state_now())
-        if self._writer is None:
-            return
-        self._writer.flush()
-        if not self._writer.wants_state or self._defect:
+        self._pass_on()
+        if self._stream is not None and self._stream.wants_state:
+            self._stream.begin(self._state_now())
+        if self._writer is None or not self._writer.wants_state or self._defect:
             return
         try:
             self._begin_segment(self._writer)
@@ -105,6 +102,7 @@ class Recorder:
 
     def close(self) -> None:
         """Nothing more comes; waits two seconds at most for the disk."""
+        self._pass_on()
         if self._stream is not None:
             self._stream.close()
         if self._writer is not None:
@@ -112,26 +110,28 @@ class Recorder:
 
     @property
     def _put(self) -> Put | None:
-        """Takes each record."""
-        sinks = [sink.put for sink in (self._writer, self._stream) if sink is not None]
-        sinks += [self._shown] if self._observe is not None else []
-        if len(sinks) < 2:
-            return sinks[0] if sinks else None
+        """Takes each record; None: nobody wants them."""
+        if self._observe is not None:
+            return self._put_and_show
+        return self._entries.append if self._writer is not None or self._stream is not None else None
 
-        def all_of_them(kind: str, at: int, content: object) -> None:
-            for put in sinks:
-                put(kind, at, content)
-
-        return all_of_them
-
-    def _shown(self, kind: str, at: int, content: object) -> None:
+    def _put_and_show(self, entry: Entry) -> None:
+        self._entries.append(entry)
         if self._observe is None:
             return
         try:
-            self._observe(kind, at, content)
+            self._observe(*entry)
         except Exception:  # noqa: BLE001 who looks on ends no program
             _log.exception("who looked on at a program failed")
             self._observe = None
+
+    def _pass_on(self) -> None:
+        entries = self._entries.copy()
+        self._entries.clear()
+        if self._stream is not None:
+            self._stream.put(entries)
+        if self._writer is not None:
+            self._writer.put([entry for entry in entries if entry[0] != PUBLISHED])
 
     def _begin_segment(self, writer: TraceWriter) -> None:
         snapshot = self._controller.snapshot() if self._controller is not None else None

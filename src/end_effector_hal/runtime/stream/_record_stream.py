@@ -1,7 +1,7 @@
 """The socket of a program: its records go out, commands come in.
 
-Rule 1: The program never waits. `put` appends to a list, `flush` hands that over; where the thread of the stream does
-    not keep up, all readers lose their place and get a new state.
+Rule 1: The program never waits. `put` hands records over; where the thread of the stream does not keep up, all readers
+    lose their place and get a new state.
 Rule 2: A reader begins with a state of the controller, which the program gives between two jobs, and gets every record
     from there on. One who does not read is dropped.
 Rule 3: A command is asked by a thread of its own, and decided by the automata; the stream decides nothing.
@@ -53,7 +53,7 @@ Commander = Callable[[ProgramCommand], Answer]
 
 
 class RecordStream:
-    """Serves from `serve` to `close`. `put`, `flush` and `begin` belong to one thread at a time, and never wait.
+    """Serves from `serve` to `close`. `put` and `begin` belong to one thread at a time, and never wait.
 
     Args:
         path: of the Unix socket: mode 0660, of the group of ``beside``.
@@ -69,7 +69,6 @@ class RecordStream:
         self.wants_state = False
         """Somebody waits for a state: `begin` is to be called."""
         self._active = False
-        self._waiting: list[Entry] = []
         self._batches: queue.SimpleQueue[tuple[bool, Sequence[Entry]]] = queue.SimpleQueue()
         self._put_count = self._sent_count = 0  # each counted by one side only
         self._commands: queue.SimpleQueue[tuple[StreamReader, ProgramCommand] | None] = queue.SimpleQueue()
@@ -101,25 +100,19 @@ class RecordStream:
             self._threads.append(threading.Thread(target=run, name=name, daemon=True))
             self._threads[-1].start()
 
-    def put(self, kind: str, at: int, content: object) -> None:
-        """A record of what happened at ``at`` µs; it is sent after :meth:`flush`."""
-        if self._active:
-            self._waiting.append((kind, at, content))
-
-    def flush(self) -> None:
-        """Have sent what was put; returns at once."""
-        if self._waiting:
-            batch, self._waiting = self._waiting, []
-            if self._put_count - self._sent_count + len(batch) > MOST_WAITING:
-                self._active = False  # until everybody got a new state
-                self._batches.put((False, ()))
-                return
-            self._put_count += len(batch)
-            self._batches.put((False, batch))
+    def put(self, batch: Sequence[Entry]) -> None:
+        """Have records sent; returns at once."""
+        if not self._active or not batch:
+            return
+        if self._put_count - self._sent_count + len(batch) > MOST_WAITING:
+            self._active = False  # until everybody got a new state
+            self._batches.put((False, ()))
+            return
+        self._put_count += len(batch)
+        self._batches.put((False, batch))
 
     def begin(self, first: Sequence[Entry]) -> None:
         """Go on from here, with these records after the header; returns at once."""
-        self.flush()
         self.wants_state, self._active = False, True
         self._batches.put((True, first))
 

@@ -121,9 +121,9 @@ class _Replay:
             return Difference(record.at, kind, "taken", f"impossible in this state: {named(error)}")
         return None
 
-    def _take(self, kind: str, at: int, content: object) -> None:
-        if kind in DECIDED:
-            self._decided.append((kind, at, content))
+    def _take(self, record: tuple[str, int, object]) -> None:
+        if record[0] in DECIDED:
+            self._decided.append(record)
 
     def _compare(self, kind: str, recorded: dict[str, Any]) -> Difference | None:
         if not self._decided:

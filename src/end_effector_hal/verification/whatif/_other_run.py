@@ -121,7 +121,8 @@ class OtherRun:
             self._part(entry.at, f"{MISSING}.")
 
     def _begun(self, side: _Side) -> RecordedController:
-        def put(kind: str, at: int, content: object) -> None:
+        def put(record: tuple[str, int, object]) -> None:
+            kind, at, content = record
             side.at = max(side.at, at)  # what is late is told after what it is late for, as in a recording
             self._out.append(Entry(side.at, side.program, kind, content))
             if isinstance(content, Status):

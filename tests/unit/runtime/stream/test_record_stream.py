@@ -95,18 +95,14 @@ def served() -> Iterator[Served]:
 
 
 def test_a_reader_begins_with_a_state_and_gets_every_record_from_there_on(served: Served) -> None:
-    served.stream.put("frame", 1, {"lost": True})  # nobody reads
-    served.stream.flush()
+    served.stream.put([("frame", 1, {"lost": True})])  # nobody reads
     reader = served.reader()
     assert [reader.next()["kind"], reader.next()["content"]] == ["header", {"number": 1}]
-    for number in range(3):
-        served.stream.put("frame", number, {"number": number})
-    served.stream.flush()
+    served.stream.put([("frame", number, {"number": number}) for number in range(3)])
     assert [reader.next()["content"]["number"] for _ in range(3)] == [0, 1, 2]
     second = served.reader()
     assert [second.next()["kind"], second.next()["content"]] == ["header", {"number": 2}]
-    served.stream.put("frame", 9, {"number": 9})
-    served.stream.flush()
+    served.stream.put([("frame", 9, {"number": 9})])
     assert reader.next()["content"] == second.next()["content"] == {"number": 9}
     reader.close()
     second.close()
@@ -125,8 +121,7 @@ def test_who_never_reads_is_dropped_and_the_program_never_waits(served: Served) 
     count = 3 * MOST_BYTES // 2_000
     for number in range(count):
         begun = time.perf_counter()
-        served.stream.put("frame", number, {"number": number, "filler": filler})
-        served.stream.flush()
+        served.stream.put([("frame", number, {"number": number, "filler": filler})])
         longest = max(longest, time.perf_counter() - begun)
         if number % 200 == 199:
             wait_until("the records are read", lambda last=number: got and got[-1] == last)
@@ -159,10 +154,7 @@ def _is_dropped(reader: Reading) -> bool:
 def test_records_that_were_lost_are_followed_by_a_new_state(served: Served) -> None:
     reader = served.reader()
     assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
-    served.stream.put("frame", 0, {})
-    for number in range(MOST_WAITING + 1):
-        served.stream.put("frame", number, {})
-    served.stream.flush()  # more than may wait
+    served.stream.put([("frame", number, {}) for number in range(MOST_WAITING + 2)])  # more than may wait
     found = reader.next()
     while found["kind"] == "frame":
         found = reader.next()
@@ -277,7 +269,6 @@ def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixt
     nowhere = Path("/nowhere/a.sock")
     stream = RecordStream(nowhere.with_name("a.sock.grip"), nowhere, lambda at: {}, ("grip",))
     stream.serve(lambda word: Answer(True), lambda: True, lambda: None)
-    stream.put("frame", 0, {})
-    stream.flush()
+    stream.put([("frame", 0, {})])
     stream.close()
     assert "no page can show this program" in caplog.text
