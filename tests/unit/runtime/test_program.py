@@ -17,7 +17,7 @@ from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.runtime import GripProgram
-from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
@@ -191,6 +191,23 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
 
 GOAL_CALLS, FRAME_CALLS = 203, 365
 """From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
+
+
+def test_a_trace_and_a_stream_are_handed_nothing_before_the_line_is_asked_for(tmp_path: Path) -> None:
+    description = load(profile_path())
+    recorder = open_recorder(tmp_path, description, "grip", stream=open_stream(description, "grip"))
+    tool = Tool(description, recorder)
+    tool.run(60)
+    goal = tool.lines.count = Count()
+    assert tool.command("grip").accepted
+    recorder.close()
+    assert goal.reached is not None
+    assert goal.reached["_recorded_controller.py:RecordedController.command"] == 1
+    assert not [
+        name
+        for name in goal.reached
+        if name.startswith(("_recorder.py", "_trace_writer.py", "_record_stream.py"))
+    ]
 
 
 def test_a_status_is_built_once_for_each_step_of_the_automata(
