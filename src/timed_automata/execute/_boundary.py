@@ -101,6 +101,15 @@ class ExecutionBoundary:
                     raise fault(edge.span, what, "Only broadcast channels lead to the environment.")
 
 
+def boundary_of(network: Network, executed: Iterable[str], interface: Iterable[str]) -> ExecutionBoundary:
+    """That of all who execute the same processes of a network: it is worked out once. Raises as it does."""
+    key = ExecutionBoundary, tuple(executed), tuple(interface)
+    found: ExecutionBoundary | None = network.derived.get(key)
+    if found is None:
+        found = network.derived[key] = ExecutionBoundary(network, *key[1:])
+    return found
+
+
 def _chosen(network: Network, executed: Iterable[str]) -> frozenset[int]:
     chosen: set[int] = set()
     for name in executed:

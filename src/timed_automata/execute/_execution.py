@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from timed_automata.document import fault
 from timed_automata.errors import ModelError, RangeError, UsageError
-from timed_automata.execute._boundary import ExecutionBoundary
+from timed_automata.execute._boundary import boundary_of
 from timed_automata.execute._clocks import NEVER, ClockInstants
 from timed_automata.execute._observations import (
     Begun,
@@ -60,7 +60,7 @@ class Execution:
     ) -> None:
         self.network = network
         self._observe = observe or _unobserved
-        self._boundary = ExecutionBoundary(network, executed, interface)
+        self._boundary = boundary_of(network, executed, interface)
         self._successors = _shared_successors(network, self._boundary.executed)
         self._clocks = ClockInstants(len(network.clocks), unit_us)
         self._schedule = Schedule(self._successors, self._clocks)
