@@ -106,9 +106,9 @@ def parts_of(thing: Remembers) -> Iterator[Remembers]:
     plan = _PLANS.get(type(thing)) or _plan(thing)
     for name in plan.parts:
         value = getattr(thing, name)
-        if isinstance(value, Mapping):
+        if type(value) is dict:
             yield from value.values()
-        elif isinstance(value, tuple | list):
+        elif type(value) is tuple or type(value) is list:
             yield from value
         elif value is not None:
             yield value
