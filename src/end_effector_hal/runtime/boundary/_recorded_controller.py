@@ -59,9 +59,11 @@ class RecordedController:
         )
         return self._decided(self._controller.frame(frame, at))
 
-    def pass_over(self, frame: Frame) -> list[Status]:
+    def pass_over(self, frame: Frame, *, judged: bool = False) -> list[Status]:
         """A recording has every frame."""
-        return self.frame(frame)
+        taken = FrameTaken(frame.at, frame.at, frame.seq, frame.device_ms, frame.values)
+        self._put(("frame", frame.at, taken))
+        return self._decided(self._controller.pass_over(frame, judged=judged))
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
         """Interface variables of the other program."""
