@@ -88,7 +88,6 @@ class Controller:
         ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
         """
         self._at, self._sensor_fault = at, sensor_fault
-        self._senses.begin()
         self._statuses.found = dict(levels)
         self._statuses.know({})
         down_us = self._senses.now.readings.down_us
@@ -132,21 +131,11 @@ class Controller:
         told |= self._senses.now.nothing_gripped is not released
         return statuses if statuses or not (events or told) else [self.status()]
 
-    def pass_over(self, frame: Frame, *, judged: bool = False) -> list[Status]:
-        """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it.
-
-        Args:
-            frame: of the link.
-            judged: whether the judge that is shared has taken it, so that the sensors show it already.
-        """
+    def pass_over(self, frame: Frame) -> list[Status]:
+        """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it."""
         self._at = max(self._at, frame.at)
-        held = self._statuses.held
-        if judged:
-            self._senses.revision += 1
-            told = self._hold.sample(frame.at, held=held) | self._senses.noticed(frame.at, held=held)
-        else:
-            readings = PassingReadings(self._senses.now.readings, frame)
-            told = self._hold.sample(frame.at, held=held, readings=readings)
+        readings = PassingReadings(self._senses.now.readings, frame)
+        told = self._hold.sample(frame.at, held=self._statuses.held, readings=readings)
         return [self.status()] if told else []
 
     def _refuse_frame(self, at: int) -> list[Status]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from end_effector_hal.signals import Frame, Value, clone, lengthen, same_memory, streaks_of
@@ -33,19 +33,11 @@ class FrameJudge:
 
     def __init__(self) -> None:
         self._newest: tuple[_Judged, ...] = ()
-        self._parted = False
-        self._verdict: object = None
-        """What the newest frame proves; None: not asked yet."""
-
-    def part(self) -> None:
-        """One of those who share it begins, or goes on without a frame: its state may be another one from now on."""
-        self._parted = True
 
     def after(self, state: SensorState, frame: Frame) -> tuple[SensorState, ...]:
         """What `SensorState.after` returns."""
         newest = self._newest
         if not newest or newest[0].frame is not frame:
-            self._parted, self._verdict = False, None
             states = state.after(frame)
             if not newest or newest[0].frame.at <= frame.at:
                 self._newest = (_Judged(state, frame, states),)
@@ -82,27 +74,6 @@ class FrameJudge:
             if at is not None:
                 judged.states[-1].readings.renew(at)
 
-    def changes_nothing(self, frame: Frame) -> bool:
-        """Judge a frame that has come, and whether those who share this one need not: it proves what the newest does.
-
-        Then all of them are in the state to which it leads. If it does not, they are still in the state before, and
-        `after` says what it leads to.
-        """
-        if self._parted or len(self._newest) != 1:
-            return False
-        newest, state = self._newest[0], self._newest[0].states[-1]
-        if state.is_guarded or _has_switched(newest.frame.values, frame.values, state.faults.channels):
-            return False
-        if self._verdict is None:
-            self._verdict = state.verdict(newest.frame.at)
-        states = state.after(frame)
-        if len(states) > 1 or states[0].verdict(frame.at) != self._verdict:
-            self._newest, self._verdict = (_Judged(state, frame, states),), None
-            return False
-        vars(state).update(vars(states[0]))
-        self._newest = (_Judged(newest.before, frame, newest.states),)
-        return True
-
     def stays(self, corners: Sequence[Mapping[str, Value]], first: int, period: int, samples: int) -> bool:
         """Whether frames that are yet to come leave all as it is that the newest one has shown; nothing is changed.
 
@@ -120,15 +91,6 @@ class FrameJudge:
         return bool(self._newest) and all(
             _stays(judged, corners, first, last, samples) for judged in self._newest
         )
-
-
-def _has_switched(before: Mapping[str, Value], now: Mapping[str, Value], alarms: Collection[str]) -> bool:
-    """Whether another bit is set, another value is valid, or a device says something else."""
-    for name, value in now.items():
-        was = before.get(name)
-        if value != was and (type(value) is not int or type(was) is not int or name in alarms):
-            return True
-    return False
 
 
 def _stays(

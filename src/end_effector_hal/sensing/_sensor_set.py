@@ -104,11 +104,6 @@ class SensorSet:
         """What was refused lately, in words; a part of the notices."""
         return self._stamps.notices(at)
 
-    def begin(self) -> None:
-        """From now on each frame comes here."""
-        if self._judge is not None:
-            self._judge.part()
-
     def accepts(self, frame: Frame, now: int) -> bool:
         """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
         readings = self.now.readings
@@ -139,7 +134,6 @@ class SensorSet:
         if self._judge is None:
             self.now.wait(at)
         else:
-            self._judge.part()
             self.now = self.now.idle(at)
         return self._changed_from(before)
 
@@ -157,8 +151,7 @@ class SensorSet:
         down = readings.down(at)
         if down and not self._named:
             return tuple(said)
-        if self.now.by_conditions:
-            said += self._findings(at)
+        said += self._findings(at)
         silent = {channel for source in down for channel in source.channels}
         stale = [name for name in readings.stale(at) if name not in silent]
         lacking = [name for name in self._wanted if name in stale] if stale else []

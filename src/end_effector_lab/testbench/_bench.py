@@ -240,12 +240,6 @@ class Bench:
             return data
         return disturbed(data, effect, self._chance(at, link), babble=babble)
 
-    def is_undisturbed(self, at: int, link: str | None = None) -> bool:
-        """Whether what is sent over a link at ``at`` (µs) arrives as it was sent."""
-        effect = self.scenario.on_link(link)
-        disturbed = effect.disturbs or self._is_over(effect.babble_after_us, at)
-        return not disturbed and not self.silent(at, link)
-
     def answered(self, data: bytes, at: int, link: str | None = None) -> tuple[bytes, int]:
         """What a polled device does when it is to answer with ``data`` at ``at`` (µs), and how many µs later."""
         effect = self.scenario.on_link(link)

@@ -87,14 +87,9 @@ class SensorBoard:
 
     def frame(self, at: int) -> Sent:
         """The frame that is due at ``at`` (µs)."""
-        sample = self._bench.sample(at)
-        frame = self.measured(sample, at)
-        return self._sent(self._codec.encode(frame), frame.seq or 0, sample, at)
-
-    def measured(self, sample: Mapping[str, Value], at: int) -> Frame:
-        """The frame that is due at ``at`` (µs), before it is encoded."""
-        seq = self.count(at)
-        return Frame(at, seq, max(0, at - self._booted) // 1000, self._carried(sample))
+        sample, seq = self._bench.sample(at), self.count(at)
+        age_ms = max(0, at - self._booted) // 1000
+        return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
 
     def advance(self, at: int) -> None:
         """What its outputs do when nobody speaks; called now and then."""

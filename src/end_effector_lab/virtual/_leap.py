@@ -10,11 +10,11 @@ from end_effector_hal.signals import Value
 
 from ._sources import StreamedLink
 
-FEW, MOST = 12, 50
-"""So many frames it is looked ahead at first, and as far as it pays later."""
-LEAST = 6
+FEW, MOST = 6, 50
+"""So many frames it is looked ahead at first: as long as a reading stays fresh; and as far as it pays later."""
+LEAST = 3
 """Fewer frames are played: to look ahead takes as long."""
-AGAIN_AFTER = 6, 12
+AGAIN_AFTER = 2, 6
 """After so many frames it is looked ahead again, where something was going to change: at first, and later."""
 
 

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
-from end_effector_hal.codecs import (
-    Codec,
-    PolledCodec,
-    asks,
-    board_inputs,
-    codec_of,
-    is_polled,
-    line_of,
-    sources_of,
-)
+from end_effector_hal.codecs import Codec, PolledCodec, asks, board_inputs, codec_of, is_polled, line_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame, Kind, Value
@@ -40,45 +31,28 @@ class Source(Protocol):
 
 
 class StreamedLink:
-    """A device that sends by itself; a frame arrives at the instant at which it was measured.
-
-    Attributes:
-        encodes: whether every frame goes through the codec; else one that arrives as it was sent, and that the codec
-            is known to carry exactly, does not.
-    """
+    """A device that sends by itself; a frame arrives at the instant at which it was measured."""
 
     def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
         self._codec = codec_of(description, name)
         self._bench, self._description, self._name = bench, description, name or None
         self.period_us = self._codec.period_us
         self._board = SensorBoard(self._codec, bench, description, start, name or None)
-        self._decoder = self._codec.decoder()
-        self._exactly = exactness_of(self._codec)
-        self._not_decoded: Frame | None = None
-        self.encodes = True
+        self.decoder = self._codec.decoder()
+        self._is_exact = carries_exactly(self._codec)
         self.due = start
 
     def frames(self, at: int) -> list[Frame]:
         """See `Source`."""
         self.due = at + self.period_us
-        if not self.encodes and self._exactly and self._bench.is_undisturbed(at, self._name):
-            frame = self._board.measured(self._bench.sample(at), at)
-            if comes := self._exactly.of(frame):
-                self._not_decoded = frame
-                return [comes]
-            sent = self._codec.encode(frame)
-        else:
-            sent = self._board.frame(at).data
-        if sent and self._not_decoded:  # the decoder compares its numbers
-            self._decoder.feed(self._codec.encode(self._not_decoded), at)
-            self._not_decoded = None
-        return self._decoder.feed(sent, at) if sent else []
+        sent = self._board.frame(at)
+        return self.decoder.feed(sent.data, at) if sent.data else []
 
     def passing(self, at: int) -> Mapping[str, Value]:
         """What the frame of ``at`` (µs) shows, which comes as `quiet_until` has said, and changes nothing."""
         self.due = at + self.period_us
         sample = self._bench.sample(at)
-        return self._carried(sample) if self._exactly else self._as_it_comes(sample)
+        return self._carried(sample) if self._is_exact else self._as_it_comes(sample)
 
     def pass_by(self, to: int, *, unheard: bool) -> None:
         """Let the frames until ``to`` (µs) go by that nobody gets: ``unheard``, or while the link is silent."""
@@ -95,7 +69,7 @@ class StreamedLink:
         found = self._bench.corners(at, until)
         if found is None:
             return None
-        if self._exactly:
+        if self._is_exact:
             return self._carried(found[0]), self._carried(found[1])
         try:
             low, high = map(self._as_it_comes, found)
@@ -111,66 +85,21 @@ class StreamedLink:
         return carried(values, self._codec.channels, self._description)
 
 
-class Exactness(NamedTuple):
-    """Which frames come out of a codec as they were put in.
-
-    Attributes:
-        channels: that a frame has, in this order.
-        seqs, clocks: below these are its number and the time of its device; None: it comes without them.
-    """
-
-    channels: tuple[str, ...]
-    seqs: int | None
-    clocks: int | None
-
-    def of(self, frame: Frame) -> Frame | None:
-        """As which frame this one comes; None: as another, or not at all."""
-        values = frame.values
-        if tuple(values) != self.channels:
-            return None
-        for value in values.values():
-            if value is None or not LEAST <= value <= MOST:
-                return None
-        if self.seqs is None or self.clocks is None:
-            return Frame(frame.at, None, None, values)
-        return frame if (frame.seq or 0) < self.seqs and (frame.device_ms or 0) < self.clocks else None
-
-
-LEAST, MOST = -100_000, 800_000
-"""Readings that are tried: thousandths."""
-
-
-_TRIED: deque[tuple[Codec, Exactness | None]] = deque(maxlen=16)
-
-
-def exactness_of(codec: Codec) -> Exactness | None:
-    """What a codec carries as it was sent: neighbours stay apart, at low and at high values; None: nothing."""
-    for tried, found in _TRIED:
-        if tried is codec:
-            return found
-    _TRIED.append((codec, found := _tried(codec)))
-    return found
-
-
-def _tried(codec: Codec) -> Exactness | None:
-    numbers = set()
-    for many in (LEAST, 0, 99_990, 500_000, MOST - 9):
+def carries_exactly(codec: Codec) -> bool:
+    """Whether what a codec carries comes as it was sent: neighbours stay apart, at low and at high values."""
+    for many in (-60_000, 0, 99_990, 500_000):
         for more in range(10):
             values: dict[str, Value] = {
                 name: bool(more % 2) if kind is Kind.BIT else many + more
                 for name, kind in codec.channels.items()
             }
             try:
-                (frame,) = codec.decoder().feed(codec.encode(Frame(0, 1 + more, 20 + more, values)), 0)
+                (frame,) = codec.decoder().feed(codec.encode(Frame(0, 0, 0, values)), 0)
             except (UsageError, ValueError):
-                return None
-            if tuple(frame.values.items()) != tuple(values.items()):
-                return None
-            numbers.add((frame.seq == 1 + more, frame.device_ms == 20 + more, frame.seq, frame.device_ms))
-    channels = tuple(codec.channels)
-    if all(seq and clock for seq, clock, _, _ in numbers):
-        return Exactness(channels, *(1 << bits for bits in sources_of(codec)[0].sequence))
-    return Exactness(channels, None, None) if numbers == {(False, False, None, None)} else None
+                return False
+            if frame.values != values:
+                return False
+    return True
 
 
 class PolledLink:

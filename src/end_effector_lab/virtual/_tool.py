@@ -67,7 +67,7 @@ class VirtualTool:
         levels: lines that are active at the start; what they hold has settled.
         watch: follows the automata, such as a `Monitor` does.
         on_frame: called with each frame that comes, before the programs get it; default: frames that would change
-            nothing are left out, and those that a codec is known to carry exactly do not go through it.
+            nothing are left out.
 
     Attributes:
         at: µs since the start.
@@ -108,8 +108,6 @@ class VirtualTool:
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         self._leap = self._leap_of(self._sources) if on_frame is None else None
-        if self._leap:
-            self._leap.link.encodes = False
         self._arbiter: VirtualArbiter | None = None
         self._own_publisher: PredicatePublisher | None = None
         self._programs: dict[str, Program] = {}
@@ -186,8 +184,8 @@ class VirtualTool:
             if self.at >= at:
                 return False
             waits = self._waiting()
-            if self._leap and self._has_changed(self._leap, min([at, *(due for due, _ in waits)]), at, over):
-                continue
+            if self._leap:
+                self._leave_out(self._leap, min([at, *(due for due, _ in waits)]), at)
             waits = self._bringing() + waits
             self.at = max(self.at, min([at, *(due for due, _ in waits)]))
             for due, happens in waits:
@@ -345,24 +343,10 @@ class VirtualTool:
         if self._publisher is not None:
             self._publisher.pass_over()
 
-    def _read(self, source: Source) -> bool:
-        """Returns whether what came was one frame that changes nothing."""
-        frames = source.frames(self.at)
-        if self._publisher is None:
-            return False
-        if self._leap and len(frames) == 1 and not self._waits and self._judge.changes_nothing(frames[0]):
-            for program in list(self._programs.values()):
-                program.pass_over(frames[0], judged=True)
-            self._publisher.pass_over()
-            return True
-        for frame in frames:
-            self._publisher.frame(frame, self._pass_on)
-        return False
-
-    @property
-    def _waits(self) -> bool:
-        """Whether a program looks with each frame whether something has changed."""
-        return any(program.waits for program in self._programs.values())
+    def _read(self, source: Source) -> None:
+        for frame in source.frames(self.at):
+            if self._publisher is not None:
+                self._publisher.frame(frame, self._pass_on)
 
     def _hear(self, master: VirtualBus) -> None:
         """What the master of a bus has read is handed on; what a device has done by now is the arbiter's."""
@@ -382,22 +366,6 @@ class VirtualTool:
             return None
         return Leap(self.description, sources[0], lambda: self._judge)
 
-    def _has_changed(self, leap: Leap, limit: int, end: int, over: Callable[[], bool]) -> bool:
-        """Go on over frames before ``limit`` that change nothing, one by one or at once.
-
-        Returns whether something has changed, or it is over: then what waits is to be looked at again.
-        """
-        marks = self._marks
-        while True:
-            self._leave_out(leap, limit, end)
-            if marks != self._marks:
-                return False
-            if leap.link.due >= limit:
-                return False
-            self.at = leap.link.due
-            if not self._read(leap.link) or marks != self._marks or over():
-                return True
-
     def _leave_out(self, leap: Leap, limit: int, end: int) -> None:
         """Leave out the frames until ``limit`` that change nothing; what watches a part sees them all the same.
 
@@ -405,7 +373,7 @@ class VirtualTool:
         """
         link = leap.link
         link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._publisher is None)
-        if not self._publisher or self._waits:
+        if not self._publisher or any(program.waits for program in self._programs.values()):
             return
         marks = self._marks
         while marks == self._marks:

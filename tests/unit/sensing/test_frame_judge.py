@@ -47,16 +47,13 @@ class Process:
             program.start({}, self.at)
 
     def frame(self, after_us: int = PERIOD, **values: Value) -> None:
-        frame = self.next_frame(after_us, values)
-        self.seen.append(self.predicates.frame(frame))
-        for program in self.programs:
-            self.seen += program.frame(frame)
-
-    def next_frame(self, after_us: int, values: dict[str, Value]) -> Frame:
         self.at, self.number = self.at + after_us, self.number + 1
         noise, shown = self.number % 4, QUIET | values
         shown |= {name: value + noise for name in PRESSURES if (value := shown[name]) is not None}
-        return Frame(self.at, self.number, self.number * 20, shown)
+        frame = Frame(self.at, self.number, self.number * 20, shown)
+        self.seen.append(self.predicates.frame(frame))
+        for program in self.programs:
+            self.seen += program.frame(frame)
 
     def frames(self, count: int, **values: Value) -> None:
         for _ in range(count):
@@ -119,36 +116,12 @@ def test_who_has_looked_at_another_time_joins_the_others_with_the_next_frame(
     assert len(judged) <= 12
 
 
-class PassingProcess(Process):
-    """Its programs pass over what changes nothing."""
-
-    def __init__(self, description: Description, network: Network, judge: FrameJudge) -> None:
-        super().__init__(description, network, judge)
-        self.judge, self.passed = judge, 0
-
-    def frame(self, after_us: int = PERIOD, **values: Value) -> None:
-        frame = self.next_frame(after_us, values)
-        if self.passes(frame):
-            self.passed += 1
-            self.seen.append(self.predicates.holding)
-            for program in self.programs:
-                self.seen += program.pass_over(frame, judged=True)
-            return
-        self.seen.append(self.predicates.frame(frame))
-        for program in self.programs:
-            self.seen += program.frame(frame)
-
-    def passes(self, frame: Frame) -> bool:
-        dues = [program.deadline for program in self.programs]
-        return all(due is None or due >= frame.at for due in dues) and self.judge.changes_nothing(frame)
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_shared_or_not_all_is_decided_the_same(description: Description, network: Network, seed: int) -> None:
     """With silences, reboots, invalid values and time-outs of one program between the frames."""
 
-    def run(process: Process) -> list[dict[str, bool] | Status]:
-        random = Random(seed)
+    def run(judge: FrameJudge | None) -> list[dict[str, bool] | Status]:
+        random, process = Random(seed), Process(description, network, judge)
         process.frames(60)
         for _ in range(150):
             grip, change = process.programs
@@ -169,37 +142,7 @@ def test_shared_or_not_all_is_decided_the_same(description: Description, network
                         process.frame(bottom=random.choice((0, -40_000, -80_000)), supply=600_000)
         return process.seen
 
-    alone = run(Process(description, network, None))
-    assert run(Process(description, network, FrameJudge())) == alone
-    passing = PassingProcess(description, network, FrameJudge())
-    assert run(passing) == alone
-    assert passing.passed > 100
-
-
-@pytest.mark.parametrize(
-    ("shown", "passes"),
-    [({}, True), ({"estop_ok": False}, False), ({"top": None}, False), ({"top": -2_000}, True)],
-)
-def test_what_is_known_from_one_bit_is_for_everybody(
-    description: Description, network: Network, shown: dict[str, Value], passes: bool
-) -> None:
-    """No detector looks at the emergency stop, and a value that is missing proves nothing yet."""
-    process = Process(description, network, judge := FrameJudge())
-    process.frames(60)
-    state = process.programs[0]._senses.now
-    assert judge.changes_nothing(process.next_frame(PERIOD, shown)) is passes
-    assert (state.readings.last_frame == process.at) is passes
-
-
-def test_who_goes_on_alone_is_not_passed_over(description: Description, network: Network) -> None:
-    process = Process(description, network, judge := FrameJudge())
-    process.frames(60)
-    Controller(description, network, "grip", judge=judge).start({}, process.at)  # it knows of no frame yet
-    assert not judge.changes_nothing(process.next_frame(PERIOD, {}))
-    process.frame()
-    assert judge.changes_nothing(process.next_frame(PERIOD, {}))
-    process.programs[0].advance(process.at + 5_000_000)
-    assert not judge.changes_nothing(process.next_frame(PERIOD, {}))
+    assert run(FrameJudge()) == run(None)
 
 
 def test_a_clone_goes_its_own_way(description: Description) -> None:

@@ -102,8 +102,8 @@ class PredicatePublisher:
     def pass_over(self) -> None:
         """Frames that change nothing have come; see `FrameJudge.pass_over`."""
         with self._lock:
-            at = self._predicates.at
-            if at >= self._due and (proven := self._needed_of(self._predicates.holding)):
+            proven, at = self._needed_of(self._predicates.holding), self._predicates.at
+            if proven and at >= self._due:
                 self._send(proven, at)
 
     def repeat(self) -> None:

@@ -59,11 +59,9 @@ class RecordedController:
         )
         return self._decided(self._controller.frame(frame, at))
 
-    def pass_over(self, frame: Frame, *, judged: bool = False) -> list[Status]:
+    def pass_over(self, frame: Frame) -> list[Status]:
         """A recording has every frame."""
-        taken = FrameTaken(frame.at, frame.at, frame.seq, frame.device_ms, frame.values)
-        self._put(("frame", frame.at, taken))
-        return self._decided(self._controller.pass_over(frame, judged=judged))
+        return self.frame(frame)
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
         """Interface variables of the other program."""

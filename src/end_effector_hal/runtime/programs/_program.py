@@ -133,12 +133,9 @@ class Program(ABC):
         """Submit a frame of the link; returns at once."""
         self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
 
-    def pass_over(self, frame: Frame, *, judged: bool = False) -> None:
-        """Take a frame that is known to change nothing of what the sensors prove, in virtual time.
-
-        See `Controller.pass_over`.
-        """
-        if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame, judged=judged)):
+    def pass_over(self, frame: Frame) -> None:
+        """Take a frame that is known to change nothing of what the sensors prove, in virtual time."""
+        if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame)):
             self._submit(lambda: statuses)
 
     def update_peer(self, **values: int) -> None:
