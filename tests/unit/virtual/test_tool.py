@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -382,3 +385,27 @@ def test_nothing_is_told_as_held_while_its_deactivation_waits(
     tool.run(1.0)
     assert tool.command("drop").accepted
     until(tool, STAND_BY)
+
+
+EDGES = """
+import sys
+from end_effector_hal.codecs import load_tool
+from end_effector_lab.virtual import VirtualTool
+tool = VirtualTool(load_tool(sys.argv[1]))
+tool.run(1.0)
+tool.command("grip")
+tool.run(3.0)
+print(*tool.edges, sep="\\n")
+"""
+
+
+def test_two_coils_that_are_driven_at_once_are_driven_in_the_same_order_by_every_process() -> None:
+    tool = str(ROOT / "examples" / "tools" / "bistable_and_magnet" / "end_effector.yaml")
+    one, other = (
+        subprocess.run(
+            [sys.executable, "-c", EDGES, tool],
+            env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True,
+        ).stdout
+        for seed in ("1", "2")
+    )  # fmt: skip
+    assert one == other != ""

@@ -84,7 +84,7 @@ class Coils:
                 self._ends |= dict.fromkeys(under_way, at + opposite.pulse_us)
         if off:
             self._before_change()
-            self._backend.set(dict.fromkeys(off, False))
+            self._backend.set(dict.fromkeys(sorted(off), False))
         for line in sorted(guessed):
             _log.warning("nothing says how %s stands: it counts as active", line)
         self.guessed = frozenset(guessed)
@@ -119,14 +119,14 @@ class Coils:
             if opposite.pulse_us:
                 ends[line if level else opposite.line] = at + opposite.pulse_us
         if off:
-            self._backend.set(dict.fromkeys(off, False))
+            self._backend.set(dict.fromkeys(sorted(off), False))
         for line in off:
             self._ends.pop(line, None)
         # before the write: of several chips, one may have been written when another one fails
         self._ends |= ends
         self._pulsed |= {line: True for line, level in changes.items() if level and line in self._pulsed}
         if on:
-            self._backend.set(dict.fromkeys(on, True))
+            self._backend.set(dict.fromkeys(sorted(on), True))
         self._pulsed |= {line: level for line, level in changes.items() if line in self._pulsed}
         self._undriven -= changes.keys()
 
