@@ -161,8 +161,8 @@ fmea: setup ## the FMEA of the shipped tool and of each example again (half an h
 	@PATH=$(CURDIR)/$(BIN):$$PATH $(BIN)/python -m tests.support.fmea
 	@EEHAL_UPDATE=1 $(BIN)/python -m pytest -q tests/unit/docs/test_committed.py
 
-link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real
-	@$(BIN)/python -m tests.acceptance.link_campaign.run
+link-campaign: setup ## 10,000 faults of the sensor link in virtual time, a minute of them for real (FAULTS=3000: as in CI)
+	@$(BIN)/python -m tests.acceptance.link_campaign.run --faults $(or $(FAULTS),10000)
 
 format: $(VENV)/.synced
 	@$(BIN)/ruff check -q --fix . ; $(BIN)/ruff format -q .
