@@ -42,7 +42,6 @@ class HoldMonitor:
         self._description, self._senses, self._hold = description, senses, description.hold
         self._devices = senses.now.faults.channels if devices else ()
         self._names = description.sequence
-        self._shown = tuple(map(display_name, self._names))
         self._log = AlarmLog()
         watches = (
             kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel))
@@ -97,13 +96,12 @@ class HoldMonitor:
             self._since = None
         else:
             self._since = at if self._since is None else self._since
-            if Evidence.UNKNOWN in now.evidence or self._log.active(AlarmKind.STALE):
-                for index, name in enumerate(self._names):
-                    self._readable(index, name, at)
+            for index, name in enumerate(self._names):
+                self._readable(index, name, at)
             for index, watch in self._watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
-                    found = watch.findings(self._shown[index], self._since, at)
-                    self._log_findings(self._names[index], found, at)
+                    name = self._names[index]
+                    self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
             self._supply(at)
         if self._devices:
             self._device_faults(at)

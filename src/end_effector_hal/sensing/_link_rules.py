@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import ClassVar, NamedTuple
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, shows_noise
 from end_effector_hal.description import Description
@@ -16,7 +16,8 @@ from ._devices import devices_of
 from .detectors import FrozenDetector
 
 
-class Judged(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Judged:
     """A frame as far as it is believed.
 
     Attributes:
@@ -75,8 +76,6 @@ class LinkRules:
                 doubts[channel] = why
             elif channel in self._frozen and self._frozen[channel].sample(value, frame.at):
                 doubts[channel] = _frozen(channel)
-        if not doubts and not self._doubts:
-            return Judged(frame, rebooted=rebooted)
         # A doubt is told in the words of its beginning: it does not flicker.
         kept = {channel: why for channel, why in self._doubts.items() if channel not in frame.values}
         self._doubts = kept | {channel: self._known(channel, why) for channel, why in doubts.items()}

@@ -72,8 +72,6 @@ class Readings:
         """When a frame last came, by the numbers of several sources."""
         self._last_frame: int | None = None
         self._arrived: frozenset[str] = frozenset()
-        self._quickest_us = min(self._stale_us.values(), default=0)
-        self._of_one_source = frozenset(carrier.channels) if len(self._sources) == 1 else None
         self._ends: tuple[dict[str, int] | None, list[int]] = None, []
         """Of which readings it is known when each turns stale or a source goes down, and these times in order."""
 
@@ -118,9 +116,9 @@ class Readings:
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """The value of a channel at a time in µs, or None: not carried, never read, or stale."""
-        if channel is None or (then := self._at.get(channel)) is None:
+        if channel is None or channel not in self._values:
             return None
-        if at - then >= self._stale_us.get(channel, self.stale_us):
+        if at - self._at[channel] >= self.stale_after_us(channel):
             return None
         return self._values[channel]
 
@@ -141,8 +139,6 @@ class Readings:
 
     def stale(self, at: int) -> tuple[str, ...]:
         """Channels that are carried and that have no valid reading now."""
-        if self._arrived == self._of_one_source and at - (self._last_frame or 0) < self._quickest_us:
-            return ()  # the newest frame has brought them all
         read_at, spans = self._at, self._stale_us
         of, ends = self._ends
         if of is read_at and ends and ends[0] > at and len(read_at) == len(spans):

@@ -106,9 +106,9 @@ def parts_of(thing: Remembers) -> Iterator[Remembers]:
     plan = _PLANS.get(type(thing)) or _plan(thing)
     for name in plan.parts:
         value = getattr(thing, name)
-        if type(value) is dict:
+        if isinstance(value, Mapping):
             yield from value.values()
-        elif type(value) is tuple or type(value) is list:
+        elif isinstance(value, tuple | list):
             yield from value
         elif value is not None:
             yield value

@@ -59,8 +59,6 @@ class Trend:
 
     def clear(self) -> None:
         """Begin anew, after a gap."""
-        if not self._samples and not self._points:
-            return
         self._points.clear()
         self._samples.clear()
         self._older = self._newer = 0.0

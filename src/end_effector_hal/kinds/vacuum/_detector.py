@@ -66,8 +66,11 @@ class SecureDetector:
         self._part = actuator
         self._high, self._low = Streak(), Streak()
         self.secure = False
-        self.least_kpa = actuator.secure_kpa - actuator.secure_hysteresis_kpa
+
+    @property
+    def least_kpa(self) -> float:
         """Less than this is no longer secure."""
+        return self._part.secure_kpa - self._part.secure_hysteresis_kpa
 
     def sample(self, kpa: float, at: int) -> bool:
         """Whether it is secure after one more sample, kPa below ambient, at ``at`` µs."""
