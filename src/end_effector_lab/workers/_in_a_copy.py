@@ -47,7 +47,5 @@ def _answer(work: Callable[[], object]) -> bytes:
         return pickle.dumps((True, work()))
     except Exception as error:  # noqa: BLE001  it is raised on the other side
         told = pickle.dumps((False, error))
-        pickle.loads(
-            told
-        )  # not each can be made again of its arguments; else the work is done once more, there
+        pickle.loads(told)  # raises for one that cannot be made again: then the work is done by who asked
         return told

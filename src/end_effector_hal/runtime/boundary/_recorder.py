@@ -44,7 +44,8 @@ class Recorder:
         observe: Callable[[str, int, object], None] | None = None,
     ) -> None:
         self._writer, self._stream, self._observe = writer, stream, observe
-        self._entries: list[Entry] = []  # until `flush`: nobody needs them before
+        self._entries: list[Entry] = []
+        """Kept until `flush`, after the line was asked for: nobody needs them before."""
         self._controller: RecordedController | None = None
         self._published: Published | None = None
         self._defect = ""
@@ -126,8 +127,8 @@ class Recorder:
             self._observe = None
 
     def _pass_on(self) -> None:
-        entries = self._entries.copy()
-        self._entries.clear()
+        entries = self._entries[:]
+        del self._entries[: len(entries)]  # what another thread has put meanwhile stays
         if self._stream is not None:
             self._stream.put(entries)
         if self._writer is not None:
