@@ -54,7 +54,11 @@ def launched(log, *arguments, code=0, **env):
     finally:
         # as the terminal does with Ctrl-C
         os.killpg(launch.pid, signal.SIGINT)
-        ended = launch.wait(LONGEST_S)
+        try:
+            ended = launch.wait(LONGEST_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(launch.pid, signal.SIGKILL)
+            pytest.fail(f"it has not ended {LONGEST_S:g} s after Ctrl-C:\n{log.read_text()}")
     said = log.read_text()
     assert ended == code, said
     # the testbench has no end in order; the others may not be ended by the second SIGINT

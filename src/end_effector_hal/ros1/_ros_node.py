@@ -82,7 +82,7 @@ class RosNode:
         self._starters = Starters()
         self.on_start = self._starters.add
         rospy.on_shutdown(self._close)
-        rospy.core.add_shutdown_hook(lambda reason: self._end.begun.set())
+        rospy.core.add_shutdown_hook(lambda reason: self._end.begin())
 
     def description(self) -> Description:
         """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""

@@ -39,23 +39,23 @@ class Process:
             todo = "`eehal doctor --only ros` checks the installation."
             raise RosError(f"ROS 2 cannot be started: {error}.", todo=todo) from None
         self._end = ProcessEnd(LONGEST_END_S)
-        self.end, self.wait = self._end.begun.set, self._end.wait
+        self.end, self.wait = self._end.begin, self._end.wait
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
 
     @property
     def ending(self) -> bool:
         """Whether the end has begun."""
-        return self._end.begun.is_set()
+        return self._end.begun
 
     def fail(self, error: ReportedError) -> None:
         """End with an error, so that the launcher starts this process again; in any thread."""
         if self._end.fail(error):
-            self._end.begun.set()
+            self._end.begin()
 
     def close(self) -> None:
         """Give the context back; the nodes have ended."""
         rclpy.try_shutdown(context=self.context)
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        self._end.begun.set()
+        self._end.begin()

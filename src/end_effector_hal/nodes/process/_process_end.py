@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import threading
 import time
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 
 from end_effector_hal.errors import ReportedError
 
@@ -12,7 +14,7 @@ LOOK_S = 0.5
 
 
 class ProcessEnd:
-    """Thread-safe; ``begun`` is set when the process shall end.
+    """Thread-safe, and safe in a signal handler.
 
     Args:
         longest_s: what ends in good order takes less; after an error the process is left by force then.
@@ -21,7 +23,19 @@ class ProcessEnd:
     def __init__(self, longest_s: float) -> None:
         self._longest_s = longest_s
         self._failed: ReportedError | None = None
-        self.begun = threading.Event()
+        self._begun = False
+        # no Event: its lock may be held by the very thread in which a signal handler runs
+        self._wake: SimpleQueue[None] = SimpleQueue()
+
+    @property
+    def begun(self) -> bool:
+        """Whether the process shall end."""
+        return self._begun
+
+    def begin(self) -> None:
+        """The process shall end; once more does no harm."""
+        self._begun = True
+        self._wake.put(None)
 
     def fail(self, error: ReportedError) -> bool:
         """End with an error, so that the launcher starts this process again; False: it has failed already."""
@@ -32,9 +46,10 @@ class ProcessEnd:
         return True
 
     def wait(self) -> int:
-        """Wait for the end; the exit code. Raises what :meth:`fail` was given."""
-        while not self.begun.wait(LOOK_S):
-            pass  # the kernel may give a signal to another thread: its handler runs when this one looks
+        """Wait for the end, in one thread; the exit code. Raises what :meth:`fail` was given."""
+        while not self._begun:
+            with suppress(Empty):  # a signal may reach another thread: its handler runs when this one looks
+                self._wake.get(timeout=LOOK_S)
         if self._failed is not None:
             raise self._failed
         return 0
