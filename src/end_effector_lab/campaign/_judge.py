@@ -14,7 +14,7 @@ Rule 4 (unlock): the unlock output is active only after an accepted unlock, with
     than its longest time while the line arbiter lives (IL-03).
 Rule 5 (switching): a line stays as it is for its least time (IL-10).
 Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so; a release
-    ends in STAND_BY only when every device is gone.
+    ends in STAND_BY only when every device is gone. What has changed within the time of a reading may not be known yet.
 Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
     the tool is not locked (IL-05 to IL-07); a refusal has a reason.
 Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
@@ -33,7 +33,7 @@ from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, ChangerState, Comma
 from end_effector_lab.matrix import Switching, switchings
 from end_effector_lab.virtual import Edge, VirtualTool
 
-from ._reality import Reality
+from ._reality import FRAMES_US, Reality
 
 GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
@@ -74,6 +74,7 @@ class Judge:
         self._disturbed = False
         self._arbiter_since = self._grip_since = tool.at
         self._ended: dict[str, int] = {}
+        self._released_at = tool.at - 2 * SETTLE_US
         self._let_go: dict[str, int] = {}
         self._latched: set[str] = set()
         self._sensor_fault = False
@@ -258,7 +259,10 @@ class Judge:
 
     def _deactivated(self, each: Switching) -> None:
         name, order = each.name, self._description.releasing
-        self._ended[name] = each.at
+        if (
+            each.at - self._released_at > SETTLE_US
+        ):  # else a release has asked for it, and IL-10 has delayed it
+            self._ended[name] = each.at
         if self._held and not self._may_be_let_go(name):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
         if self._unwinds():
@@ -327,16 +331,19 @@ class Judge:
         latched = ee == GRIPPED or (ee == GRIP_ERROR and status.command == Command.NONE)
         if ee in (GRIPPED, GRIP_ERROR, RELEASE_ERROR, RELEASING, STAND_BY) and status.command != Command.GRIP:
             self._grip_runs = False
+        if ee == RELEASING:  # the attempts of a grip end with it
+            self._released_at, self._ended = status.at, {}
+            self._attempts = dict.fromkeys(self._sequence, 0)
         if latched and not self._held:
             self._held = True
             if ee == GRIPPED and status.at == tool.at and self._reality.is_known:
                 for name in self._sequence:
-                    if not self._reality.grips(name):
+                    if self._reality.lasts(f"gone {name}", FRAMES_US):  # what was lost since was not read yet
                         self._object("evidence", f"GRIPPED, and {name} does not grip")
         released = before is not None and before.ee == RELEASING and ee == STAND_BY
         if released and status.at == tool.at and self._reality.is_known:
             for name in self._sequence:
-                if not self._reality.is_gone(name):
+                if self._reality.lasts(f"left {name}", FRAMES_US):  # so young a vacuum was not read yet
                     self._object("evidence", f"a release has ended in STAND_BY, and {name} is not gone")
 
     def _is_held(self, status: Status) -> None:

@@ -80,11 +80,6 @@ class Reality:
         """Whether a device really does, by its switch or by what the description asks of its pressure."""
         return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
 
-    def is_gone(self, name: str) -> bool:
-        """Whether nothing is left of it, by what the description asks of a release."""
-        left = name not in self._by_conditions and self._is_over(name, "gone_kpa", NOISE_KPA)
-        return not left and not self._tool.bench.devices[name].grips
-
     def against_a_grip(self) -> Iterator[str]:
         """Why no grip may begin now, clauses."""
         rules, supply = self._description.interlocks, self._description.supply
@@ -118,6 +113,7 @@ class Reality:
         for name in self._description.sequence:
             found[f"grips {name}"] = grips = self.grips(name)
             found[f"gone {name}"] = not grips
+            found[f"left {name}"] = self._is_left(name)
         kpa = scenario.supply_kpa
         found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
         found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
@@ -135,6 +131,11 @@ class Reality:
             told = "tool_change" in tool.living and tool.changes[-1].changer_fault == ChangerFault.SENSOR
             found["sensor fault"] = told and "arbiter" in tool.living
         return found
+
+    def _is_left(self, name: str) -> bool:
+        """Whether something is left of it, by what the description asks of a release."""
+        over = name not in self._by_conditions and self._is_over(name, "gone_kpa", NOISE_KPA)
+        return over or self._tool.bench.devices[name].grips
 
     def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
         """Whether a pressure that somebody reads is over a threshold of the description."""
