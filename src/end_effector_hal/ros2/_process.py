@@ -13,7 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.process import ProcessEnd
 
-LONGEST_END_S = 20.0
+LONGEST_END_S = 15.0
 """Longer than all that ends in good order may take together."""
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import faulthandler
+import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from types import FrameType
 from typing import Any
 
@@ -15,6 +18,12 @@ from end_effector_hal.nodes.process import ProcessEnd
 PATIENCE_S = 5.0
 MOMENTS = 60
 """More steps of the interpreter than two looks take."""
+
+
+@pytest.fixture(autouse=True)
+def _this_process_goes_on() -> Iterator[None]:
+    yield
+    faulthandler.cancel_dump_traceback_later()
 
 
 def _ends(end: ProcessEnd, moment: int, times: int) -> bool:
@@ -56,3 +65,24 @@ def test_it_ends_with_the_error_that_came_first() -> None:
     assert end.begun
     with pytest.raises(RosError, match="the master has gone"):
         end.wait()
+
+
+HANGS = """
+from end_effector_hal.nodes.process import ProcessEnd, _process_end
+_process_end.LONGEST_S = 0.2
+end = ProcessEnd(1000.0)
+end.begin()
+end.wait()
+import ctypes
+def hangs_with_the_lock_of_the_interpreter():
+    ctypes.PyDLL(None).sleep(100)
+hangs_with_the_lock_of_the_interpreter()
+"""
+
+
+def test_what_hangs_at_its_end_is_left_by_force_and_says_where() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", HANGS], capture_output=True, text=True, timeout=30, check=False
+    )
+    assert done.returncode == 1
+    assert "hangs_with_the_lock_of_the_interpreter" in done.stderr

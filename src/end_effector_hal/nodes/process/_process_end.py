@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import threading
 import time
@@ -11,6 +12,9 @@ from queue import Empty, SimpleQueue
 from end_effector_hal.errors import ReportedError
 
 LOOK_S = 0.5
+STDERR = 2
+LONGEST_S = 20.0
+"""What has not ended by then, whatever the reason of the end, is left by force and says where it hangs."""
 
 
 class ProcessEnd:
@@ -50,11 +54,12 @@ class ProcessEnd:
         while not self._begun:
             with suppress(Empty):  # a signal may reach another thread: its handler runs when this one looks
                 self._wake.get(timeout=LOOK_S)
+        # no thread of Python: what hangs may hold its lock, or be its end
+        faulthandler.dump_traceback_later(LONGEST_S, exit=True, file=STDERR)
         if self._failed is not None:
             raise self._failed
         return 0
 
     def _leave_by_force(self, error: ReportedError) -> None:
-        # without its master, or with a thread that hangs, ROS may not come to its end
         time.sleep(self._longest_s)
         os._exit(error.exit_code)
