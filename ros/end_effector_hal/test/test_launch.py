@@ -61,6 +61,7 @@ def launched(log, *arguments, code=0, **env):
             pytest.fail(f"it has not ended {LONGEST_S:g} s after Ctrl-C:\n{log.read_text()}")
     said = log.read_text()
     assert ended == code, said
+    assert "escalating to" not in said, said
     # the testbench has no end in order; the others may not be ended by the second SIGINT
     assert set(re.findall(r"\[(\w+)-\d+\]: process has died", said)) <= {"testbench"}, said
 

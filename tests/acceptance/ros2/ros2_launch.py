@@ -30,7 +30,7 @@ MODULES = (
     "launch_ros.substitutions",
 )
 PREFIX = Path(os.environ["AMENT_PREFIX_PATH"].partition(":")[0])
-LOOK_S = 0.05
+LOOK_S, SIGKILL_S = 0.05, 5.0
 
 
 class Entity(Protocol):
@@ -193,6 +193,14 @@ class Running:
     number: int
     process: subprocess.Popen[bytes] | None = None
     due: float = field(default_factory=time.monotonic)
+    urged: list[tuple[float, signal.Signals]] = field(default_factory=list)
+
+    def end(self) -> None:
+        """Ask it to end; where it does not, more urgently."""
+        now = time.monotonic()
+        late = now + float(self.action.sigterm_timeout)
+        # the terminal has sent the first one to all of this group already
+        self.urged = [(now, signal.SIGINT), (late, signal.SIGTERM), (late + SIGKILL_S, signal.SIGKILL)]
 
     def look(self, *, ending: bool) -> bool:
         """Start it where it is due, and tell its end; whether it goes on."""
@@ -203,6 +211,11 @@ class Running:
             self.process = subprocess.Popen(self.command)
             say(f"{label}: process started with pid [{self.process.pid}]")
         if (code := self.process.poll()) is None:
+            while self.urged and time.monotonic() >= self.urged[0][0]:
+                _, number = self.urged.pop(0)
+                if number != signal.SIGINT:
+                    say(f"{label}: failed to terminate, escalating to '{number.name}'")
+                self.process.send_signal(number)
             return True
         say(f"{label}: process has {f'died [exit code {code}]' if code else 'finished cleanly'}")
         self.process, self.due = None, time.monotonic() + self.action.respawn_delay
@@ -231,9 +244,7 @@ def launch(package: str, name: str, *arguments: str) -> int:
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         for each in running:
-            # the terminal has sent it to all of this group already
-            if each.process is not None:
-                each.process.send_signal(signal.SIGINT)
+            each.end()
         while running := [each for each in running if each.look(ending=True)]:
             time.sleep(LOOK_S)
     return 0
