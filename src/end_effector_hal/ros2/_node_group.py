@@ -97,7 +97,7 @@ class NodeGroup:
         self._closers.insert(0, callback)
 
     def on_end(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at the very end."""
+        """Call ``callback`` at the very end, when nothing comes any more."""
         self._enders.insert(0, callback)
 
     @property
@@ -110,7 +110,7 @@ class NodeGroup:
         self._process.fail(error)
 
     def close(self) -> None:
-        """End all nodes: callbacks while the topics are open, then the topics, then the last callbacks."""
+        """End all nodes: callbacks while the topics are open, then all that comes, the last callbacks, the topics."""
         if self._closed:
             return
         self._closing = self._closed = True
@@ -124,13 +124,14 @@ class NodeGroup:
         if self._thread.is_alive():
             self._thread.join(LONGEST_END_S)
         self.workers.shutdown(wait=False, cancel_futures=True)
-        if self._thread.is_alive():
-            _log.error("a callback does not return; its nodes are left behind")
-        else:
-            for node in self._nodes:
-                _destroy(node)
         for callback in self._enders:
             _guarded(callback)
+        if self._thread.is_alive():
+            _log.error("a callback does not return; its nodes are left behind")
+            return
+        self._process.destroys()
+        for node in self._nodes:
+            _destroy(node)
 
     def _spin(self) -> None:
         try:

@@ -11,10 +11,12 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes.process import ProcessEnd
+from end_effector_hal.nodes.process import ProcessEnd, leave_within
 
 LONGEST_END_S = 15.0
 """Longer than all that ends in good order may take together."""
+MIDDLEWARE_S = 5
+"""Fast DDS may wait for itself for ever where processes that know each other end together (eProsima/Fast-DDS#6193)."""
 
 
 class Process:
@@ -52,6 +54,11 @@ class Process:
         """End with an error, so that the launcher starts this process again; in any thread."""
         if self._end.fail(error):
             self._end.begin()
+
+    def destroys(self) -> None:
+        """What is left is the middleware's: where it does not come back, the process leaves without it."""
+        if self.ending:
+            leave_within(MIDDLEWARE_S, self._end.exit_code)
 
     def close(self) -> None:
         """Give the context back; the nodes have ended."""

@@ -68,11 +68,8 @@ def test_it_ends_with_the_error_that_came_first() -> None:
 
 
 HANGS = """
-from end_effector_hal.nodes.process import ProcessEnd, _process_end
-_process_end.LONGEST_S = 0.2
-end = ProcessEnd(1000.0)
-end.begin()
-end.wait()
+from end_effector_hal.nodes.process import ProcessEnd, _process_end, leave_within
+{left}
 import ctypes
 def hangs_with_the_lock_of_the_interpreter():
     ctypes.PyDLL(None).sleep(100)
@@ -80,9 +77,27 @@ hangs_with_the_lock_of_the_interpreter()
 """
 
 
+LEFT = """
+_process_end.LONGEST_S = 0.2
+end = ProcessEnd(1000.0)
+end.begin()
+end.wait()
+"""
+
+
+def hung(left: str) -> tuple[int, str]:
+    """Exit code and error output of a process that hangs."""
+    program = [sys.executable, "-c", HANGS.format(left=left)]
+    done = subprocess.run(program, capture_output=True, text=True, timeout=30, check=False)
+    return done.returncode, done.stderr
+
+
 def test_what_hangs_at_its_end_is_left_by_force_and_says_where() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", HANGS], capture_output=True, text=True, timeout=30, check=False
-    )
-    assert done.returncode == 1
-    assert "hangs_with_the_lock_of_the_interpreter" in done.stderr
+    code, said = hung(LEFT)
+    assert code == 1
+    assert "hangs_with_the_lock_of_the_interpreter" in said
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_a_middleware_that_hangs_is_left_without_a_word(code: int) -> None:
+    assert hung(f"leave_within(1, {code})") == (code, "")

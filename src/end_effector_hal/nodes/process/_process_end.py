@@ -36,6 +36,11 @@ class ProcessEnd:
         """Whether the process shall end."""
         return self._begun
 
+    @property
+    def exit_code(self) -> int:
+        """Of the process, as it is known now."""
+        return self._failed.exit_code if self._failed else 0
+
     def begin(self) -> None:
         """The process shall end; once more does no harm."""
         self._begun = True
