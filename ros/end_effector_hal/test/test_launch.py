@@ -14,6 +14,8 @@ import pytest
 LAUNCH = ("ros2", "launch", "end_effector_hal")
 LONGEST_S = 60.0
 SUCCEEDED = 4
+STALE = "IL-07"
+"""Refuses a grip without proof that nothing is held; a machine that stands still loses it for a moment."""
 CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, SHUTDOWN = 1, 2, 3, 4, 6
 
 
@@ -133,7 +135,14 @@ class Client:
 
     def do(self, name):
         """Have a goal succeed."""
-        ended = self.done(self.give(name))
+        self.succeeds(name, self.give(name))
+
+    def succeeds(self, name, end):
+        """Wait for the end of a goal; one that was refused because this machine stood still is given again."""
+        ended = self.done(end)
+        if STALE in ended.result.reason:
+            self.until_state("STAND_BY")
+            ended = self.done(self.give(name))
         assert (ended.status, ended.result.outcome_name) == (SUCCEEDED, "SUCCEEDED"), ended.result.reason
 
 
@@ -187,9 +196,10 @@ def test_two_tools_at_once_do_not_touch_each_other(tmp_path):
 
         # one grips while the other one drops
         dropped, gripped = left.give("Drop"), right.give("TriggerGrip")
-        for each, end, state in ((left, dropped, "STAND_BY"), (right, gripped, "GRIPPED")):
-            assert each.done(end).result.outcome_name == "SUCCEEDED"
-            each.until_state(state)
+        left.succeeds("Drop", dropped)
+        right.succeeds("TriggerGrip", gripped)
+        left.until_state("STAND_BY")
+        right.until_state("GRIPPED")
         assert right.states[-1].held
         assert not left.states[-1].held
 
