@@ -129,6 +129,9 @@ class Controller:
         if not self._statuses.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
         told |= self._senses.now.nothing_gripped is not released
+        if seen < self._at and (due := self._senses.deadline(seen)) is not None and due <= self._at:
+            statuses += self._look(self._at)[0]  # due since the frame came: nobody asks for it any more
+            told = True
         return statuses if statuses or not (events or told) else [self.status()]
 
     def pass_over(self, frame: Frame) -> list[Status]:
@@ -233,11 +236,7 @@ class Controller:
         while (due := self.deadline) is not None and due <= at:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
             self._at = at
-            events = self._senses.advance(at)
-            self._write_levels()
-            self._hold.sample(at, held=self._statuses.held)
-            for event in events:
-                statuses += self._receive(event, at)
+            statuses += self._look(at)[0]
             if self._adopt_by is not None and at >= self._adopt_by:
                 statuses += self._adopt(at)
             statuses += self._told(self._execution.advance(at)) or [self.status()]
@@ -289,10 +288,20 @@ class Controller:
         return max(at, self._at)
 
     def _due_before(self, at: int) -> list[Status]:
-        # inputs stamped at or before a deadline go before that time-out
+        # inputs stamped at or before a deadline go before that time-out, but not before a reading turns stale
         statuses = self.advance(at - 1)
         self._at = at
+        if (due := self._senses.deadline(at - 1)) is not None and due <= at:
+            found, news = self._look(at)
+            statuses += found if found or not news else [self.status()]
         return statuses
+
+    def _look(self, at: int) -> tuple[list[Status], bool]:
+        """What the sensors prove at ``at`` without a frame; and whether that is news."""
+        events = self._senses.advance(at)
+        self._write_levels()
+        told = self._hold.sample(at, held=self._statuses.held)
+        return [status for event in events for status in self._receive(event, at)], bool(events) or told
 
     def _receive(self, event: Event, at: int, stamp: int | None = None) -> list[Status]:
         if event.channel not in self._execution.inputs:  # nobody waits for it: it is a level only
