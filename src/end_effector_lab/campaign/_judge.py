@@ -181,12 +181,16 @@ class Judge:
             self._unwound()  # the program that began again could not before that was over
         if not still:
             self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
-        elif status.ee == STAND_BY and active:
+        elif status.ee == STAND_BY and active and not self._cannot_deactivate(status):
             self._object("told", f"STAND_BY with {', '.join(active)} active")
         elif status.ee == GRIPPED:
             self._at_rest_held(status, active)
         elif status.ee in (GRIP_ERROR, RELEASE_ERROR) and not (status.reason or status.alarms):
             self._object("told", f"{status.ee.name} without a reason")
+
+    def _cannot_deactivate(self, status: Status) -> bool:
+        """Whether no arbiter is there that could, which has been told; a sensor may lie that nothing is held."""
+        return "arbiter" not in self._tool.living and bool(status.alarms)
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         if len(active) < len(self._sequence):

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import longest_release_s, release_is_decided
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from end_effector_lab.matrix import Monitors, Switching, is_still, switchings
 from end_effector_lab.testbench import TOOL_CHANGER
@@ -214,11 +213,7 @@ class _CaseRun:
         tool, at = self.tool, self.tool.at
         if name == "reset":
             return self._reset()
-        changer = self._description.tool_changer
-        if name == "unlock" and changer and "tool_change" in tool.living:
-            # the product waits as well; here it is looked at meanwhile
-            self._until(lambda: release_is_decided(tool.changes[-1]), round(longest_release_s(changer) * 1e6))
-        answer = tool.command(name)
+        answer = tool.command(name, self._judge.look)
         self._said.append((tool.at, f"  {name}: {'accepted' if answer.accepted else answer.reason}"))
         self._judge.commanded(name, answer, at)
         self._judge.look()

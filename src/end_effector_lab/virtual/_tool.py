@@ -143,17 +143,23 @@ class VirtualTool:
         """The faults that the arbiter has latched: sentences by name."""
         return dict(self._arbiter.rules.predicates.faults) if self._arbiter else {}
 
-    def command(self, name: str) -> Answer:
+    def command(self, name: str, look: Callable[[], object] = lambda: None) -> Answer:
         """Give ``grip``, ``drop``, ``cancel``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the tool changer).
 
-        An unlock waits for the proof that nothing is gripped, as it does in the product; meanwhile time goes on.
+        An unlock waits for the proof that nothing is gripped, as it does in the product; meanwhile time goes on, and
+        ``look`` is called at each instant.
         """
         program = self._programs.get("tool_change" if name in _OF_CHANGER else "grip")
         if program is None:
             return Answer(False, "The program is not running.", decided=False)
         if name == "unlock" and self.description.tool_changer:
             limit = self.at + round(longest_release_s(self.description.tool_changer) * 1e6)
-            self.run_until(limit, lambda: release_is_decided(program.status))
+
+            def decided() -> bool:
+                look()
+                return release_is_decided(program.status)
+
+            self.run_until(limit, decided)
         return program.command(name)
 
     def reset(self) -> Answer:

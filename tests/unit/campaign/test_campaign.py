@@ -53,12 +53,21 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
         ("", "grip; wait 0.29; scenario lost-after:bottom_vacuum:1", 1398798426),
         # what a grip that was cancelled has switched off late (IL-10) is no attempt of the next one
         ("", "grip; cancel; grip", 0),
+        # an unlock may wait for its proof until a last will has been executed
+        ("", "grip; wait 0.5; kill all; start all; wait 0.46; unlock", 0),
+        # a sensor lies that nothing is held, and nobody is there to switch the output off
+        ("", "grip; end arbiter; wait 3; scenario shows:bottom_vacuum:0", 0),
     ],
 )
 def test_the_rules_have_nothing_against_what_nobody_can_know(tool: str, words: str, seed: int) -> None:
     description = load(TOOLS / tool / "end_effector.yaml") if tool else SHIPPED
     case = case_from_words(words, description, seed=seed)
     assert play_case(description, case, CoverageMap(description)).failures == {}
+
+
+def test_a_reading_that_turns_stale_as_the_peer_is_heard_of_is_seen() -> None:
+    """A campaign has found it: a program that was started again hears of its peer at that instant."""
+    assert played("grip; wait 6; kill grip; start grip; wait 18; scenario silent-after:0") == {}
 
 
 def test_what_raises_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
