@@ -11,7 +11,7 @@ from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import ChangerFault, to_us
 from end_effector_lab.matrix import LYING
 from end_effector_lab.testbench import TOOL_CHANGER
-from end_effector_lab.virtual import LONGEST_LOOK_US, VirtualTool
+from end_effector_lab.virtual import VirtualTool
 
 SEEN_US = 1_500_000
 """By then everything that is the case has been read, filtered and told: a link is down after 1 s."""
@@ -101,10 +101,7 @@ class Reality:
         rules, changer = self._description.interlocks, self._description.tool_changer
         if changer is None:
             return
-        least_us = (
-            to_us(changer.vented_s) - FRAMES_US - LONGEST_LOOK_US
-        )  # what is seen first may have been so for a while
-        if rules.il_01 and self.is_known and not self.lasts("vented", least_us):
+        if rules.il_01 and self.is_known and not self.lasts("vented", to_us(changer.vented_s) - FRAMES_US):
             yield f"a vacuum was not under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s (IL-01)"
         if rules.il_02 and self.lasts("away"):
             yield "the sensor of the stand says that the tool is not in it (IL-02)"

@@ -10,5 +10,5 @@ True
 """
 
 from ._outputs import Edge
-from ._tool import LONGEST_LOOK_US, VirtualTool
+from ._tool import VirtualTool
 from ._watching import Watch
