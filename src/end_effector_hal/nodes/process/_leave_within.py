@@ -33,6 +33,8 @@ def leave_within(seconds: int, code: int) -> None:
     The C library does it, in a thread of its own: a library that hangs may keep the interpreter's lock.
     """
     libc = ctypes.CDLL(None, use_errno=True)
+    if not hasattr(libc, "timer_create"):  # before glibc 2.34: then nothing bounds it
+        return
     event = _SigEvent(
         value=code, notify=SIGEV_THREAD, function=ctypes.cast(libc._exit, ctypes.c_void_p).value
     )
