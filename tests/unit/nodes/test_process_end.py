@@ -44,7 +44,7 @@ def _ends(end: ProcessEnd, moment: int, times: int) -> bool:
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
-    thread.join(0.0 if steps > moment else PATIENCE_S)
+    thread.join(PATIENCE_S)
     return not thread.is_alive()
 
 
