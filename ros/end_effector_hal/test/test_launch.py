@@ -14,7 +14,7 @@ import pytest
 LAUNCH = ("ros2", "launch", "end_effector_hal")
 LONGEST_S = 60.0
 SUCCEEDED = 4
-STALE = "IL-07"
+NOT_PROVEN = "IL-07"
 """Refuses a grip without proof that nothing is held; a machine that stands still loses it for a moment."""
 CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, SHUTDOWN = 1, 2, 3, 4, 6
 
@@ -140,7 +140,7 @@ class Client:
     def succeeds(self, name, end):
         """Wait for the end of a goal; one that was refused because this machine stood still is given again."""
         ended = self.done(end)
-        if STALE in ended.result.reason:
+        if NOT_PROVEN in ended.result.reason:
             self.until_state("STAND_BY")
             ended = self.done(self.give(name))
         assert (ended.status, ended.result.outcome_name) == (SUCCEEDED, "SUCCEEDED"), ended.result.reason

@@ -129,7 +129,7 @@ class NodeGroup:
         if self._thread.is_alive():
             _log.error("a callback does not return; its nodes are left behind")
             return
-        self._process.destroys()
+        self._process.bound_middleware()
         for node in self._nodes:
             _destroy(node)
 

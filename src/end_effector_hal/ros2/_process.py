@@ -55,8 +55,8 @@ class Process:
         if self._end.fail(error):
             self._end.begin()
 
-    def destroys(self) -> None:
-        """What is left is the middleware's: where it does not come back, the process leaves without it."""
+    def bound_middleware(self) -> None:
+        """Only the middleware has still to end; if it hangs, the process leaves after `MIDDLEWARE_S`."""
         if self.ending:
             leave_within(MIDDLEWARE_S, self._end.exit_code)
 

@@ -263,9 +263,8 @@ class Judge:
 
     def _deactivated(self, each: Switching) -> None:
         name, order = each.name, self._description.releasing
-        if (
-            each.at - self._released_at > SETTLE_US
-        ):  # else a release has asked for it, and IL-10 has delayed it
+        # at once after a release was told it has asked for it, and IL-10 has delayed it: that is no attempt's end
+        if each.at - self._released_at > SETTLE_US:
             self._ended[name] = each.at
         if self._held and not self._may_be_let_go(name):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
