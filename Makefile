@@ -42,7 +42,7 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
 	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/contract
-	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q tests/acceptance/ros2
+	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/ros2
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
@@ -66,9 +66,9 @@ nightly: setup ## at length: what CI leaves out, the proof on thousands of rando
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q $(AT_LENGTH)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs 100000
 
-test-page: setup ## the live page in a real browser: Debian's Chromium (6 minutes)
+test-page: setup ## the live page in a real browser: Debian's Chromium (4 minutes)
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
-	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} $(WALL) pytest -q --durations=0 --durations-min=1 tests/acceptance/page
+	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} $(WALL) pytest -q -n 2 $(SHARED) --durations=0 --durations-min=1 tests/acceptance/page
 
 # What the tests of the page leave in runs/page, as far as the docs show it
 OF_PICTURES = test_a_grip_and_a_drop_by_the_page or test_a_failing_attempt or held_with_a_leak or test_a_phone_in or test_a_link_leads

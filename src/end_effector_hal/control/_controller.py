@@ -112,11 +112,7 @@ class Controller:
         self._at = max(self._at, seen, at or 0)
         statuses: list[Status] = []
         if expired is not None and expired < seen:
-            events = self._senses.advance(expired)
-            self._write_levels()
-            self._hold.sample(expired, held=self._statuses.held)
-            for event in events:
-                statuses += self._receive(event, self._at, expired)
+            statuses += self._look(expired, stamp=expired)[0]
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.now.readings.down_us)
         released = self._senses.now.nothing_gripped
@@ -296,12 +292,13 @@ class Controller:
             statuses += found if found or not news else [self.status()]
         return statuses
 
-    def _look(self, at: int) -> tuple[list[Status], bool]:
-        """What the sensors prove at ``at`` without a frame; and whether that is news."""
+    def _look(self, at: int, stamp: int | None = None) -> tuple[list[Status], bool]:
+        """What the sensors prove at ``at`` without a frame, taken now; and whether that is news."""
         events = self._senses.advance(at)
         self._write_levels()
         told = self._hold.sample(at, held=self._statuses.held)
-        return [status for event in events for status in self._receive(event, at)], bool(events) or told
+        statuses = [status for event in events for status in self._receive(event, self._at, stamp)]
+        return statuses, bool(events) or told
 
     def _receive(self, event: Event, at: int, stamp: int | None = None) -> list[Status]:
         if event.channel not in self._execution.inputs:  # nobody waits for it: it is a level only

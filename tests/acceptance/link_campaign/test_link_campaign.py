@@ -85,7 +85,7 @@ def test_the_judge_sees_a_broken_tool(
     spoil, said = broken
     spoil(monkeypatch)
     found = Found()
-    for seed in range(0, 200, 20):
+    for seed in range(0, 400, 20):
         found.add(in_virtual_time(20, seed=seed, jobs=1))
         if any(said in violation for violation in found.violations):
             break
