@@ -316,7 +316,8 @@ def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) ->
     watched.tool.run(4.0)
     assert watched.shown()["state"]["alarms"] == []
     assert watched.texts("over").count(again) == 1
-    assert len(watched.texts("over")) == len(watched.texts("alarm")) == 6  # four of the grip, two of the changer
+    # four of the grip, two of the changer
+    assert len(watched.texts("over")) == len(watched.texts("alarm")) == 6
     assert "No valid reading of locked, unlocked, in_stand, tool_present, supply." in watched.texts("over")
     assert not any(each.startswith("Over") for each in watched.texts("alarm"))
 
