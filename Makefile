@@ -39,10 +39,14 @@ test: setup ## all tests: of logic, of real processes, then those that measure t
 	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)
 	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)
 
+# Two tools of five processes each start at once there: nothing else runs beside it
+OF_LAUNCH := tests/acceptance/ros2/test_launch.py
+
 test-ros2: ros2 ## the contract of the ROS interface and what only ROS 2 has, on real ROS 2
 	@$(APART) $(ROS2)/bin/python ros/wheels/build_messages.py tests/acceptance/ros2/control_msgs
 	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/contract
-	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/ros2
+	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q -n 2 $(SHARED) tests/acceptance/ros2 --ignore $(OF_LAUNCH)
+	@$(APART) $(WALL) $(ROS2)/bin/python -m pytest -q $(OF_LAUNCH)
 
 contract-edits: setup ros2 ## by hand: edits of the transport, each of which the contract must find (10 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.contract.edits --unedited
@@ -143,8 +147,8 @@ bench: setup ros2 ## measure it in turns, without ROS and through ROS 1 and 2: l
 bench-ros2: $(VENV)/.synced ros2 ## the same without ROS and through ROS 2
 	@$(APART) $(BIN)/python benchmarks/run.py --parts core ros2-one ros2-five -o runs/bench-ros2.json
 
-kill-matrix: setup ## kill, stop and end every process in the states that tell most (5 minutes)
-	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run
+kill-matrix: setup ## kill, stop and end every process in the states that tell most (4 minutes)
+	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run --systems 3
 
 kill-matrix-full: setup ## the same in every state (15 minutes)
 	@$(ROS_ENV) && python -m tests.acceptance.kill_matrix.run --full
