@@ -15,7 +15,7 @@ from ._recording import (
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
 from ._watched import Watched
-from .comparison import RunDifference, RunTables, Tolerances, compare_runs, read_tables
+from .comparison import RunDifference, RunTables, Tolerances, compare_runs, count_differences, read_tables
 from .story import (
     AttemptOutcome,
     Grip,
@@ -27,6 +27,7 @@ from .story import (
 )
 from .tables import (
     BEGUN,
+    ENDED,
     KPA,
     AlarmRow,
     AlarmsWriter,
@@ -50,6 +51,7 @@ from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 __all__ = [
     "BEGUN",
     "COUNTEREXAMPLE",
+    "ENDED",
     "KPA",
     "MODEL_RUN",
     "AlarmRow",
@@ -85,6 +87,7 @@ __all__ = [
     "check_replaceable",
     "compare_runs",
     "content_hash",
+    "count_differences",
     "hash_of",
     "lock",
     "pressure_channels",

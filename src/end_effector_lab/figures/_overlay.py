@@ -8,7 +8,7 @@ from dataclasses import replace
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from end_effector_hal.recording import Moment, RunDifference, RunTables
+from end_effector_hal.recording import Moment, RunDifference, RunTables, count_differences
 from end_effector_hal.vocabulary import display_name
 
 from ._labels import packed, wrapped
@@ -130,10 +130,7 @@ def _heading(
     width: float,
 ) -> Heading:
     one, other = (plain(name) for name in names)
-    number = len(differences)
-    title = (
-        f"{one} and {other}: {f'{number} difference' + 's' * (number != 1) if number else 'no difference'}"
-    )
+    title = f"{one} and {other}: {count_differences(len(differences))}"
     said = [f"{one}, the upper lanes and solid: {', '.join(sources(first.info)[:3])}"]
     said += [f"{other}, the lower lanes and dashed: {', '.join(sources(second.info)[:3])}"]
     return Heading(wrapped(title, 13.5, "bold", width), [], packed(said, "  ·  ", 9.5, "normal", width))

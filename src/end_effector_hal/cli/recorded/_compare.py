@@ -84,6 +84,8 @@ def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:
 
 
 def _print(found: list[RunDifference], sources: dict[str, list[object]], output: Path | None) -> None:
+    from end_effector_hal.recording import count_differences
+
     for name, (one, other) in sources.items():
         click.echo(f"{display_name(name)}: {_said(one)}, in the second {_said(other)}")
     rows = [
@@ -93,8 +95,7 @@ def _print(found: list[RunDifference], sources: dict[str, list[object]], output:
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     for one_s, other_s, line, text in rows:
         click.echo(f"{one_s:>{widths[0]}}  {other_s:>{widths[1]}}  {line:{widths[2]}}  {text}")
-    number = len(found)
-    click.echo(f"{number} difference{'s' * (number != 1)}." if found else "No difference.")
+    click.echo(f"{count_differences(len(found)).capitalize()}.")
     if output is not None:
         click.echo(str(output))
 

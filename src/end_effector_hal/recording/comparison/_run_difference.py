@@ -24,3 +24,8 @@ class RunDifference:
     def as_json(self) -> dict[str, Any]:
         """Its fields."""
         return asdict(self)
+
+
+def count_differences(number: int) -> str:
+    """How many there are, in words: ``no difference``, ``1 difference``, ``2 differences``."""
+    return f"{number or 'no'} difference{'s' * (number > 1)}"
