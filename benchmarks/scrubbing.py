@@ -85,7 +85,7 @@ def main() -> int:
         times = [time.process_time()]
         files = RecordingFiles(folder)
         times.append(time.process_time())
-        content = read_recording(files)
+        content = read_recording(files).document
         times.append(time.process_time())
         verdict = judge_recording(files)
         times.append(time.process_time())

@@ -34,20 +34,30 @@ def page_html(title: str, *, recorded: bool, csrf: str = "") -> str:
     return html.replace("{{csrf}}", csrf).replace("{{title}}", escape(title))
 
 
-def report_html(title: str, contents: list[dict[str, Any]], verdicts: list[dict[str, Any]]) -> str:
+def report_html(
+    title: str,
+    contents: list[dict[str, Any]],
+    verdicts: list[dict[str, Any]],
+    differences: dict[str, Any] | None = None,
+) -> str:
     """Recordings in one file that asks nobody for anything.
 
     Args:
         title: of the file.
         contents: documents of recordings.
         verdicts: what was said of each by `judge_recording`.
+        differences: of two, by `compare_recordings`.
     """
-    return _one_file(title, {"recordings": report_data(contents, verdicts)})
+    return _one_file(title, {"recordings": report_data(contents, verdicts, differences)})
 
 
-def report_data(contents: list[dict[str, Any]], verdicts: list[dict[str, Any]]) -> bytes:
+def report_data(
+    contents: list[dict[str, Any]],
+    verdicts: list[dict[str, Any]],
+    differences: dict[str, Any] | None = None,
+) -> bytes:
     """Documents with their verdicts, as a file holds them."""
-    return to_json({"contents": contents, "verdicts": verdicts}, fallback=dict)
+    return to_json({"contents": contents, "verdicts": verdicts, "differences": differences}, fallback=dict)
 
 
 def runs_html(title: str, rows: list[dict[str, Any]], runs: Mapping[int, bytes]) -> str:

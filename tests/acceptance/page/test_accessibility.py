@@ -9,9 +9,9 @@ from typing import Any
 from tests.acceptance.page import test_recordings
 from tests.acceptance.page.conftest import Live
 from tests.acceptance.page.test_page import opened, shows
-from tests.acceptance.page.test_recordings import report, retried, served
+from tests.acceptance.page.test_recordings import nominal, report, retried, served
 
-__all__ = ["report", "retried", "served"]
+__all__ = ["nominal", "report", "retried", "served"]
 SIZES = {"desktop": {"width": 1440, "height": 900}, "phone": {"width": 390, "height": 844}}
 BARRED = ("serious", "critical")
 
@@ -106,10 +106,14 @@ def test_a_recording(chromium: Any, served: Any, retried: Path) -> None:
     test_recordings.close(page)
 
 
-def test_two_recordings_in_one_file(chromium: Any, retried: Path, tmp_path: Path) -> None:
-    both = test_recordings.reported(tmp_path, retried, retried)
+def test_two_recordings_in_one_file(chromium: Any, retried: Path, nominal: Path, tmp_path: Path) -> None:
+    both = test_recordings.reported(tmp_path, retried, nominal)
     page = test_recordings.opened(chromium, f"file://{both}")
     assert_no_fault(page, "two in a report")
+    page.locator("#differences-rows button").first.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#differences-rows tr[aria-current]")
+    assert_no_fault(page, "at a difference of the two")
     test_recordings.close(page)
 
 

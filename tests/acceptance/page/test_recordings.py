@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.page import report_html
+from end_effector_hal.page.recorded import RecordingFiles, compare_recordings, read_recording
+from end_effector_hal.recording import BEGUN, AlarmRow, RecordingLimits
 from end_effector_lab.demo import World
 from tests.acceptance.page.conftest import Live, Process
 from tests.acceptance.page.test_page import opened as live_page
@@ -179,7 +182,128 @@ def test_two_recordings_under_each_other(chromium: Any, served: Any, retried: Pa
     page.select_option("#shown", "1")
     shows(page, "state-word", "GRIPPED")
     assert page.locator(".marker:visible").count() == 2
+    first, second = (
+        page.locator(f"#{each} .uplot").first.bounding_box()["width"] for each in ("timeline", "second")
+    )
+    assert first == second > 1000, "both are drawn in the same width"
     shot(page, "recordings-compared", whole=True)
+    close(page)
+
+
+def row_of(page: Any, what: str) -> Any:
+    """The difference that says this."""
+    return page.locator("#differences-rows tr", has_text=what).first
+
+
+def is_chosen(page: Any, what: str) -> None:
+    page.locator("#differences-rows tr[aria-current]", has_text=what).wait_for()
+
+
+def test_the_differences_of_two_recordings(chromium: Any, served: Any, retried: Path, nominal: Path) -> None:
+    """By the mouse and by the keyboard to the moment of each, in both recordings."""
+    page = opened(chromium, served(str(retried), str(nominal)))
+    shows(page, "differences-said", "differences: both are counted from their first command", READ_MS)
+    heads = page.locator("#differences th").all_inner_texts()
+    assert [each.lower() for each in heads] == ["in the first", "in the second", "lane", "what"]
+    first, second, lane, what = row_of(page, "RETRACTED").locator("td").all_inner_texts()
+    assert (second, lane, what) == ("–", "Cylinder", "RETRACTED: only in the first")
+    row_of(page, "RETRACTED").locator("td").first.click()
+    is_chosen(page, "RETRACTED")
+    assert moment(page) == pytest.approx(float(first.removesuffix(" s")), abs=0.001)
+    # both as from their first commands: the second was gripped by then
+    assert float(page.input_value("#shift")) == pytest.approx(-2.0, abs=0.01)
+    shows(page, "other", "retried: GRIPPING · nominal: GRIPPED")
+    assert page.locator(".marker:visible").count() == 2
+    # the next that is in both, by the keyboard
+    row_of(page, "EXTENDED:").get_by_role("button").focus()
+    page.keyboard.press("Enter")
+    is_chosen(page, "EXTENDED:")
+    first, second, *_ = row_of(page, "EXTENDED:").locator("td").all_inner_texts()
+    at, other = (float(each.removesuffix(" s")) for each in (first, second))
+    assert moment(page) == pytest.approx(at, abs=0.001)
+    assert float(page.input_value("#shift")) == pytest.approx(at - other, abs=0.001)
+    for shown in ("0", "1"):
+        page.select_option("#shown", shown)
+        page.locator("#cards .card", has_text="Cylinder").locator(".pill", has_text="EXTENDED").wait_for()
+    shot(page, "recordings-differences", whole=True)
+    # elsewhere none of them is shown
+    page.keyboard.press("Home")
+    page.locator("#differences-rows tr[aria-current]").wait_for(state="detached")
+    close(page)
+
+
+def test_a_moment_before_the_first_recording_can_be_reached(
+    chromium: Any, served: Any, retried: Path, nominal: Path
+) -> None:
+    """The first grip of the second one is later, so that it begins earlier once they are aligned."""
+    page = opened(chromium, served(str(retried), str(nominal)))
+    page.click("#align")
+    page.focus("#scrub")
+    page.keyboard.press("Home")
+    comes(page, "Math.abs(at + 2) < 0.05")
+    shows(page, "other", "retried: nothing yet · nominal:")
+    close(page)
+
+
+def test_the_differences_in_one_file(chromium: Any, retried: Path, nominal: Path, tmp_path: Path) -> None:
+    page = opened(
+        chromium,
+        f"file://{reported(tmp_path, retried, nominal)}",
+        offline=True,
+        viewport={"width": 390, "height": 844},
+        color_scheme="dark",
+        has_touch=True,
+        device_scale_factor=2,
+    )
+    row_of(page, "RETRACTED").get_by_role("button").tap()
+    is_chosen(page, "RETRACTED")
+    shows(page, "other", "retried: GRIPPING · nominal: GRIPPED")
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    shot(page, "differences-phone")
+    assert len(page.asked) == 1
+    close(page)
+
+
+def test_two_recordings_without_a_difference(chromium: Any, retried: Path, tmp_path: Path) -> None:
+    page = opened(chromium, f"file://{reported(tmp_path, retried, retried)}")
+    shows(page, "differences-said", "No difference: both are counted from their first command")
+    assert not page.is_visible("#differences-table")
+    assert not page.is_visible("#differences-more")
+    close(page)
+    alone = opened(chromium, f"file://{reported(tmp_path, retried)}")
+    assert not alone.is_visible("#differences")
+    close(alone)
+
+
+def test_what_a_difference_says_is_text_and_a_long_list_is_cut(
+    chromium: Any, nominal: Path, tmp_path: Path
+) -> None:
+    read = read_recording(RecordingFiles(nominal))
+    alarms = tuple(AlarmRow(i / 100, BEGUN, f"{HOSTILE}{'x' * i}") for i in range(300))
+    noisy = replace(read.compared, tables=replace(read.compared.tables, alarms=alarms))
+    found = compare_recordings(read.compared, noisy)
+    (tmp_path / "two.html").write_text(report_html("two", [read.document] * 2, [], found))
+    page = opened(chromium, f"file://{tmp_path / 'two.html'}", viewport={"width": 390, "height": 844})
+    assert page.locator("#differences-rows tr").count() == 200
+    shows(page, "differences-more", "And 100 more differences.")
+    assert HOSTILE in page.locator("#differences-rows td:last-child").first.inner_text()
+    assert page.locator("main img").count() == 0
+    assert page.title() == "verdin_gripper"
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    assert page.locator("#differences-table").bounding_box()["height"] < 400, "it scrolls within itself"
+    close(page)
+
+
+def test_a_second_recording_that_was_cut_off_is_compared_as_far_as_it_goes(
+    chromium: Any, served: Any, retried: Path, nominal: Path, tmp_path: Path
+) -> None:
+    cut = Path(shutil.copytree(retried, tmp_path / "cut"))
+    for trace in cut.glob("*.mcap"):
+        trace.write_bytes(trace.read_bytes()[: trace.stat().st_size // 2])
+    page = opened(chromium, served(str(nominal), str(cut)))
+    shows(
+        page, "differences-said", "Not all of cut could be read: what is missing there differs, too.", READ_MS
+    )
     close(page)
 
 
@@ -416,4 +540,5 @@ def test_what_if_stands_below_the_recording(chromium: Any, served: Any, retried:
     page.fill("#what-if-text", "actuators.bottom_vacuum.timeout_s: 4")
     page.click("#what-if-play")
     page.wait_for_selector("#notes li:has-text('5.0 → 4.0')")
+    shows(page, "differences-said", "counted from their first command", READ_MS)
     close(page)

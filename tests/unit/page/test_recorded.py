@@ -46,7 +46,7 @@ def plain(content: object) -> Any:
 
 
 def read(path: Path, part: RecordingPart | None = None) -> Json:
-    found: Json = plain(read_recording(RecordingFiles(path), part))
+    found: Json = plain(read_recording(RecordingFiles(path), part).document)
     return found
 
 
@@ -175,7 +175,7 @@ def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> 
     place = data.index(b'"device_ms"', len(data) // 2)
     second.write_bytes(data[:place] + b'"Xevice_ms"' + data[place + 11 :])
     files = RecordingFiles(copy)
-    document = plain(read_recording(files))
+    document = plain(read_recording(files).document)
     notes = " ".join(document["recording"]["notes"])
     assert "grip-2.mcap is damaged: bytes in it were changed" in notes
     assert "(frame) cannot be read" in notes
@@ -414,7 +414,7 @@ def bag(path: Path) -> Path:
 def test_a_bag_is_shown_as_far_as_it_goes(tmp_path: Path, verdin: Description) -> None:
     source = bag(tmp_path / "lift.bag")
     (opened,) = open_recordings([source], Path(verdin.source))
-    document = plain(read_recording(opened))
+    document = plain(read_recording(opened).document)
     assert document["recording"]["name"] == "lift.bag"
     assert document["recording"]["notes"][0].startswith("There is no trace:")
     shown = moment(document, 2_500_000)
@@ -451,7 +451,7 @@ def test_a_bag_that_cannot_be_shown_says_what_it_takes(tmp_path: Path, verdin: D
 def test_a_recording_shown_with_another_tool_says_so(grip: Path, verdin: Description) -> None:
     other = verdin.model_copy(update={"sequence": verdin.sequence[:2]})
     files = RecordingFiles(grip, other)
-    notes = " ".join(plain(read_recording(files))["recording"]["notes"])
+    notes = " ".join(plain(read_recording(files).document)["recording"]["notes"])
     assert "It is shown with another description" in notes
     assert "it is not that of a tool with 2 actuators" in notes
     assert not files.whole
@@ -473,7 +473,7 @@ def test_records_that_make_no_sense_end_no_page(copy: Path, old: bytes, new: byt
     for path in copy.glob("*.mcap"):
         path.write_bytes(path.read_bytes().replace(old, new))
     files = RecordingFiles(copy)
-    document = plain(read_recording(files))
+    document = plain(read_recording(files).document)
     assert document["recording"]["notes"]
     assert document["times"]
     assert not judge_recording(files)["ok"]
@@ -488,7 +488,7 @@ def test_a_folder_without_a_trace_shows_its_switches(tmp_path: Path) -> None:
         recording.state(0, 6, -1, [0] * len(tool.sequence))
         for at, down in ((0, False), (400_000, False), (600_000, True), (800_000, True)):
             recording.values(at, {"down": down, pressure: -10_000 - at // 100})
-    document = plain(read_recording(RecordedTables(tmp_path, tool)))
+    document = plain(read_recording(RecordedTables(tmp_path, tool)).document)
     changes = [(each["at"], each["word"]) for each in document["changes"] if each["lane"] == "switch down"]
     assert changes == [(0, "off"), (600_000, "on: confirmed")]
     assert None not in next(column for column in document["samples"][1:] if any(column))

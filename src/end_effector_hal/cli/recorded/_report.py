@@ -18,7 +18,13 @@ from end_effector_hal.vocabulary import printable
 from ._recordings import open_recordings, part_of, recording_options, runs_in
 
 if TYPE_CHECKING:
-    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
+    from end_effector_hal.page.recorded import (
+        OtherFiles,
+        ReadRecording,
+        RecordedTables,
+        RecordingFiles,
+        RecordingPart,
+    )
 
 SUFFIXES = (".html", ".htm")
 MOST_RUNS, MOST_BYTES = 200, 64_000_000
@@ -106,16 +112,16 @@ def _read(
     place: str,
     *,
     shown: bool,
-) -> tuple[dict[str, Any], dict[str, Any], _Reported]:
-    """Its document and its verdict; raises ReportedError."""
+) -> tuple[ReadRecording, dict[str, Any], _Reported]:
+    """The recording and its verdict; raises ReportedError."""
     from end_effector_hal.page.recorded import judge_recording, read_recording
 
     with Progress(f"reading {name}{place}", shown=shown) as progress:
-        content = read_recording(files, part, lambda share: progress(f"reading {name}{place}, {share:.0%}"))
+        read = read_recording(files, part, lambda share: progress(f"reading {name}{place}, {share:.0%}"))
         progress(f"judging {name}{place}")
         verdict = judge_recording(files)
-    story, notes = content["summary"]["story"], content["recording"]["notes"]
-    return content, verdict, _Reported(name, story, verdict["ok"], verdict["text"], notes, files.whole)
+    story, notes = read.document["summary"]["story"], read.document["recording"]["notes"]
+    return read, verdict, _Reported(name, story, verdict["ok"], verdict["text"], notes, files.whole)
 
 
 def _one(
@@ -123,13 +129,18 @@ def _one(
 ) -> tuple[str, list[_Reported], str]:
     """A recording, or two that are compared: the file, what is told, and its name."""
     from end_effector_hal.page import report_html
+    from end_effector_hal.page.recorded import compare_recordings
 
-    contents, verdicts, told = zip(
+    reads, verdicts, told = zip(
         *(_read(each, part, each.name, "", shown=shown) for each in files), strict=True
     )
     title = " and ".join(each.name for each in files)
     stem = "-".join(each.path.resolve().stem for each in files)
-    return report_html(title, list(contents), list(verdicts)), list(told), stem
+    compared = [each.compared for each in reads]
+    with Progress("comparing", shown=shown):
+        differences = compare_recordings(*compared) if len(compared) == 2 else None
+    html = report_html(title, [each.document for each in reads], list(verdicts), differences)
+    return html, list(told), stem
 
 
 def _runs(
@@ -149,7 +160,8 @@ def _runs(
                 found = _Reported(name, f"Not read: {_FULL}", None, "", [], False)
             else:
                 files = open_recordings([run], description)[0]
-                content, verdict, found = _read(files, part, name, place, shown=shown)
+                read, verdict, found = _read(files, part, name, place, shown=shown)
+                content = read.document
                 kept[number] = report_data([content], [verdict])
                 recording = content["recording"]
                 row |= {

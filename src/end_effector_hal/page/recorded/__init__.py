@@ -4,7 +4,9 @@ The document has what is shown at every moment, so the browser scrubs it without
 and `eehal report` writes it into a file.
 """
 
-from ._document import RecordingPart, read_recording
+from ._compared import ComparedRecording
+from ._differences import compare_recordings
+from ._document import ReadRecording, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
 from ._judged import judge_recording

@@ -37,7 +37,7 @@ def answer(word: str, folder: Path, id_: str = "", description: str = "") -> byt
         files = RecordingFiles(path)
     else:
         files = RecordedTables(path, load_tool(description))
-    found = read_recording(files, progress=_tell) if word == "show" else judge_recording(files)
+    found = read_recording(files, progress=_tell).document if word == "show" else judge_recording(files)
     return to_json(found, fallback=dict)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Any
 
@@ -18,6 +18,7 @@ from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
 from end_effector_hal.verification.whatif import GUESS, GUESS_OVER
 
+from ._compared import ComparedRecording, TablesOfRecords
 from ._files import TOLD, RecordingFiles
 from ._other_files import OtherFiles
 from ._samples import Samples
@@ -47,12 +48,25 @@ class RecordingPart:
     until_s: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class ReadRecording:
+    """A recording that was read.
+
+    Attributes:
+        document: as JSON, for the browser.
+        compared: what another one is compared with.
+    """
+
+    document: dict[str, Any]
+    compared: ComparedRecording
+
+
 def read_recording(
     files: RecordingFiles | OtherFiles | RecordedTables,
     part: RecordingPart | None = None,
     progress: Progress = lambda _: None,
-) -> dict[str, Any]:
-    """Fold a recording into a document.
+) -> ReadRecording:
+    """Fold a recording into a document, and into tables.
 
     Args:
         files: the traces, or the tables.
@@ -80,6 +94,7 @@ class _Fold:
         self._samples = Samples(self._view.timeline.curves, files.begin, self._step_us)
         self._info = run_info(files.description)
         self._summary = Summary(files.description, self._info, files.begin)
+        self._tables = TablesOfRecords(files.description, files.begin, self._since, self._step_us)
         self._log: list[dict[str, Any]] = []
         self._edges: dict[str, int] = {}
         self._edge_list: list[dict[str, Any]] = []
@@ -89,7 +104,7 @@ class _Fold:
         self._runs: dict[str, str] = {}
         self._ended = ""
 
-    def run(self) -> dict[str, Any]:
+    def run(self) -> ReadRecording:
         at, due, moved = self._files.begin, self._since, False
         for count, entry in enumerate(self._files.entries()):
             if entry.at > at:
@@ -106,7 +121,8 @@ class _Fold:
         else:
             self._moment(at)
         self._samples.flush()
-        return self._document(min(at, self._until))
+        document = self._document(min(at, self._until))
+        return ReadRecording(document, self._compared(document["recording"]))
 
     def _full(self) -> bool:
         if self._ended:
@@ -143,6 +159,8 @@ class _Fold:
             if kind == "status":
                 self._check(record)
             view.take(program, kind, at, record, at)
+            if kind == "frame" and program == "grip":
+                self._tables.frame(at, record.values)
             if kind == "status":
                 view.take(program, PUBLISHED, at, Published(record.at, record, {}), at)
         except Exception as error:  # noqa: BLE001 what was damaged, or is of another version, ends no page
@@ -156,6 +174,7 @@ class _Fold:
         self._drain()
         if kind in ("status", PUBLISHED) and (status := view.status()) is not None:
             self._summary.status(status)
+            self._tables.status(status)
         return kind not in _READINGS
 
     def _check(self, status: Status) -> None:
@@ -260,6 +279,13 @@ class _Fold:
             "samples": self._samples.columns,
             "changes": self._changes,
         }
+
+    def _compared(self, recording: dict[str, Any]) -> ComparedRecording:
+        files = self._files
+        states = replace(self._summary.states, source=files.name)  # no path: the report may be mailed
+        tables = self._tables.tables(states, self._info)
+        part = recording["begin_s"], recording["end_s"]
+        return ComparedRecording(files.name, tables, *part, recording["step_s"], files.whole)
 
     def _guesses(self, end: int) -> list[list[float]]:
         """From when to when what is shown is a guess, s."""

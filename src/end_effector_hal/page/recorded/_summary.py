@@ -59,11 +59,15 @@ class Summary:
             if entry["kind"] == "alarm":
                 self._alarms.append(AlarmRow((entry["at"] - self._epoch) / 1e6, "begun", entry["text"]))
 
+    @property
+    def states(self) -> StatesLog:
+        """Those of the tool, a row for each change."""
+        return StatesLog(tuple(name for name, _ in self._description.ordered), tuple(self._rows))
+
     def as_json(self, proven: Verdict | None) -> dict[str, Any]:
         """The story in one sentence, and a row for each goal; times in seconds since time zero."""
         tool = self._description
-        names = tuple(name for name, _ in tool.ordered)
-        story = read_story(StatesLog(names, tuple(self._rows)), self._info, self._alarms)
+        story = read_story(self.states, self._info, self._alarms)
         bounds, goals = tool.durations, list[dict[str, Any]]()
         for grip in story.grips:
             failed = grip.decision is not GripDecision.GRIPPED

@@ -3,6 +3,7 @@ import { Cards } from "/static/cards.js";
 import { Log } from "/static/log.js";
 import { TimeLine } from "/static/timeline.js";
 import { Automata } from "/static/automata.js";
+import { Differences } from "/static/differences.js";
 import { identity, interlocks, lateness, overview, showEvent, spans } from "/static/panels.js";
 import { byId, make, put } from "/static/dom.js";
 
@@ -102,6 +103,7 @@ class Player {
     this.begin = this.main.begin;
     this.end = Math.max(...recordings.map((each) => each.end));
     const open = (entry, at) => this.open(entry, at);
+    byId("second").hidden = recordings.length < 2; // what is hidden has no width to be drawn in
     this.lines = recordings.map((each, index) => new TimeLine(byId(index ? "second" : "timeline"), each.drawn, index ? (entry, at) => this.openOther(entry, at) : open));
     recordings.forEach((each, index) => {
       const [times, ...columns] = each.content.samples;
@@ -151,24 +153,32 @@ class Player {
     document.addEventListener("keydown", (event) => this.key(event));
     for (const row of document.querySelectorAll("[data-at]")) row.addEventListener("click", () => this.goTo(Number(row.dataset.at) + Number(row.dataset.which) * this.shift));
     if (this.recordings.length < 2) return;
-    byId("compare").hidden = byId("first-name").hidden = byId("second-name").hidden = byId("second").hidden = false;
+    byId("compare").hidden = byId("first-name").hidden = byId("second-name").hidden = false;
     put("first-name", this.main.content.recording.name);
     const { name, guesses } = this.recordings[1].content.recording;
     put("second-name", `${name}${guesses.length ? " (hatched, from a red line on: a guess)" : ""}`);
     byId("shown").replaceChildren(...this.recordings.map((each, index) => make("option", { value: index, textContent: each.content.recording.name })));
     byId("shown").onchange = (event) => this.show(Number(event.target.value));
     byId("shift").oninput = (event) => this.shiftTo(Number(event.target.value) || 0);
+    this.differences = new Differences((each) => this.openDifference(each));
     byId("align").onclick = () => {
       const [first, second] = this.recordings.map((each) => each.firstGrip());
       if (first === null || second === null) return;
-      byId("shift").value = (first - second).toFixed(3);
-      this.shiftTo(first - second);
+      this.align(first - second);
     };
   }
 
+  align(seconds) {
+    byId("shift").value = seconds.toFixed(3);
+    this.shiftTo(seconds);
+  }
+
   shiftTo(seconds) {
+    const other = this.recordings[1];
     this.shift = seconds;
-    this.end = Math.max(this.main.end, this.recordings[1].end + seconds);
+    this.begin = Math.min(this.main.begin, other.begin + seconds);
+    this.end = Math.max(this.main.end, other.end + seconds);
+    byId("scrub").min = this.begin;
     byId("scrub").max = this.end;
     this.look(true);
     this.dirty = true;
@@ -205,6 +215,14 @@ class Player {
     showEvent(entry, other.epoch);
   }
 
+  // The moment of a difference in both of them, under each other.
+  openDifference({ first_s: first, second_s: second, shift_s: shift }) {
+    this.play(false);
+    this.align(shift);
+    this.goTo(first ?? second + shift);
+    this.toAddress();
+  }
+
   play(on) {
     if (on && this.at >= this.end) this.at = this.begin;
     this.playing = on;
@@ -218,6 +236,7 @@ class Player {
     this.at = Math.min(this.end, Math.max(this.begin, at));
     this.selected = selected;
     if (!selected) byId("event").hidden = true;
+    this.differences?.choose(null);
     this.dirty = true;
   }
 
@@ -365,7 +384,8 @@ async function fromProcess() {
   for (let number = 0; number < count; number += 1) {
     contents.push(await asked(`recording/${number}`, (said) => put("news", said.progress === null ? "Reading the recording …" : `Reading the recording: ${Math.round(said.progress * 100)} %`)));
   }
-  ready(contents);
+  const { differences } = ready(contents);
+  if (differences) asked("differences", () => {}).catch((error) => ({ said: error.message, rows: [], more: "" })).then((found) => differences.show(found));
   const verdicts = contents.map(() => null);
   judged(verdicts);
   for (let number = 0; number < count; number += 1) {
@@ -410,8 +430,9 @@ function whatIf() {
 }
 
 function fromFile(text) {
-  const { contents, verdicts } = JSON.parse(text);
-  ready(contents);
+  const { contents, verdicts, differences } = JSON.parse(text);
+  const player = ready(contents);
+  if (differences) player.differences.show(differences);
   judged(verdicts);
   verdicts.forEach((verdict, index) => judgedInFull(verdict, contents.length > 1, contents[index].recording.name));
 }

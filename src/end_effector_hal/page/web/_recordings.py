@@ -15,10 +15,12 @@ from starlette.types import ASGIApp
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.page._html import page_html
 from end_effector_hal.page.recorded import (
+    ComparedRecording,
     OtherFiles,
     RecordedTables,
     RecordingFiles,
     RecordingPart,
+    compare_recordings,
     judge_recording,
     read_recording,
 )
@@ -34,11 +36,15 @@ class ServedRecording:
     Args:
         files: its traces.
         part: what of it is shown.
+
+    Attributes:
+        compared: what another one is compared with; None: it has not been read, or cannot be.
     """
 
     def __init__(self, files: RecordingFiles | OtherFiles | RecordedTables, part: RecordingPart) -> None:
         self._files, self._part = files, part
         self.progress = 0.0
+        self.compared: ComparedRecording | None = None
         self._again = False
         self._read: asyncio.Task[bytes] | None = None
         self._judged: asyncio.Task[bytes] | None = None
@@ -105,7 +111,9 @@ class ServedRecording:
     def _make(self) -> bytes:
         if self._again:
             self._files = self._files.again()
-        return to_json(read_recording(self._files, self._part, self._note), fallback=dict)
+        read = read_recording(self._files, self._part, self._note)
+        self.compared = read.compared
+        return to_json(read.document, fallback=dict)
 
     async def _judge(self, first: asyncio.Task[bytes]) -> bytes:
         await asyncio.wait([first])
@@ -113,6 +121,31 @@ class ServedRecording:
 
     def _note(self, progress: float) -> None:
         self.progress = progress
+
+
+class ServedDifferences:
+    """What differs between two recordings: found in a thread when it is asked for, again when one is read again."""
+
+    def __init__(self) -> None:
+        self._of: tuple[asyncio.Task[bytes], ...] = ()
+        self._found: asyncio.Task[bytes] | None = None
+
+    def of(self, first: ServedRecording, second: ServedRecording) -> asyncio.Task[bytes]:
+        """The differences as JSON; the task raises ReportedError when one of the two cannot be read."""
+        documents = first.document(), second.document()
+        if self._found is None or documents != self._of:
+            self._of, self._found = documents, asyncio.create_task(self._find(documents, first, second))
+        return self._found
+
+    async def _find(
+        self, documents: tuple[asyncio.Task[bytes], ...], first: ServedRecording, second: ServedRecording
+    ) -> bytes:
+        for each in documents:
+            await asyncio.wait([each])
+            each.result()
+        assert first.compared is not None
+        assert second.compared is not None
+        return to_json(await asyncio.to_thread(compare_recordings, first.compared, second.compared))
 
 
 def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecording]) -> ASGIApp:
@@ -123,6 +156,7 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
         recordings: one, or two to compare.
     """
     shown = list(recordings)
+    served = ServedDifferences()
 
     async def page(_: Request) -> Response:
         for each in shown:
@@ -171,9 +205,16 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
         asked = {str(number): each for number, each in enumerate(shown)}.get(request.path_params["number"])
         if asked is None:
             return PlainTextResponse("There is no such recording.\n", 404)
-        task = asked.verdict() if verdict else asked.document()
+        return _said(asked.verdict() if verdict else asked.document(), asked.progress)
+
+    async def differences(_: Request) -> Response:
+        if len(shown) != 2:
+            return PlainTextResponse("There is one recording here: nothing is compared.\n", 404)
+        return _said(served.of(*shown), None)
+
+    def _said(task: asyncio.Task[bytes], progress: float | None) -> Response:
         if not task.done():
-            return JSONResponse({"progress": asked.progress}, 202)
+            return JSONResponse({"progress": progress}, 202)
         try:
             return Response(task.result(), media_type="application/json")
         except ReportedError as error:
@@ -184,6 +225,7 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
         Route("/static/{name}", static_route),
         Route("/recordings", overview),
         Route("/what-if", what_if, methods=["POST"]),
+        Route("/differences", differences),
         Route("/recording/{number}", document),
         Route("/recording/{number}/verdict", verdict),
     ]

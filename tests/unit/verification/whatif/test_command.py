@@ -104,7 +104,7 @@ def test_the_page_shows_it_beside_the_recording(gripped_twice: Path) -> None:
     other = OtherFiles(
         files, changed_description("actuators.bottom_vacuum.timeout_s: 0.25", files.description)
     )
-    document, recorded = read_recording(other), read_recording(files)
+    document, recorded = read_recording(other).document, read_recording(files).document
     told = document["recording"]
     assert (told["name"], told["what_if"], recorded["recording"]["what_if"]) == ("what if", True, False)
     assert told["guesses"] == [[1.25, 10.2], [11.25, 14.2]]

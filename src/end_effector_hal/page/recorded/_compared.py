@@ -1,0 +1,110 @@
+"""What of a recording is compared with another one: its tables, made of the same records as its document."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description, measures_of
+from end_effector_hal.page.view import FRESH_US, Curve
+from end_effector_hal.recording import (
+    BEGUN,
+    ENDED,
+    KPA,
+    AlarmRow,
+    ChangerRow,
+    PressuresLog,
+    RunInfo,
+    RunTables,
+    StatesLog,
+    pressure_channels,
+)
+
+from ._samples import Samples
+
+DECIMALS = 2
+SCALE = 100.0
+"""Of a channel, in its unit: a hundredth of it is a spike."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedRecording:
+    """One of two recordings that are compared.
+
+    Attributes:
+        name: of the recording.
+        tables: seconds since its beginning; they may hold no row.
+        since_s, until_s: the part of it that is shown.
+        step_s: so far apart its pressures are.
+        whole: all of it could be read.
+    """
+
+    name: str
+    tables: RunTables
+    since_s: float
+    until_s: float
+    step_s: float
+    whole: bool
+
+
+class TablesOfRecords:
+    """Collects what `Summary` does not keep: alarms, the tool changer, pressures.
+
+    Args:
+        description: the tool.
+        epoch: time zero, µs.
+        since: from when on pressures are kept, µs.
+        step_us: so far apart.
+    """
+
+    def __init__(self, description: Description, epoch: int, since: int, step_us: int) -> None:
+        self._epoch, self._since = epoch, since
+        self._fitted = description.tool_changer is not None
+        self._channels = pressure_channels(description)
+        measures = measures_of(description)
+        self._units = {name: measures[name].unit for name in self._channels if measures[name].unit != KPA}
+        curves = [Curve(name, name, name, KPA, decimals=DECIMALS, most=SCALE) for name in self._channels]
+        self._samples = Samples(curves, epoch, step_us)
+        self._values: dict[str, tuple[int, Any]] = {}
+        self._standing: tuple[str, ...] = ()
+        self._alarms: list[AlarmRow] = []
+        self._changer: list[ChangerRow] = []
+
+    def status(self, status: Status) -> None:
+        """A status of the whole tool."""
+        at_s = (status.at - self._epoch) / 1e6
+        if status.alarms != self._standing:
+            ended = [text for text in self._standing if text not in status.alarms]
+            begun = [text for text in status.alarms if text not in self._standing]
+            self._alarms += [AlarmRow(at_s, ENDED, text) for text in ended]
+            self._alarms += [AlarmRow(at_s, BEGUN, text) for text in begun]
+            self._standing = status.alarms
+        if self._fitted and (not self._changer or self._changer[-1].state != status.changer):
+            self._changer.append(ChangerRow(at_s, status.changer))
+
+    def frame(self, at: int, values: Mapping[str, Any]) -> None:
+        """One frame of the sensors."""
+        self._values |= {name: (at, values[name]) for name in self._channels if name in values}
+        if at < self._since or not self._values:
+            return
+        row: list[Any] = [at]
+        for name in self._channels:
+            came_at, value = self._values.get(name, (at, None))
+            row.append(None if value is None or at - came_at > FRESH_US else value / 1000)
+        self._samples.take(row)
+
+    def tables(self, states: StatesLog, info: RunInfo) -> RunTables:
+        """All of them, when every record was given."""
+        self._samples.flush()
+        times, *columns = self._samples.columns
+        recorded = {
+            name: column
+            for name, column in zip(self._channels, columns, strict=True)
+            if any(value is not None for value in column)
+        }
+        rows = zip(times, zip(*recorded.values(), strict=True), strict=True) if recorded else ()
+        samples = tuple((at_ms / 1000, values) for at_ms, values in rows)
+        pressures = PressuresLog(tuple(recorded), samples, units=self._units)
+        return RunTables(states, info, pressures, tuple(self._changer), tuple(self._alarms))

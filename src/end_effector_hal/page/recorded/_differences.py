@@ -1,0 +1,107 @@
+"""What differs between the two recordings of a page, as `eehal compare` says it, and where each difference leads to."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import Any
+
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import RunDifference, Tolerances, compare_runs, count_differences
+from end_effector_hal.vocabulary import display_name, printable
+
+from ._compared import ComparedRecording
+
+MOST_DIFFERENCES = 200
+"""So many are listed."""
+LONGEST = 300
+"""Letters of one."""
+
+
+def compare_recordings(first: ComparedRecording, second: ComparedRecording) -> dict[str, Any]:
+    """The differences as JSON, ``{said, rows, more}``; nothing in a recording can make this fail.
+
+    ``said`` is how many there are, or why nothing is compared; ``rows`` are the first `MOST_DIFFERENCES`: ``first_s``,
+    ``second_s`` (seconds since the beginning of each; None: it is not in that one), ``lane`` and ``what`` in words, and
+    ``shift_s``: by how much the second recording is moved so that this moment of both is at one place (None: the
+    difference has no time). ``more`` is a sentence on those that are not listed, or empty.
+    """
+    for each in (first, second):
+        if not each.tables.log.rows:
+            return _refused(f"{each.name} holds no state that can be read.")
+    usual = Tolerances()
+    # a value within a step may be drawn a step from where it was, in each of the two
+    within = Tolerances(max(usual.seconds, 2 * max(first.step_s, second.step_s)), usual.kpa)
+    try:
+        found = compare_runs(first.tables, second.tables, within)
+    except ReportedError as error:
+        return _refused(str(error))
+    start_s = first.tables.first_command_s - second.tables.first_command_s
+    found = [each for each in found if _is_shown(each, first, second)]
+    places = _Places(found, start_s)
+    listed, more = found[:MOST_DIFFERENCES], len(found) - MOST_DIFFERENCES
+    return {
+        "said": _said(found, within, [each.name for each in (first, second) if not each.whole]),
+        "rows": [_row(each, places.shift_s(each)) for each in listed],
+        "more": f"And {count_differences(more).replace(' ', ' more ')}." if more > 0 else "",
+    }
+
+
+class _Places:
+    """Where the second recording stands beside the first one, moment by moment.
+
+    A difference that is in one of them only is seen beside what the other one did then: the second one is moved as at
+    the last difference before it that is in both.
+    """
+
+    def __init__(self, found: Sequence[RunDifference], start_s: float) -> None:
+        self._start_s = start_s
+        both = [
+            (each.first_s, each.second_s)
+            for each in found
+            if each.first_s is not None and each.second_s is not None
+        ]
+        self._sides = [sorted((pair[side], pair[0] - pair[1]) for pair in both) for side in (0, 1)]
+
+    def shift_s(self, each: RunDifference) -> float | None:
+        if each.first_s is not None and each.second_s is not None:
+            return each.first_s - each.second_s
+        own_s = each.second_s if each.first_s is None else each.first_s
+        if own_s is None:
+            return None
+        side = self._sides[each.first_s is None]
+        index = bisect_right(side, own_s, key=lambda place: place[0])
+        return side[index - 1][1] if index else self._start_s
+
+
+def _is_shown(each: RunDifference, first: ComparedRecording, second: ComparedRecording) -> bool:
+    """What has no time is; else the page can go there."""
+    times = [(at, run) for at, run in ((each.first_s, first), (each.second_s, second)) if at is not None]
+    return not times or any(run.since_s <= at <= run.until_s for at, run in times)
+
+
+def _row(each: RunDifference, shift_s: float | None) -> dict[str, Any]:
+    return {
+        "first_s": _rounded(each.first_s),
+        "second_s": _rounded(each.second_s),
+        "lane": printable(display_name(each.line)),
+        "what": printable(each.text, LONGEST),
+        "shift_s": _rounded(shift_s),
+    }
+
+
+def _rounded(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds, 6)
+
+
+def _said(found: Sequence[RunDifference], within: Tolerances, parts: Sequence[str]) -> str:
+    count = count_differences(len(found)).capitalize()
+    same = f"what is within {within.seconds:g} s and {within.kpa:g} kPa (gauge) of the other one is the same"
+    said = f"{count}: both are counted from their first command, and {same}."
+    if parts:
+        said += f" Not all of {' and '.join(dict.fromkeys(parts))} could be read: what is missing there differs, too."
+    return printable(said, LONGEST * 2)
+
+
+def _refused(why: str) -> dict[str, Any]:
+    return {"said": printable(f"They cannot be compared. {why}"), "rows": [], "more": ""}
