@@ -227,17 +227,7 @@ class Controller:
 
     def advance(self, at: int) -> list[Status]:
         """Everything that is due at or before ``at``."""
-        at = self._until(at)
-        statuses: list[Status] = []
-        while (due := self.deadline) is not None and due <= at:
-            # what is late is taken now, and told as late: nobody may see a time at which nothing happened
-            self._at = at
-            statuses += self._look(at)[0]
-            if self._adopt_by is not None and at >= self._adopt_by:
-                statuses += self._adopt(at)
-            statuses += self._told(self._execution.advance(at)) or [self.status()]
-        self._at = at
-        return statuses
+        return self._advance(self._until(at))[0]
 
     def look_ahead(self) -> Iterator[object]:
         """Work out beforehand what whatever comes next leads to, a little with each item; nothing is changed by it."""
@@ -283,11 +273,27 @@ class Controller:
         # what arrives late, with an older stamp, counts as arriving now
         return max(at, self._at)
 
+    def _advance(self, at: int) -> tuple[list[Status], int | None]:
+        """The same, and µs of what is due next; ``at`` is not before the latest time that it was told."""
+        statuses: list[Status] = []
+        while (due := self.deadline) is not None and due <= at:
+            # what is late is taken now, and told as late: nobody may see a time at which nothing happened
+            self._at = at
+            statuses += self._look(at)[0]
+            if self._adopt_by is not None and at >= self._adopt_by:
+                statuses += self._adopt(at)
+            statuses += self._told(self._execution.advance(at)) or [self.status()]
+        self._at = at
+        return statuses, due
+
     def _due_before(self, at: int) -> list[Status]:
         # inputs stamped at or before a deadline go before that time-out, but not before a reading turns stale
-        statuses = self.advance(at - 1)
+        again = self._at == at
+        statuses, due = self._advance(max(at - 1, self._at))
         self._at = at
-        if (due := self._senses.deadline(at - 1)) is not None and due <= at:
+        if not again and (due is None or due > at):
+            return statuses
+        if (stale := self._senses.deadline(at - 1)) is not None and stale <= at:
             found, news = self._look(at)
             statuses += found if found or not news else [self.status()]
         return statuses

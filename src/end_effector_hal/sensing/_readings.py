@@ -116,11 +116,10 @@ class Readings:
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """The value of a channel at a time in µs, or None: not carried, never read, or stale."""
-        if channel is None or channel not in self._values:
+        if channel is None or (then := self._at.get(channel)) is None:
             return None
-        if at - self._at[channel] >= self.stale_after_us(channel):
-            return None
-        return self._values[channel]
+        # without another call: each frame is asked for a dozen of them
+        return self._values[channel] if at - then < self._stale_us.get(channel, self.stale_us) else None
 
     def sent_invalid(self, channel: str, at: int) -> bool:
         """Whether frames with a channel come, and bring no valid value: its device lives, and has no reading of it."""
