@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -152,6 +153,13 @@ class System:
         for name, client in self._clients.items():
             assert client.wait_for_server(PATIENCE_S), name
         self.wait_for(state)
+        wait_until("the readings of a second", self._has_heard_a_second)
+
+    def _has_heard_a_second(self) -> bool:
+        """While ten processes start, the machine stands still now and then, and a grip is refused (IL-07)."""
+        before = len(self.states) - 1
+        time.sleep(1.0)
+        return not any(state.stale for state in self.states[before:])
 
     def close(self) -> None:
         self.executor.shutdown()
