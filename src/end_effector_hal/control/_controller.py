@@ -126,7 +126,8 @@ class Controller:
             statuses += self._adopt(self._at)
         told |= self._senses.now.nothing_gripped is not released
         if seen < self._at and (due := self._senses.deadline(seen)) is not None and due <= self._at:
-            statuses += self._look(self._at)[0]  # due since the frame came: nobody asks for it any more
+            # it turned stale between the frame and now: `deadline` says only what comes after now
+            statuses += self._look(self._at)[0]
             told = True
         return statuses if statuses or not (events or told) else [self.status()]
 
@@ -274,7 +275,7 @@ class Controller:
         return max(at, self._at)
 
     def _advance(self, at: int) -> tuple[list[Status], int | None]:
-        """The same, and µs of what is due next; ``at`` is not before the latest time that it was told."""
+        """As `advance`, for an ``at`` that is not before `Controller.at`; also returns µs of what is due next."""
         statuses: list[Status] = []
         while (due := self.deadline) is not None and due <= at:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
@@ -288,10 +289,10 @@ class Controller:
 
     def _due_before(self, at: int) -> list[Status]:
         # inputs stamped at or before a deadline go before that time-out, but not before a reading turns stale
-        again = self._at == at
+        same_instant = self._at == at
         statuses, due = self._advance(max(at - 1, self._at))
         self._at = at
-        if not again and (due is None or due > at):
+        if not same_instant and (due is None or due > at):
             return statuses
         if (stale := self._senses.deadline(at - 1)) is not None and stale <= at:
             found, news = self._look(at)

@@ -27,7 +27,6 @@ from .story import (
 )
 from .tables import (
     BEGUN,
-    ENDED,
     KPA,
     AlarmRow,
     AlarmsWriter,
@@ -40,6 +39,7 @@ from .tables import (
     StatesWriter,
     SwitchesLog,
     SwitchesWriter,
+    changed_alarms,
     read_alarms,
     read_changer,
     read_pressures,
@@ -51,7 +51,6 @@ from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 __all__ = [
     "BEGUN",
     "COUNTEREXAMPLE",
-    "ENDED",
     "KPA",
     "MODEL_RUN",
     "AlarmRow",
@@ -84,6 +83,7 @@ __all__ = [
     "TraceWriter",
     "Watched",
     "append_whole",
+    "changed_alarms",
     "check_replaceable",
     "compare_runs",
     "content_hash",

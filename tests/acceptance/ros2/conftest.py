@@ -156,7 +156,7 @@ class System:
         wait_until("the readings of a second", self._has_heard_a_second)
 
     def _has_heard_a_second(self) -> bool:
-        """While ten processes start, the machine stands still now and then, and a grip is refused (IL-07)."""
+        """No reading was stale: while many processes start, one is now and then, and a grip is refused (IL-07)."""
         before = len(self.states) - 1
         time.sleep(1.0)
         return not any(state.stale for state in self.states[before:])

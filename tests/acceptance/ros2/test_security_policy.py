@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,10 @@ def seen(system: Any, program: str) -> Any:
     return found
 
 
+def is_seen(system: Any, program: str, allowed: Any) -> bool:
+    return bool(seen(system, program) == allowed)
+
+
 def test_the_graph_is_the_policy(system: Any, tmp_path: Path) -> None:
     policy = read_policy(security_policy(system.world.description, "five" if system.five else "one"))
     others = {"data_logger": DATA_LOGGER, "supervisor": SUPERVISOR}
@@ -32,7 +37,7 @@ def test_the_graph_is_the_policy(system: Any, tmp_path: Path) -> None:
     for program in (*system.programs, *others):
         allowed = policy[f"/{system.world.description.name}/{program}"].served()
         with suppress(AssertionError):  # a node is on the graph before all that it does is
-            system.until("all of it on the graph", lambda of=(program, allowed): seen(system, of[0]) == of[1])
+            system.until("all of it on the graph", partial(is_seen, system, program, allowed))
         assert seen(system, program) == allowed, program
     for child in started:
         child.end()

@@ -19,8 +19,8 @@ from ._recordings import open_recordings, part_of, recording_options, runs_in
 
 if TYPE_CHECKING:
     from end_effector_hal.page.recorded import (
+        FoldedRecording,
         OtherFiles,
-        ReadRecording,
         RecordedTables,
         RecordingFiles,
         RecordingPart,
@@ -112,7 +112,7 @@ def _read(
     place: str,
     *,
     shown: bool,
-) -> tuple[ReadRecording, dict[str, Any], _Reported]:
+) -> tuple[FoldedRecording, dict[str, Any], _Reported]:
     """The recording and its verdict; raises ReportedError."""
     from end_effector_hal.page.recorded import judge_recording, read_recording
 

@@ -6,7 +6,7 @@ and `eehal report` writes it into a file.
 
 from ._compared import ComparedRecording
 from ._differences import compare_recordings
-from ._document import ReadRecording, RecordingPart, read_recording
+from ._document import FoldedRecording, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
 from ._judged import judge_recording

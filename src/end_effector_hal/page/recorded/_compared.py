@@ -10,8 +10,6 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, measures_of
 from end_effector_hal.page.view import FRESH_US, Curve
 from end_effector_hal.recording import (
-    BEGUN,
-    ENDED,
     KPA,
     AlarmRow,
     ChangerRow,
@@ -19,6 +17,7 @@ from end_effector_hal.recording import (
     RunInfo,
     RunTables,
     StatesLog,
+    changed_alarms,
     pressure_channels,
 )
 
@@ -26,7 +25,7 @@ from ._samples import Samples
 
 DECIMALS = 2
 SCALE = 100.0
-"""Of a channel, in its unit: a hundredth of it is a spike."""
+"""In the unit of the channel: between two samples, what moves by a hundredth of this is kept as a spike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +48,8 @@ class ComparedRecording:
     whole: bool
 
 
-class TablesOfRecords:
-    """Collects what `Summary` does not keep: alarms, the tool changer, pressures.
+class TablesBuilder:
+    """Builds the tables of alarms, the tool changer and pressures, record by record; the states come from `Summary`.
 
     Args:
         description: the tool.
@@ -75,12 +74,8 @@ class TablesOfRecords:
     def status(self, status: Status) -> None:
         """A status of the whole tool."""
         at_s = (status.at - self._epoch) / 1e6
-        if status.alarms != self._standing:
-            ended = [text for text in self._standing if text not in status.alarms]
-            begun = [text for text in status.alarms if text not in self._standing]
-            self._alarms += [AlarmRow(at_s, ENDED, text) for text in ended]
-            self._alarms += [AlarmRow(at_s, BEGUN, text) for text in begun]
-            self._standing = status.alarms
+        self._alarms += changed_alarms(at_s, self._standing, status.alarms)
+        self._standing = status.alarms
         if self._fitted and (not self._changer or self._changer[-1].state != status.changer):
             self._changer.append(ChangerRow(at_s, status.changer))
 

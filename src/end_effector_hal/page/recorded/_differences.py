@@ -15,7 +15,7 @@ from ._compared import ComparedRecording
 MOST_DIFFERENCES = 200
 """So many are listed."""
 LONGEST = 300
-"""Letters of one."""
+"""Letters of one text."""
 
 
 def compare_recordings(first: ComparedRecording, second: ComparedRecording) -> dict[str, Any]:

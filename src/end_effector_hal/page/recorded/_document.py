@@ -18,7 +18,7 @@ from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
 from end_effector_hal.verification.whatif import GUESS, GUESS_OVER
 
-from ._compared import ComparedRecording, TablesOfRecords
+from ._compared import ComparedRecording, TablesBuilder
 from ._files import TOLD, RecordingFiles
 from ._other_files import OtherFiles
 from ._samples import Samples
@@ -49,7 +49,7 @@ class RecordingPart:
 
 
 @dataclass(frozen=True, slots=True)
-class ReadRecording:
+class FoldedRecording:
     """A recording that was read.
 
     Attributes:
@@ -65,7 +65,7 @@ def read_recording(
     files: RecordingFiles | OtherFiles | RecordedTables,
     part: RecordingPart | None = None,
     progress: Progress = lambda _: None,
-) -> ReadRecording:
+) -> FoldedRecording:
     """Fold a recording into a document, and into tables.
 
     Args:
@@ -94,7 +94,7 @@ class _Fold:
         self._samples = Samples(self._view.timeline.curves, files.begin, self._step_us)
         self._info = run_info(files.description)
         self._summary = Summary(files.description, self._info, files.begin)
-        self._tables = TablesOfRecords(files.description, files.begin, self._since, self._step_us)
+        self._tables = TablesBuilder(files.description, files.begin, self._since, self._step_us)
         self._log: list[dict[str, Any]] = []
         self._edges: dict[str, int] = {}
         self._edge_list: list[dict[str, Any]] = []
@@ -104,7 +104,7 @@ class _Fold:
         self._runs: dict[str, str] = {}
         self._ended = ""
 
-    def run(self) -> ReadRecording:
+    def run(self) -> FoldedRecording:
         at, due, moved = self._files.begin, self._since, False
         for count, entry in enumerate(self._files.entries()):
             if entry.at > at:
@@ -122,7 +122,7 @@ class _Fold:
             self._moment(at)
         self._samples.flush()
         document = self._document(min(at, self._until))
-        return ReadRecording(document, self._compared(document["recording"]))
+        return FoldedRecording(document, self._compared(document["recording"]))
 
     def _full(self) -> bool:
         if self._ended:

@@ -8,6 +8,7 @@ from typing import Any
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.recording import (
+    BEGUN,
     AlarmRow,
     GripDecision,
     ReleaseCause,
@@ -57,7 +58,7 @@ class Summary:
         """Entries of the log, of which the alarms count."""
         for entry in entries:
             if entry["kind"] == "alarm":
-                self._alarms.append(AlarmRow((entry["at"] - self._epoch) / 1e6, "begun", entry["text"]))
+                self._alarms.append(AlarmRow((entry["at"] - self._epoch) / 1e6, BEGUN, entry["text"]))
 
     @property
     def states(self) -> StatesLog:

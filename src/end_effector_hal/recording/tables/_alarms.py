@@ -30,6 +30,12 @@ class AlarmRow:
         return self.text.split(":")[0].split(" (")[0].rstrip(".")
 
 
+def changed_alarms(time_s: float, before: Sequence[str], now: Sequence[str]) -> list[AlarmRow]:
+    """What has ended, then what has begun."""
+    rows = [AlarmRow(time_s, ENDED, text) for text in before if text not in now]
+    return rows + [AlarmRow(time_s, BEGUN, text) for text in now if text not in before]
+
+
 class AlarmsWriter(TableWriter):
     """Writes what is new in the alarms of a state; safe to use from several threads.
 
@@ -49,22 +55,16 @@ class AlarmsWriter(TableWriter):
             ReportedError: that cannot be written; it is written with the next call that can.
         """
         with self._lock:
-            rows = [(ENDED, text) for text in self._shown if text not in alarms]
-            rows += [(BEGUN, text) for text in alarms if text not in self._shown]
             self._last_s = max(time_s, self._last_s)
+            rows = changed_alarms(self._last_s, self._shown, alarms)
             if not rows:
                 return False
-            self._file.append("".join(self._text(event, text) for event, text in rows))
+            self._file.append("".join(map(_text, rows)))
             self._shown = tuple(alarms)
         return True
 
     def _opening(self) -> str:
-        return "".join(self._text(BEGUN, text) for text in self._shown)
-
-    def _text(self, event: str, text: str) -> str:
-        line = io.StringIO()
-        csv.writer(line, lineterminator="\n").writerow((f"{self._last_s:.6f}", event, " ".join(text.split())))
-        return line.getvalue()
+        return "".join(map(_text, changed_alarms(self._last_s, (), self._shown)))
 
 
 def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
@@ -94,3 +94,11 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
             rows.append(row)
         (standing.add if event == BEGUN else standing.discard)(text)
     return tuple(rows)
+
+
+def _text(row: AlarmRow) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(
+        (f"{row.time_s:.6f}", row.event, " ".join(row.text.split()))
+    )
+    return line.getvalue()
