@@ -10,6 +10,7 @@ from ._error_text import error_text, sendable
 from ._reload import fixed_by_arbiter, reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
 from .arbiter import (
+    SENSOR_FAULT,
     PredicatePublisher,
     arbiter_policy,
     connect_arbiter,
@@ -42,6 +43,7 @@ from .tool import (
 )
 
 __all__ = [
+    "SENSOR_FAULT",
     "WORDS",
     "ChangerProgram",
     "EndEffector",

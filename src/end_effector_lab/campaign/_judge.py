@@ -29,7 +29,16 @@ from __future__ import annotations
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, ChangerState, Command, EndEffectorState, to_us
+from end_effector_hal.runtime import SENSOR_FAULT
+from end_effector_hal.vocabulary import (
+    LEASE_US,
+    SETTLE_US,
+    ChangerFault,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    to_us,
+)
 from end_effector_lab.matrix import Switching, switchings
 from end_effector_lab.virtual import Edge, VirtualTool
 
@@ -78,6 +87,7 @@ class Judge:
         self._let_go: dict[str, int] = {}
         self._latched: set[str] = set()
         self._sensor_fault = False
+        self._changer_is_reset = False
 
     # What happens to the tool
 
@@ -88,7 +98,9 @@ class Judge:
     def commanded(self, name: str, answer: Answer, at: int) -> None:
         """A command was given at ``at`` µs, and answered."""
         if name == "reset":  # one that is refused clears all but the faults that persist
-            self._latched, self._sensor_fault = set(self._tool.latched), False
+            self._latched = set(self._tool.latched)
+            if answer.accepted or (answer.decided and "tool_change" not in self._tool.living):
+                self._sensor_fault, self._changer_is_reset = False, True
         if not answer.accepted:
             if not answer.reason:
                 self._object("refusals", f"{name} was refused without a reason")
@@ -341,7 +353,8 @@ class Judge:
             self._held = True
             if ee == GRIPPED and status.at == tool.at and self._reality.is_known:
                 for name in self._sequence:
-                    if self._reality.lasts(f"gone {name}", FRAMES_US):  # what was lost since was not read yet
+                    # what was lost since was not read yet
+                    if self._reality.lasts(f"gone {name}", FRAMES_US) and not self._reality.closes(name):
                         self._object("evidence", f"GRIPPED, and {name} does not grip")
         released = before is not None and before.ee == RELEASING and ee == STAND_BY
         if released and status.at == tool.at and self._reality.is_known:
@@ -367,7 +380,10 @@ class Judge:
 
     def _still_latched(self) -> None:
         tool, latched = self._tool, set(self._tool.latched)
-        if gone := self._latched - latched:
+        if tool.changes[-1].changer_fault == ChangerFault.SENSOR:
+            self._changer_is_reset = False
+        gone = self._latched - latched - ({SENSOR_FAULT} if self._changer_is_reset else set())
+        if gone:
             self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
         self._latched = latched
         self._sensor_fault = self._sensor_fault or self._reality.lasts("sensor fault")

@@ -32,6 +32,7 @@ class Reality:
         self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
         self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
         self._has_wires = any(channel.digital for channel in description.channels.values())
+        self._has_gripped = set[str]()
         self._lied_at = self._silent_at = -SEEN_US
         # it has been at rest for a while
         self._since = {what: tool.at - SEEN_US for what, so in self._found().items() if so}
@@ -48,6 +49,12 @@ class Reality:
         links = self._description.links
         if any(self._tool.bench.silent(self._tool.at, name) for name in links):
             self._silent_at = self._tool.at
+        for name in self._description.sequence:
+            device = self._tool.bench.devices[name]
+            if device.grips:
+                self._has_gripped.add(name)
+            elif device.is_released:
+                self._has_gripped.discard(name)
         for what, so in self._found().items():
             if not so:
                 self._since.pop(what, None)
@@ -79,6 +86,15 @@ class Reality:
     def grips(self, name: str) -> bool:
         """Whether a device really does, by its switch or by what the description asks of its pressure."""
         return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
+
+    def closes(self, name: str) -> bool:
+        """Whether it has lost what it had gripped, and its switch shows that only at the end of its way."""
+        device = self._tool.bench.devices[name]
+        return (
+            name in self._has_gripped
+            and bool(device.empty_bit)
+            and not (device.is_empty or device.is_released)
+        )
 
     def against_a_grip(self) -> Iterator[str]:
         """Why no grip may begin now, clauses."""

@@ -111,10 +111,10 @@ class VirtualArbiter:
         """Keep the records: before a client learns of what has changed."""
         self._records.keep(self.rules)
 
-    def reset(self) -> None:
-        """Clear the latched faults; raises LineRefusedError if some stay."""
+    def reset(self) -> dict[str, str]:
+        """As `LineArbiter.reset`."""
         try:
-            self.rules.reset(self._clock(), self._records.troubles())
+            return self.rules.reset(self._clock(), self._records.troubles())
         finally:
             self.keep()
 

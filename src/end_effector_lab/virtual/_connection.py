@@ -75,7 +75,11 @@ class VirtualConnection:
 
     def latch(self, fault: str, why: str) -> None:
         """Have one latched."""
-        self._call(lambda arbiter, _: arbiter.rules.predicates.latch_for_client(fault, why))
+        self._call(lambda arbiter, session: arbiter.rules.latch(session, fault, why))
+
+    def clear(self, fault: str) -> None:
+        """End one that this program has latched."""
+        self._call(lambda arbiter, session: arbiter.rules.clear(session, fault))
 
     def renew(self) -> tuple[ArbiterError | None, tuple[str, ...] | None]:
         """Renew the lease; returns why the connection was lost just now, and the faults if they are others."""

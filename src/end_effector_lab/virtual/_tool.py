@@ -169,10 +169,10 @@ class VirtualTool:
         try:
             if self._arbiter is None:
                 return Answer(False, "There is no line arbiter.", decided=False)
-            self._arbiter.reset()
+            stays = self._arbiter.reset()
         except ReportedError as error:
             return Answer(False, str(error))
-        return Answer(True)
+        return Answer(not stays, " ".join(stays.values()))
 
     def choose(self, scenario: str) -> None:
         """Have something else go wrong from now on; raises UsageError if it cannot be used."""

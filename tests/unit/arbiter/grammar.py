@@ -35,7 +35,7 @@ _JUNK = (
     b"\x00" * 3000 + b"\n",
     b"q" * 70_000,
 )
-_OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset", "stop", "fly")
+_OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "clear", "reset", "stop", "fly")
 
 
 class Grammar:
@@ -66,6 +66,7 @@ class Grammar:
                 "predicates": {"locked": False, "closed": False},
                 "at_us": at - random.choice((0, 1, -1, 10**6)),
             },
+            "clear": {"fault": random.choice(("sensor_fault", self._text()))},
             "latch": {"fault": random.choice(("sensor_fault", self._text())), "why": self._text()},
         }.get(op, {})
         if op == "hello" and random.random() < 0.4:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -10,7 +11,7 @@ from end_effector_hal.arbiter import LineArbiter
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord
+from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord, read_arbiter_state
 from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (
@@ -136,6 +137,25 @@ def test_faults_stay_latched_through_a_restart() -> None:
     new.reset(0)
     new.write(session, {BOTTOM: True}, None, 0)
     assert new.state.faults == {}
+
+
+def test_what_a_client_has_latched_is_its_own_through_a_restart_of_the_arbiter() -> None:
+    policy = replace(SENSING, faults=("sensor_fault",))
+    first = LineArbiter(Lines(), policy, 0)
+    first.latch(first.hello("changer", TOKEN, (UNLOCK,), (), 0), "sensor_fault", "why")
+    state = read_arbiter_state(json.loads(json.dumps(first.state.as_json())))
+    new = LineArbiter(Lines(), policy, 0, state)
+    stays = {"sensor_fault": "changer has latched sensor_fault, and has not been reset."}
+    assert new.reset(0) == stays, "it may come back"
+    client = new.hello("changer", TOKEN, (UNLOCK,), (), 0)
+    assert new.reset(0) == stays
+    new.clear(client, "sensor_fault")
+    assert new.state.faults == {}
+
+    new = LineArbiter(Lines(), policy, 0, state)
+    new.expire(policy.lease_us)
+    new.reset(policy.lease_us)
+    assert new.state.faults == {}, "the client has gone"
 
 
 def test_the_memory_is_what_the_next_one_needs() -> None:

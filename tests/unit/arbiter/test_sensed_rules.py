@@ -1,6 +1,7 @@
 """What the sensors have proven, in virtual time: IL-01, IL-05, IL-08, IL-13, faults that stay."""
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -102,14 +103,14 @@ def test_predicates_are_known_beforehand():
 
 def test_faults_of_clients_are_known_beforehand_and_take_no_room_of_an_interlock():
     arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
-    sensed = arbiter.rules.predicates
+    sensed, latch = arbiter.rules.predicates, partial(arbiter.rules.latch, arbiter.changer)
     for number in range(100):
         with pytest.raises(UsageError, match=f"no fault fault{number}; it has sensor_fault"):
-            sensed.latch_for_client(f"fault{number}", "why")
-    sensed.latch_for_client("sensor_fault", "IL-04: both bits are set.")
-    sensed.latch_for_client("sensor_fault", "another reason")
+            latch(f"fault{number}", "why")
+    latch("sensor_fault", "IL-04: both bits are set.")
+    latch("sensor_fault", "another reason")
     with pytest.raises(UsageError, match="no fault closed"):
-        sensed.latch_for_client("closed", "a client refuses nothing")
+        latch("closed", "a client refuses nothing")
     sensed.update({"closed": False}, arbiter.now, arbiter.now)
     assert sensed.faults == {
         "sensor_fault": "IL-04: both bits are set.",
@@ -208,6 +209,35 @@ def test_a_reset_clears_every_fault_that_is_over():
     with pytest.raises(LineRefusedError):
         arbiter.rules.reset(arbiter.now)
     assert list(arbiter.rules.predicates.faults) == ["closed"]
+
+
+def test_what_a_client_has_latched_stays_until_that_client_clears_it_or_has_gone():
+    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    rules, why = arbiter.rules, "IL-04: both bits are set."
+    rules.latch(arbiter.changer, "sensor_fault", why)
+    assert rules.reset(arbiter.now) == {
+        "sensor_fault": "changer has latched sensor_fault, and has not been reset."
+    }
+    rules.clear(arbiter.grip, "sensor_fault")
+    assert rules.predicates.faults == {"sensor_fault": why}, "another one's"
+    rules.clear(arbiter.changer, "sensor_fault")
+    assert rules.predicates.faults == rules.reset(arbiter.now) == {}
+
+    rules.latch(arbiter.changer, "sensor_fault", why)
+    arbiter.die(arbiter.changer)
+    assert rules.predicates.faults == {"sensor_fault": why}
+    rules.reset(arbiter.now)
+    assert rules.predicates.faults == {}
+
+
+def test_what_two_clients_have_latched_ends_with_the_second():
+    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    for client in (arbiter.changer, arbiter.grip):
+        arbiter.rules.latch(client, "sensor_fault", "why")
+    arbiter.rules.clear(arbiter.grip, "sensor_fault")
+    assert arbiter.rules.predicates.faults
+    arbiter.rules.clear(arbiter.changer, "sensor_fault")
+    assert not arbiter.rules.predicates.faults
 
 
 def test_an_expired_e_stop_refuses_and_is_no_fault():

@@ -159,16 +159,23 @@ class ArbiterClient:
         return dict(self._call("status")["status"])
 
     def latch(self, fault: str, why: str) -> None:
-        """Keep a fault that the arbiter's policy lists until `reset`; `status` shows it, the first ``why`` stays."""
+        """Keep a fault that the arbiter's policy lists; `status` shows it, the first ``why`` stays.
+
+        While this client lives only its `clear` ends it; after that a `reset` does.
+        """
         self._call("latch", fault=fault, why=why)
 
-    def reset(self) -> None:
-        """Clear all latched faults.
+    def clear(self, fault: str) -> None:
+        """End a fault that this client has latched, once it has been reset itself."""
+        self._call("clear", fault=fault)
+
+    def reset(self) -> dict[str, str]:
+        """Clear the latched faults; returns those of clients that live and have not been reset, sentences by name.
 
         Raises:
             LineRefusedError: some stay, because their cause persists; says which.
         """
-        self._call("reset")
+        return {str(name): printable(str(why)) for name, why in self._call("reset").get("stays", {}).items()}
 
     def stop(self) -> None:
         """Latch a stop (IL-13): nothing is activated until `reset`."""

@@ -14,6 +14,7 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
     {"id": 7, "op": "latch", "fault": "sensor_fault", "why": "IL-04: both bits of the tool changer are set."}
     {"id": 8, "op": "reset"}
     {"id": 9, "op": "stop"}
+    {"id": 10, "op": "clear", "fault": "sensor_fault"}
 
     {"id": 1, "op": "hello", "role": "sensors", "client": "pressure", "token": "0d5f6c6e2b8a4f0d9b7e3a1c5d2f4b68"}
     {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
@@ -45,20 +46,22 @@ nothing is ever deactivated because one is missing. Without an ``id`` it gets no
 unless it is refused.
 
 **Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a
-restart; ``status`` shows it, and it refuses nothing. What the arbiter latches itself for an interlock (IL-03, IL-13)
-has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403 for those whose cause
-persists (an open e-stop). ``stop`` latches what an open e-stop latches (IL-13): until a reset, also through a restart,
-nothing is activated, and no line is changed. A program that hears of it cancels the grip that runs.
+restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client says so once it has been reset
+itself. What the arbiter latches itself for an interlock (IL-03, IL-13) has no limit that a client could use up.
+``reset`` clears all faults; it is refused with EE-403 for those whose cause persists (an open e-stop). A fault of a
+client that lives, and has not cleared it, stays as well: the reply has ``stays``, a sentence by name. ``stop`` latches
+what an open e-stop latches (IL-13): until a reset, also through a restart, nothing is activated, and no line is
+changed. A program that hears of it cancels the grip that runs.
 
 ``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what
 is over, and a stop only refuses. Such a connection is closed after 10 s without a message, and the oldest of them when
 there are more than 32: connections that write lines or send predicates do not count among these.
 
-Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence,
-with ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further
-keys: ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the client was
-declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the connection and
-says why.
+Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence, with
+``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further keys: ``stays``
+of ``reset``, ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the client
+was declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the connection
+and says why.
 
 Every text has printable characters only, a name at most 64, a sentence at most 500; numbers are integers of at most
 18 digits. A message has at most 128 lines, 528 predicates and 262,144 bytes: what a tool of 64 actuators needs.
@@ -101,7 +104,7 @@ def is_token(given: object) -> TypeGuard[str]:
     return isinstance(given, str) and _TOKEN.fullmatch(given) is not None
 
 
-OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "reset", "stop")
+OPS = ("hello", "set", "renew", "levels", "status", "bye", "tell", "latch", "clear", "reset", "stop")
 SENSORS = "sensors"
 
 
@@ -143,7 +146,9 @@ def read_request(message: Mapping[str, Any]) -> Request:
     op = message.get("op")
     if op not in OPS:
         raise UsageError(f"op must be one of {', '.join(OPS)}.")
-    reader = {"hello": _read_hello, "set": _read_set, "tell": _read_predicates, "latch": _read_latch}.get(op)
+    reader = {
+        "hello": _read_hello, "set": _read_set, "tell": _read_predicates, "latch": _read_latch, "clear": _read_clear,
+    }.get(op)  # fmt: skip
     return reader(message) if reader else Request(op, will=_read_last_will(message))
 
 
@@ -182,12 +187,21 @@ def _read_predicates(message: Mapping[str, Any]) -> Request:
 
 
 def _read_latch(message: Mapping[str, Any]) -> Request:
-    fault, why = message.get("fault"), message.get("why")
-    if not is_name(fault):
-        raise UsageError("fault must be a name of at most 64 printable characters.")
+    why = message.get("why")
     if not (isinstance(why, str) and why):
         raise UsageError("why must be a sentence.")
-    return Request("latch", fault=str(fault), why=why)
+    return Request("latch", fault=_read_fault(message), why=why)
+
+
+def _read_clear(message: Mapping[str, Any]) -> Request:
+    return Request("clear", fault=_read_fault(message))
+
+
+def _read_fault(message: Mapping[str, Any]) -> str:
+    fault = message.get("fault")
+    if not is_name(fault):
+        raise UsageError("fault must be a name of at most 64 printable characters.")
+    return str(fault)
 
 
 def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:

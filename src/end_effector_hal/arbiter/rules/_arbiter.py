@@ -132,9 +132,11 @@ class LineArbiter:
             if line not in self.levels:
                 known = ", ".join(self.levels)
                 raise UsageError(f"this arbiter has no line {line}{hint(line, self.levels)}; it has {known}.")
+        latched = set[str]()
         for other in [each for each in self.sessions if each.absent and not each.ended]:
             if (other.client, other.token) == (client, token):
                 self.sessions.remove(other)
+                latched = other.faults
             elif other.client == client or other.lines.intersection(lines):
                 self.declare_dead(other, "it did not connect again, but another program did", at)
         for other in self.sessions:
@@ -154,6 +156,7 @@ class LineArbiter:
                 todo="Stop that process: only one program writes a line.",
             )
         session = Session(client, token, frozenset(lines), (), at + self.policy.lease_us, pid, program)
+        session.faults = latched
         self._set_last_will(session, will)
         session.declared_dead = (client, token) in self._dead
         self._dead = deque((each for each in self._dead if each != (client, token)), maxlen=100)
@@ -216,8 +219,27 @@ class LineArbiter:
         """
         self.predicates.latch(STOP, f"IL-13: {STOPPED} ({who}): nothing is activated until a reset.")
 
-    def reset(self, at: int, still: Mapping[str, str] | None = None) -> None:
+    def latch(self, session: Session, name: str, why: str) -> None:
+        """Keep a fault that a client has found, until the client clears it, or it has gone and a reset comes.
+
+        Raises:
+            UsageError: the policy lists no such fault.
+        """
+        self.predicates.check_client_fault(name)
+        self.predicates.latch(name, why)
+        session.faults.add(name)
+
+    def clear(self, session: Session, name: str) -> None:
+        """A client has been reset: end a fault that it has latched."""
+        if name in session.faults:
+            session.faults.remove(name)
+            if name not in self._latched_by():
+                self.predicates.faults.pop(name, None)
+
+    def reset(self, at: int, still: Mapping[str, str] | None = None) -> dict[str, str]:
         """Clear the latched faults and the list of ended activations; ``still``: faults that persist now.
+
+        What a client has latched that lives and has not cleared it stays, and is returned: a sentence by name.
 
         Raises:
             LineRefusedError: some stay, because their cause persists; the others are cleared.
@@ -225,12 +247,17 @@ class LineArbiter:
         self.trips.clear()
         if self._lines.remote is not None:
             self._lines.remote.acknowledge()
-        stay = self.predicates.reset(at)
+        of_clients = self._latched_by()
+        stay = self.predicates.reset(at, of_clients)
         for name, why in {**(still or {}), **self._lines.troubles(), **self._stays}.items():
             self.predicates.latch(name, why)
             stay.append(why.rstrip("."))
         if stay:
             raise LineRefusedError(f"{'; '.join(stay)}: this fault stays.")
+        return {
+            name: f"{client} has latched {name}, and has not been reset."
+            for name, client in of_clients.items()
+        }
 
     # Events
 
@@ -321,6 +348,10 @@ class LineArbiter:
             for interlock, why in self._objections(line, at):
                 devices.withdraw((line,), f"{interlock}: {why}")
 
+    def _latched_by(self) -> dict[str, str]:
+        """The clients that live, by the faults that they have latched."""
+        return {name: each.client for each in self.sessions if not each.ended for name in each.faults}
+
     def _may_be_active(self, line: str) -> bool:
         """Whether it is active now, or will be before everything that waits in any queue is applied."""
         return self._lines.may_be_active(line) or any(
@@ -363,8 +394,9 @@ class LineArbiter:
         lines = frozenset(record.lines).intersection(self.levels)
         will = tuple(step for step in record.will if step.line in lines)
         session = Session(
-            record.client, record.token, lines, will, at + self.policy.lease_us, record.pid, absent=True
-        )
+            record.client, record.token, lines, will, at + self.policy.lease_us, record.pid, absent=True,
+            faults=set(record.faults) & self.predicates.faults.keys(),
+        )  # fmt: skip
         self.sessions.append(session)
         if record.ended:
             _log.warning("the last will of %s is executed again: %s", session.client, _in_words(will))

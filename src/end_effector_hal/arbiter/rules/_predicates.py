@@ -84,14 +84,9 @@ class SensorPredicates:
         """Keep a fault that the arbiter has found itself until a reset; the first reason stays."""
         self.faults.setdefault(name, why)
 
-    def latch_for_client(self, name: str, why: str) -> None:
-        """Keep a fault that a client has found.
-
-        Raises:
-            UsageError: the policy lists no such fault.
-        """
+    def check_client_fault(self, name: str) -> None:
+        """Raises UsageError if clients may not latch it, for the policy does not list it."""
         _check_known(name, self._client_faults, "fault")
-        self.latch(name, why)
 
     @property
     def stopped(self) -> str:
@@ -115,16 +110,16 @@ class SensorPredicates:
         latched = need.latched and need.predicate in self.faults
         return f"{need.latched}; reset the faults first" if latched else ""
 
-    def reset(self, at: int) -> list[str]:
-        """Clear the faults; those whose predicate is not freshly proven now stay, and are returned in words."""
+    def reset(self, at: int, of_clients: Iterable[str]) -> list[str]:
+        """Clear the faults but these; those whose predicate is not freshly proven now stay: sentences of them."""
         faults, self.faults = self.faults, {}
         stay = {
-            name: why
+            name: f"{need.interlock}: {why}"
             for name, need in self._latching.items()
             if name in faults and (why := self.objection(need, at))
         }
-        self.faults = {name: faults[name] for name in stay}
-        return [f"{self._latching[name].interlock}: {why}" for name, why in stay.items()]
+        self.faults = {name: faults[name] for name in (*stay, *of_clients) if name in faults}
+        return list(stay.values())
 
 
 def _check_known(name: str, known: frozenset[str], what: str) -> None:

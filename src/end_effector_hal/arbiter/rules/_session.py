@@ -20,6 +20,7 @@ class SessionRecord(NamedTuple):
         will: the last will that is valid.
         ended: the client has gone, and its last will is being executed.
         pid: for people only; another process may have it by now.
+        faults: names of those that it has latched.
     """
 
     client: str
@@ -28,6 +29,7 @@ class SessionRecord(NamedTuple):
     will: LastWill
     ended: bool
     pid: int = 0
+    faults: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class ArbiterState:
         return {
             "faults": dict(self.faults),
             "clients": [
-                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid]
+                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid, each.faults]
                 for each in self.clients
             ],
             "clean": self.clean,
@@ -100,8 +102,9 @@ def read_faults(given: Any) -> dict[str, str]:
 
 
 def _read_record(
-    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object
-) -> SessionRecord:
+    client: object, token: object, lines: Iterable[object], will: object, ended: object, pid: object,
+    faults: Iterable[object] = (),
+) -> SessionRecord:  # fmt: skip
     return SessionRecord(
         printable(str(client)),
         token if is_token(token) else "",
@@ -109,6 +112,7 @@ def _read_record(
         read_last_will(will),
         bool(ended),
         pid if type(pid) is int else 0,
+        tuple(printable(str(name)) for name in faults),
     )
 
 
@@ -139,6 +143,7 @@ class Session:
         absent: an earlier arbiter knew it, and it has not connected since; it has the time of a lease to do so.
         declared_dead: its lease had expired, or its connection was lost, before it connected again.
         queue: writes that are not applied yet, in order.
+        faults: names of those that it has latched and not cleared.
         stuck: why the first of them, a deactivation, cannot be applied; it is tried again, and nothing is activated
             behind it.
     """
@@ -154,6 +159,7 @@ class Session:
     absent: bool = False
     declared_dead: bool = False
     queue: deque[Write] = field(default_factory=deque)
+    faults: set[str] = field(default_factory=set)
     stuck: str = ""
 
     def forget_activations(self, lines: Iterable[str]) -> None:
@@ -183,7 +189,8 @@ class Session:
         off = (line for line in sorted(waits) if not self.queued_level(line))
         will = tuple(map(LastWillStep, off)) + self.will
         lines = tuple(sorted(self.lines))
-        return SessionRecord(self.client, self.token, lines, will, self.ended, self.pid)
+        faults = tuple(sorted(self.faults))
+        return SessionRecord(self.client, self.token, lines, will, self.ended, self.pid, faults)
 
     @property
     def process(self) -> str:

@@ -85,8 +85,7 @@ class RequestHandler:
                 return {"levels": self._read_levels()}
             case "reset":
                 _log.info("%s resets the faults", connection.process)
-                arbiter.reset(at, self._records.troubles())
-                return {}
+                return {"stays": arbiter.reset(at, self._records.troubles())}
             case "stop":
                 _log.warning("%s stops the tool", connection.process)
                 arbiter.stop(connection.process)
@@ -111,7 +110,10 @@ class RequestHandler:
                 arbiter.renew(session, at)
                 return {"faults": list(arbiter.predicates.faults.values())}
             case "latch":
-                arbiter.predicates.latch_for_client(request.fault, request.why)
+                arbiter.latch(session, request.fault, request.why)
+                return {}
+            case "clear":
+                arbiter.clear(session, request.fault)
                 return {}
         arbiter.bye(session, request.will or (), at)
         connection.session = None

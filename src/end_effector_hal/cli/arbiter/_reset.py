@@ -31,7 +31,7 @@ def command(description: Path, as_json: bool) -> None:
     stays = ""
     with ArbiterClient(socket_path(load_tool(description)), "eehal reset", patience_s=0) as arbiter:
         try:
-            arbiter.reset()
+            stays = " ".join(arbiter.reset().values())
         except LineRefusedError as error:
             stays = str(error)
     if as_json:

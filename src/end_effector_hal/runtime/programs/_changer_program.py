@@ -59,6 +59,12 @@ class ChangerProgram(Program):
         self._fault.faults_changed(faults)
         return super()._keep_faults(faults)
 
+    def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
+        answer, statuses = super()._decide(name, until_us)
+        if name == "reset" and answer.accepted:
+            self._fault.reset()
+        return answer, statuses
+
     def _publish_one(self, status: Status) -> None:
         self._fault.update(status)
         super()._publish_one(status)

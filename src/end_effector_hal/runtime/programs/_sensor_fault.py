@@ -22,6 +22,9 @@ class FaultKeeper(Protocol):
     def latch(self, fault: str, why: str) -> None:
         """Latch one, with a sentence."""
 
+    def clear(self, fault: str) -> None:
+        """End one that was latched."""
+
 
 class SensorFault:
     """Whether the line arbiter keeps it, and what to do about that.
@@ -33,25 +36,34 @@ class SensorFault:
     def __init__(self, keeper: FaultKeeper) -> None:
         self._keeper = keeper
         self._kept = ""  # as the owner has it
+        self._is_reset = False
 
     def found(self) -> bool:
-        """Whether one was latched before; raises WireError."""
+        """Whether one was latched before, which this program takes over; raises WireError."""
+        self._is_reset = False
         self._kept = self._keeper.status()["faults"].get(SENSOR_FAULT, "")
+        if self._kept:
+            self._keeper.latch(SENSOR_FAULT, self._kept)
         return bool(self._kept)
 
+    def reset(self) -> None:
+        """The automaton has accepted a reset: the owner clears the fault with the next status that shows none."""
+        self._is_reset = True
+
     def faults_changed(self, faults: tuple[str, ...]) -> None:
-        """The owner has these latched now: one that a reset cleared, and that is still shown, is latched again."""
+        """The owner has these latched now: one that it has lost, and that is still shown, is latched again."""
         if self._kept not in faults:
             self._kept = ""
 
     def update(self, status: Status) -> None:
-        """Latch it as soon as a status shows it; where that fails now, the next status tries again."""
+        """Latch it as soon as a status shows it, clear it after a reset; what fails now the next status tries again."""
         shown = status.changer_fault == ChangerFault.SENSOR
-        if shown == bool(self._kept):
-            return
         try:
-            if shown:
+            if shown and not self._kept:
                 self._keeper.latch(SENSOR_FAULT, status.reason)
-            self._kept = status.reason if shown else ""
+                self._kept = status.reason
+            elif not shown and self._is_reset:
+                self._keeper.clear(SENSOR_FAULT)
+                self._kept, self._is_reset = "", False
         except WireError as error:
             _log.warning("the line arbiter could not keep the sensor fault: %s", error)

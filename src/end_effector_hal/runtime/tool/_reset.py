@@ -31,13 +31,15 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
     Args:
         description: of the tool.
         grip: its gripping program.
-        others: the answers of what was reset before: the tool changer, for the line arbiter latches a sensor fault
-            again while it is still shown.
+        others: the answers of what was reset before: the tool changer, for the line arbiter keeps its sensor fault
+            until its program has been reset.
     """
     grip.acknowledge()
     try:
         with ArbiterClient(socket_path(description), "reset", patience_s=0) as owner:
-            owner.reset()
+            stays = owner.reset()
+        if all(answer.accepted for answer in others):  # who refused has said why
+            others = (*others, *(Answer(False, why) for why in stays.values()))
     except WireError as error:
         others = (*others, Answer(False, str(error)))
     return reset_answer(others)

@@ -204,10 +204,15 @@ ARBITER: Mapping[str, WrongProduct] = {
         "scenario locked-shows:tool_changer:0; wait 5; kill arbiter", "latched",
     ),
     "a fault of a client that is not latched": WrongProduct(
-        lambda patch: patch.setattr(SensorPredicates, "latch_for_client", lambda *_: None),
-        "arbiter/rules/_predicates.py: SensorPredicates.latch_for_client",
+        lambda patch: patch.setattr(LineArbiter, "latch", lambda *_: None),
+        "arbiter/rules/_arbiter.py: LineArbiter.latch",
         "scenario locked-shows:tool_changer:0; wait 5; scenario nominal; wait 2; kill tool_change; start tool_change",
         "latched",
+    ),
+    "a refused reset that clears the fault all the same": WrongProduct(
+        lambda patch: patch.setattr(LineArbiter, "_latched_by", lambda _: {}),
+        "arbiter/rules/_arbiter.py: LineArbiter._latched_by",
+        "scenario unlocked-shows:tool_changer:1; wait 8; reset; end hal", "latched",
     ),
     "lines that are switched without a pause": WrongProduct(
         lambda patch: patch.setattr(OutputLines, "last_ready_at", lambda *_: 0),
