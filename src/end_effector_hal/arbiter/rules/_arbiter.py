@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
+from end_effector_hal.arbiter.rules._interlocks import Interlocks
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
@@ -61,10 +62,9 @@ class LineArbiter:
         self._stays: dict[str, str] = {}  # faults of lines that the hardware does not deactivate
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
-        self._partners = {line: policy.partners(line) for line in policy.lines}
-        for line, partners in self._partners.items():
-            if self.levels[line] and any(self.levels[partner.line] for partner in partners):
-                _log.error("%s was found active together with a line that excludes it", policy.called(line))
+        self._interlocks = Interlocks(policy, self._lines, self.predicates)
+        for line in self._interlocks.broken():
+            _log.error("%s was found active together with a line that excludes it", policy.called(line))
         self._resume(state, at)
 
     @property
@@ -184,7 +184,7 @@ class LineArbiter:
             queued = session.queued_level(line)
             expected = self.levels[line] if queued is None else queued
             if level and not expected:
-                self._check_activation(line, levels, at)
+                self._interlocks.check(line, levels, self.sessions, at)
         if levels and len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
                 f"IL-10: too many pending writes (at most {MOST_WAITING} of a client): they wait for their lines to "
@@ -311,52 +311,16 @@ class LineArbiter:
         ends += [self._lines.coils.due] if self._lines.coils else []
         return min([*times, *(end for end in ends if end is not None)], default=None)
 
-    def _check_activation(self, line: str, levels: Mapping[str, bool], at: int) -> None:
-        """Exclusions (IL-01, IL-05, IL-08), and what the sensors must prove (IL-01, IL-02, IL-05, IL-13).
-
-        Raises:
-            LineRefusedError: an interlock refuses; its id stands first.
-        """
-        called = self.policy.called(line)
-        for other, interlock, gap_us in self._partners[line]:
-            # with a pause between the two, the same write cannot end one and begin the other
-            active = self._may_be_active(other)
-            if (active or levels.get(other, False)) if gap_us else levels.get(other, active):
-                raise LineRefusedError(
-                    f"{interlock}: {called} is not activated while {self.policy.called(other)} is active."
-                )
-            if at - self._lines.changed_at[other] < gap_us:
-                raise LineRefusedError(
-                    f"{interlock}: {called} is not activated within {gap_us // 1000} ms after "
-                    f"{self.policy.called(other)}."
-                )
-        for interlock, why in self._objections(line, at):
-            raise LineRefusedError(f"{interlock}: {called} is not activated: {why}.")
-
-    def _objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
-        """Interlocks that refuse an activation now by what the sensors show or a stop says, each with its reason."""
-        if stopped := self.predicates.stopped:
-            yield "IL-13", stopped
-        for need in self.policy.needs.get(line, ()):
-            if why := self.predicates.objection(need, at):
-                yield need.interlock, why
-
     def _hear_devices(self, devices: RemoteLines, at: int) -> None:
         """What they have done by now; an activation under way ends where an interlock objects to it by now."""
         self._lines.hear(at)
         for line in devices.activating():
-            for interlock, why in self._objections(line, at):
+            for interlock, why in self._interlocks.objections(line, at):
                 devices.withdraw((line,), f"{interlock}: {why}")
 
     def _latched_by(self) -> dict[str, str]:
         """The clients that live, by the faults that they have latched."""
         return {name: each.client for each in self.sessions if not each.ended for name in each.faults}
-
-    def _may_be_active(self, line: str) -> bool:
-        """Whether it is active now, or will be before everything that waits in any queue is applied."""
-        return self._lines.may_be_active(line) or any(
-            write.levels.get(line) for session in self.sessions for write in session.queue
-        )
 
     def _resume(self, state: ArbiterState, at: int) -> None:
         """Continue the sessions of the arbiter before this one; in doubt no last will is executed."""

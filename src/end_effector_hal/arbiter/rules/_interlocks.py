@@ -1,0 +1,76 @@
+"""What refuses the activation of a line: another line, what the sensors show, a stop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from end_effector_hal.arbiter.rules._lines import OutputLines
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.rules._predicates import SensorPredicates
+from end_effector_hal.arbiter.rules._session import Session
+from end_effector_hal.errors import LineRefusedError
+
+
+class Interlocks:
+    """The interlocks of a policy; time is an argument, in µs.
+
+    Args:
+        policy: exclusions, and what each line needs of the sensors.
+        lines: as they stand.
+        predicates: what the sensors prove, and whether a stop is latched.
+    """
+
+    def __init__(self, policy: Policy, lines: OutputLines, predicates: SensorPredicates) -> None:
+        self._policy, self._lines, self._predicates = policy, lines, predicates
+        self._partners = {line: policy.partners(line) for line in policy.lines}
+
+    def broken(self) -> list[str]:
+        """Lines that are active together with one that excludes them: they were found so."""
+        levels = self._lines.levels
+        return [
+            line
+            for line, partners in self._partners.items()
+            if levels[line] and any(levels[partner.line] for partner in partners)
+        ]
+
+    def check(self, line: str, levels: Mapping[str, bool], sessions: Sequence[Session], at: int) -> None:
+        """Exclusions (IL-01, IL-05, IL-08), and what the sensors must prove (IL-01, IL-02, IL-05, IL-13).
+
+        Args:
+            line: that is to be activated.
+            levels: what is written with it.
+            sessions: with writes that wait.
+            at: now.
+
+        Raises:
+            LineRefusedError: an interlock refuses; its id stands first.
+        """
+        called = self._policy.called(line)
+        for other, interlock, gap_us in self._partners[line]:
+            # with a pause between the two, the same write cannot end one and begin the other
+            active = self._may_be_active(other, sessions)
+            if (active or levels.get(other, False)) if gap_us else levels.get(other, active):
+                raise LineRefusedError(
+                    f"{interlock}: {called} is not activated while {self._policy.called(other)} is active."
+                )
+            if at - self._lines.changed_at[other] < gap_us:
+                raise LineRefusedError(
+                    f"{interlock}: {called} is not activated within {gap_us // 1000} ms after "
+                    f"{self._policy.called(other)}."
+                )
+        for interlock, why in self.objections(line, at):
+            raise LineRefusedError(f"{interlock}: {called} is not activated: {why}.")
+
+    def objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
+        """Interlocks that refuse an activation now by what the sensors show or a stop says, each with its reason."""
+        if stopped := self._predicates.stopped:
+            yield "IL-13", stopped
+        for need in self._policy.needs.get(line, ()):
+            if why := self._predicates.objection(need, at):
+                yield need.interlock, why
+
+    def _may_be_active(self, line: str, sessions: Sequence[Session]) -> bool:
+        """Whether it is active now, or will be before everything that waits in any queue is applied."""
+        return self._lines.may_be_active(line) or any(
+            write.levels.get(line) for session in sessions for write in session.queue
+        )
