@@ -48,6 +48,8 @@ GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
 GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
 MARGIN_US = 1_000_000
+HEARD_US = 1_000_000
+"""By then a program has told an arbiter that was started again what it wants."""
 NEAR_US = 5_000
 """By so much a pause may seem to be shorter than it is: what is due at one time is done one after the other."""
 
@@ -81,7 +83,7 @@ class Judge:
         self._unlocked_since: int | None = None
         self._unwound_by: int | None = None
         self._disturbed = False
-        self._arbiter_since = self._grip_since = tool.at
+        self._arbiter_since = self._arbiter_until = self._grip_since = tool.at
         self._ended: dict[str, int] = {}
         self._released_at = tool.at - 2 * SETTLE_US
         self._let_go: dict[str, int] = {}
@@ -121,9 +123,11 @@ class Judge:
         tool = self._tool
         if "grip" in programs and "grip" in tool.living:
             self._grip_runs, self._let_go = False, {}
-            if not self._held and tool.statuses[-1].ee in (GRIPPING, RELEASING):
+            ee = tool.statuses[-1].ee
+            if not self._held and (ee == GRIPPING or (ee == RELEASING and self._release_was_heard())):
                 self._expect_unwinding()
         if "arbiter" in programs and "arbiter" in tool.living:
+            self._arbiter_until = tool.at
             if self._unlocked_since is not None:
                 self._unlocked_since = None  # who measures it has gone
             self._unwound_by = None if self._unwound_by is None else 1 << 62
@@ -329,6 +333,14 @@ class Judge:
         found = self._description.endings_of(name).gripping
         every = (found.cancel, found.timeout, found.abort, found.sigterm, found.process_death)
         return all(each == "release" for each in every)
+
+    def _release_was_heard(self) -> bool:
+        """Whether the arbiter has got the last will of the release; else it has the one before, which may hold."""
+        lives = "arbiter" in self._tool.living
+        until = self._tool.at if lives else self._arbiter_until
+        if self._arbiter_since <= self._released_at and (lives or self._released_at < until):
+            return True
+        return until - max(self._arbiter_since, self._released_at) > HEARD_US
 
     def _expect_unwinding(self) -> None:
         if self._disturbed or "arbiter" not in self._tool.living:
