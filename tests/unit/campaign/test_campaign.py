@@ -57,6 +57,10 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
         ("", "grip; wait 0.5; kill all; start all; wait 0.46; unlock", 0),
         # a sensor lies that nothing is held, and nobody is there to switch the output off
         ("", "grip; end arbiter; wait 3; scenario shows:bottom_vacuum:0", 0),
+        # fingers that have lost their part show it only at the end of their way
+        ("two_coil_changer", "grip; wait 0.46; scenario no-part:jaw", 0),
+        # a line arbiter that has never heard of a release does what it was left before: it holds
+        ("", "grip; wait 2; end arbiter; drop; kill all; start all", 0),
     ],
 )
 def test_the_rules_have_nothing_against_what_nobody_can_know(tool: str, words: str, seed: int) -> None:
@@ -68,6 +72,11 @@ def test_the_rules_have_nothing_against_what_nobody_can_know(tool: str, words: s
 def test_a_reading_that_turns_stale_as_the_peer_is_heard_of_is_seen() -> None:
     """A campaign has found it: a program that was started again hears of its peer at that instant."""
     assert played("grip; wait 6; kill grip; start grip; wait 18; scenario silent-after:0") == {}
+
+
+def test_a_sensor_fault_outlives_a_reset_that_was_refused() -> None:
+    """A campaign has found it: the line arbiter forgot the fault until the program latched it again."""
+    assert played("scenario unlocked-shows:tool_changer:1; wait 8; reset; end hal") == {}
 
 
 def test_what_raises_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
