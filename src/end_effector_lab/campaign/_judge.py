@@ -12,7 +12,7 @@ Rule 3 (activation): an output of the grip becomes active only in an accepted gr
 Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and the
     tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not for longer
     than its longest time while the line arbiter lives (IL-03).
-Rule 5 (switching): a line stays as it is for its least time (IL-10).
+Rule 5 (switching): a line stays as it is for its least time (IL-10); only an arbiter that ends cuts a pulse.
 Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so; a release
     ends in STAND_BY only when every device is gone. What has changed within the time of a reading may not be known yet.
 Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
@@ -64,6 +64,12 @@ class Judge:
     def __init__(self, description: Description, tool: VirtualTool) -> None:
         self._description, self._tool, self._begun = description, tool, tool.at
         self._sequence = description.sequence
+        self._pulsed_coils = {
+            coil
+            for line, each in description.opposites.items()
+            if each.pulse_s is not None
+            for coil in (line, each.line)
+        }
         self._line = {name: part.line for name, part in description.ordered}
         changer = description.tool_changer
         self._changer = changer.line if changer else ""
@@ -226,7 +232,8 @@ class Judge:
             stood = edge.at - self._changed_at.get(edge.line, edge.at - SETTLE_US)
             # of a register the pause is between two commands
             on_bus = edge.line in self._description.register_outputs
-            if stood < SETTLE_US and not on_bus:
+            cut = not edge.level and edge.at == self._arbiter_until and edge.line in self._pulsed_coils
+            if stood < SETTLE_US and not (on_bus or cut):
                 self._object("switching", f"{edge.line} was switched after {stood / 1000:g} ms (IL-10)")
             self._changed_at[edge.line] = edge.at
             if edge.line == self._changer:

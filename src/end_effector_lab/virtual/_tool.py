@@ -216,7 +216,10 @@ class VirtualTool:
             self._publisher = None
 
     def end(self, name: str) -> None:
-        """The same in good order, as after SIGTERM; a part that is held is treated as the description says."""
+        """The same in good order, as after SIGTERM; a part that is held is treated as the description says.
+
+        The arbiter ends at once, as after a second SIGTERM: it waits for no client, and cuts a pulse.
+        """
         if name == ARBITER and self._arbiter is not None:
             self._arbiter.close()
             self._arbiter = self._own_publisher = None

@@ -32,14 +32,15 @@ def test_the_session_record(earlier: Path) -> None:
     assert memory is not None
     assert memory.doubt == ""
     assert memory.levels == {BOTTOM: True, CYLINDER: True, TOP: True, UNLOCK: False}
-    (grip, _, lines, will, ended, _), (changer, _, its_line, its_will, _, _) = memory.clients
-    assert (grip, lines, ended) == ("grip", (BOTTOM, CYLINDER, TOP), False)
-    assert will == (
+    grip, changer = memory.clients
+    assert (grip.client, grip.lines, grip.ended) == ("grip", (BOTTOM, CYLINDER, TOP), False)
+    assert grip.will == (
         LastWillStep(TOP),
         LastWillStep(CYLINDER, after_us=2_000_000),
         LastWillStep(BOTTOM, after_us=4_000_000),
     )
-    assert (changer, its_line, its_will) == ("tool_change", (UNLOCK,), ())
+    assert (changer.client, changer.lines, changer.will) == ("tool_change", (UNLOCK,), ())
+    assert grip.faults == changer.faults == ()
 
 
 def test_the_journal(earlier: Path) -> None:
