@@ -31,6 +31,7 @@ class Reality:
         carried, parts = carrier_of(description).channels, description.ordered
         self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
         self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
+        self._reads_air = description.supply.channel in carried
         self._has_wires = any(channel.digital for channel in description.channels.values())
         self._has_gripped = set[str]()
         self._lied_at = self._silent_at = -SEEN_US
@@ -131,7 +132,7 @@ class Reality:
             found[f"gone {name}"] = not grips
             found[f"left {name}"] = self._is_left(name)
         kpa = scenario.supply_kpa
-        found["low"] = kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
+        found["low"] = self._reads_air and kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
         found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
         found["silent"] = bool(self._description.links) and all(
             tool.bench.silent(tool.at, name) for name in self._description.links
