@@ -316,9 +316,9 @@ class Judge:
             return
         other = let_go[-1]
         waited_us = each.at - self._let_go[other]
-        if waited_us < to_us(self._description.actuators[other].release_s) - NEAR_US and self._reality.grips(
-            other
-        ):
+        if waited_us < to_us(
+            self._description.actuators[other].release_s
+        ) - NEAR_US and self._reality.surely_grips(other):
             self._object(
                 "order",
                 f"{each.name} was deactivated {waited_us / 1e6:.3f} s after {other}, which still grips",

@@ -31,6 +31,12 @@ class Reality:
         carried, parts = carrier_of(description).channels, description.ordered
         self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
         self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
+        self._opens_kpa = {
+            name: kpa
+            for name, part in parts
+            if carried.get(part.channel) is Kind.BIT
+            and (kpa := kind_of(part).limits(part, description.supply).get("confirmed_kpa")) is not None
+        }
         self._reads_air = description.supply.channel in carried
         self._has_wires = any(channel.digital for channel in description.channels.values())
         self._has_gripped = set[str]()
@@ -87,6 +93,12 @@ class Reality:
     def grips(self, name: str) -> bool:
         """Whether a device really does, by its switch or by what the description asks of its pressure."""
         return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
+
+    def surely_grips(self, name: str) -> bool:
+        """As `grips`, and no noise makes the switch on a pressure open already."""
+        opens_kpa = self._opens_kpa.get(name)
+        kpa = self._tool.bench.devices[name].pressure_kpa
+        return self.grips(name) and (opens_kpa is None or kpa is None or abs(kpa) > opens_kpa + NOISE_KPA)
 
     def closes(self, name: str) -> bool:
         """Whether it has lost what it had gripped, and its switch shows that only at the end of its way."""
