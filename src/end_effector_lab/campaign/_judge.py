@@ -89,6 +89,7 @@ class Judge:
         self._unlocked_since: int | None = None
         self._unwound_by: int | None = None
         self._disturbed = False
+        self._arbiter_life: int | None = tool.arbiters
         self._arbiter_since = self._arbiter_until = self._grip_since = tool.at
         self._ended: dict[str, int] = {}
         self._released_at = tool.at - 2 * SETTLE_US
@@ -132,17 +133,20 @@ class Judge:
             ee = tool.statuses[-1].ee
             if not self._held and (ee == GRIPPING or (ee == RELEASING and self._release_was_heard())):
                 self._expect_unwinding()
-        if "arbiter" in programs and "arbiter" in tool.living:
-            self._arbiter_until = tool.at
-            if self._unlocked_since is not None:
-                self._unlocked_since = None  # who measures it has gone
-            self._unwound_by = None if self._unwound_by is None else 1 << 62
 
-    def starts(self, programs: frozenset[str]) -> None:
-        """These were started now."""
-        if "arbiter" not in programs:
+    def _look_at_arbiter(self) -> None:
+        """Who measures the unlock, and executes last wills, may have gone or come."""
+        tool = self._tool
+        life = tool.arbiters if "arbiter" in tool.living else None
+        if life == self._arbiter_life:
             return
-        self._arbiter_since = self._tool.at
+        if self._arbiter_life is not None:
+            self._arbiter_until, self._unlocked_since = tool.at, None
+            self._unwound_by = None if self._unwound_by is None else 1 << 62
+        self._arbiter_life = life
+        if life is None:
+            return
+        self._arbiter_since = tool.at
         if self._changer and self._tool.levels.get(self._changer):
             self._unlocked_since = self._tool.at
         if self._unwound_by is not None:
@@ -177,6 +181,7 @@ class Judge:
         """Judge what is new; returns False, as what `VirtualTool.run_until` asks."""
         tool, (edges, statuses) = self._tool, self._seen
         self._reality.look()
+        self._look_at_arbiter()
         if len(tool.edges) > edges:
             self._moved(tool.edges[edges:])
         if len(tool.statuses) > statuses:

@@ -21,6 +21,8 @@ from ._judge import Judge
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000
 ALARMS_US = 15_000_000
+LONGEST_END_US = 20_000_000
+"""An arbiter that is asked to end has done so by then: its last wills take 10 s, or what the description needs."""
 """An alarm that nobody need acknowledge ends by itself by then: a reboot of a device is told for 10 s."""
 SOON_S, KNOWN_S = 0.3, 3.0
 """Waits before the tool is used again: where nothing is wrong; where links, filters and faults must notice it."""
@@ -189,7 +191,6 @@ class _CaseRun:
         elif verb == START:
             for name in reversed(processes(rest)):
                 tool.start(name)
-            judge.starts(frozenset(each for name in processes(rest) for each in _parts(name)))
         elif verb == DISK:
             store, trouble = rest.split(" ")
             disk = getattr(tool.memories, store)
@@ -242,6 +243,7 @@ class _CaseRun:
     def _settle(self) -> None:
         """Whoever is dead stays so; with all that live, until nothing moves for a while."""
         tool, durations = self.tool, self._description.durations
+        self._until(lambda: not tool.ending, LONGEST_END_US)
         limit = tool.at + (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US
         if len(tool.living) < 3:
             releases = sum(part.release_s for part in self._description.actuators.values())

@@ -91,13 +91,31 @@ class VirtualArbiter:
         sessions = SessionStore(memories.sessions, memories.mark, memories.boot, clock)
         self._records = Records(sessions, self._journal)
         self.rules = LineArbiter(lines, policy, clock(), self._records.before, self._records.before_change)
+        self._asked_at: int | None = None
         self.keep()
 
     @property
     def due(self) -> int | None:
         """µs at which `step` is to be called."""
-        found = [at for at in (self.rules.deadline, self._journal.due) if at is not None]
+        waits_until = None if self._asked_at is None else self._asked_at + self.rules.policy.lease_us
+        if waits_until is not None and waits_until <= self._clock():
+            waits_until = None
+        found = [at for at in (self.rules.deadline, self._journal.due, waits_until) if at is not None]
         return min(found, default=None)
+
+    @property
+    def ends(self) -> bool:
+        """Whether it was asked to end."""
+        return self._asked_at is not None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it was asked to end, and waits for nothing any more."""
+        return self._asked_at is not None and self.rules.may_end(self._asked_at, self._clock())
+
+    def end(self) -> None:
+        """Ask it to end in good order."""
+        self._asked_at = self._clock()
 
     def step(self) -> None:
         """Do what is due: leases, waiting writes, last wills, the journal."""
@@ -131,6 +149,6 @@ class VirtualArbiter:
         self.keep()
 
     def close(self) -> None:
-        """End in order; the lines stay as they are."""
+        """It ends now; the lines stay as they are."""
         self.rules.end_pulses()
         self._records.close(self.rules.state)

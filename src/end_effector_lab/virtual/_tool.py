@@ -72,6 +72,7 @@ class VirtualTool:
     Attributes:
         at: µs since the start.
         bench: the simulated devices, as they really are.
+        arbiters: how many line arbiters have begun so far.
         memories: what outlives the arbiter; its disk can be made to fail.
         statuses: of the gripping program, in order, and ``changes`` those of the tool changer's.
         edges: of the output lines, in order.
@@ -108,6 +109,7 @@ class VirtualTool:
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         self._leap = self._leap_of(self._sources) if on_frame is None else None
+        self.arbiters = 0
         self._arbiter: VirtualArbiter | None = None
         self._own_publisher: PredicatePublisher | None = None
         self._programs: dict[str, Program] = {}
@@ -137,6 +139,11 @@ class VirtualTool:
     def living(self) -> frozenset[str]:
         """``arbiter``, ``grip`` and ``tool_change``, as far as they run."""
         return frozenset((*self._programs, *([ARBITER] if self._arbiter else [])))
+
+    @property
+    def ending(self) -> bool:
+        """Whether the arbiter was asked to end, and still waits for something."""
+        return self._arbiter is not None and self._arbiter.ends
 
     @property
     def latched(self) -> dict[str, str]:
@@ -197,6 +204,7 @@ class VirtualTool:
             for due, happens in waits:
                 if due <= self.at:
                     happens()
+            self._look_at_arbiter()
         return True
 
     # Births and deaths
@@ -218,12 +226,14 @@ class VirtualTool:
     def end(self, name: str) -> None:
         """The same in good order, as after SIGTERM; a part that is held is treated as the description says.
 
-        The arbiter ends at once, as after a second SIGTERM: it waits for no client, and cuts a pulse.
+        The arbiter ends when it waits for no last will and no pulse any more; asked once more, it ends at once.
         """
         if name == ARBITER and self._arbiter is not None:
-            self._arbiter.close()
-            self._arbiter = self._own_publisher = None
-            self._buses.end()
+            if self._arbiter.ends:
+                self._close_arbiter()
+            else:
+                self._arbiter.end()
+                self._look_at_arbiter()
         for program in self._named(name):
             if program in self._programs:
                 with suppress(WireError):  # then the arbiter executes its last will
@@ -234,12 +244,25 @@ class VirtualTool:
 
     def start(self, name: str) -> None:
         """Start what does not run; a program that finds no arbiter, or not its lines, tries again every 0.2 s."""
-        if name == ARBITER and self._arbiter is None:
+        if name == ARBITER and (self._arbiter is None or self._arbiter.ends):
             self._arbiter_starts = True
-            self._begin_arbiter()
+            if self._arbiter is None:
+                self._begin_arbiter()
         for program in self._named(name):
             if program not in self._programs:
                 self._start_program(program)
+
+    def _look_at_arbiter(self) -> None:
+        if self._arbiter is not None and self._arbiter.is_over:
+            self._close_arbiter()
+
+    def _close_arbiter(self) -> None:
+        if self._arbiter is not None:
+            self._arbiter.close()
+        self._arbiter = self._own_publisher = None
+        self._buses.end()
+        if self._arbiter_starts:
+            self._begin_arbiter()
 
     def _begin_arbiter(self) -> None:
         """As soon as the ports of its buses are free, and what hangs on them has reported how it stands."""
@@ -252,6 +275,7 @@ class VirtualTool:
         lines = ComposedLines(self._outputs, self._opened) if self._opened else self._outputs
         self._arbiter_starts, self._opened = False, None
         self._arbiter = VirtualArbiter(lines, self._policy, self.memories, self._now)
+        self.arbiters += 1
         if self._own is not None:
             sender = _ToArbiter(self, own=True)
             self._own_publisher = PredicatePublisher(self.description, clock=self._now, sender=sender)

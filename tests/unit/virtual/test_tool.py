@@ -14,7 +14,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import ChangerState, EndEffectorState
+from end_effector_hal.vocabulary import LEASE_US, ChangerState, EndEffectorState
 from end_effector_lab.testbench.physics import _magnet
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
@@ -48,8 +48,8 @@ def gripped(scenario: str = "nominal") -> VirtualTool:
     return tool
 
 
-def pending_cylinder() -> VirtualTool:
-    tool = ready()
+def pending_cylinder(scenario: str = "nominal") -> VirtualTool:
+    tool = ready(scenario=scenario)
     assert tool.command("grip").accepted
     assert tool.run_until(tool.at + 10_000_000, lambda: tool.levels[CYLINDER])
     return tool
@@ -160,6 +160,35 @@ def test_an_orderly_end_while_it_holds_lets_nothing_go() -> None:
     tool.start("hal")
     until(tool, GRIPPED)
     assert moved(tool, before) == []
+
+
+def test_an_arbiter_that_is_asked_to_end_executes_the_last_will_of_who_ends_a_moment_later() -> None:
+    tool = pending_cylinder()
+    before = len(tool.edges)
+    tool.end("arbiter")
+    tool.run(0.3)
+    tool.kill("hal")
+    tool.start("arbiter")
+    assert (tool.arbiters, tool.ending) == (1, True), "the next one comes when this one has gone"
+    tool.run(5.0)
+    assert moved(tool, before) == [(CYLINDER, False), (BOTTOM, False)]
+    assert (tool.arbiters, tool.ending) == (2, False)
+
+
+def test_an_arbiter_that_is_asked_to_end_waits_the_time_of_a_lease_for_who_lives() -> None:
+    tool = pending_cylinder("never-confirms:cylinder")
+    tool.end("arbiter")
+    asked_at = tool.at
+    assert tool.run_until(tool.at + 5_000_000, lambda: "arbiter" not in tool.living)
+    assert tool.at - asked_at == LEASE_US
+    tool = pending_cylinder()
+    tool.end("arbiter")
+    assert tool.run_until(tool.at + 5_000_000, lambda: "arbiter" not in tool.living)
+    assert tool.status.ee == GRIPPED, "from then on it would hold"
+    tool.start("arbiter")
+    tool.end("arbiter")
+    tool.end("arbiter")
+    assert "arbiter" not in tool.living, "asked twice, it waits for nobody"
 
 
 def test_a_latched_fault_survives_a_loss_of_power_but_not_on_a_disk_that_failed() -> None:

@@ -25,6 +25,7 @@ from end_effector_hal.wires.lines import LineBackend, RemoteLines
 _log = logging.getLogger("end_effector_hal.arbiter")
 MOST_WAITING = 64
 """Writes of one client."""
+LONGEST_PULSE_US = 2_000_000
 RETRY_US = 100_000
 """Between two tries of a deactivation that the hardware refuses."""
 DOUBT = "last wills"
@@ -301,6 +302,22 @@ class LineArbiter:
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)
+
+    def may_end(self, asked_at: int, at: int) -> bool:
+        """Whether an arbiter that was asked to end at ``asked_at`` has nothing to wait for any more.
+
+        A shutdown ends its clients a moment later: for the time of a lease it waits for those that have left a last
+        will. Last wills are executed to their end, but for one that cannot be: that is the next arbiter's. A pulse
+        lasts its time.
+        """
+        patient_until = asked_at + self.policy.lease_us
+        if self.pulses and at < patient_until + LONGEST_PULSE_US:
+            return False
+        dying = at < patient_until
+        return not any(
+            (session.ended and not session.stuck) or (dying and (session.ended or session.will))
+            for session in self.sessions
+        )
 
     @property
     def deadline(self) -> int | None:

@@ -28,7 +28,6 @@ from end_effector_hal.wires import Claim, listen, no_socket, now_us
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
-LONGEST_PULSE_US = 2_000_000
 
 
 class OwnInputs(Protocol):
@@ -166,16 +165,7 @@ class ArbiterServer(Closing):
             self._arbiter.predicates.unread = self._inputs.error
 
     def _is_over(self) -> bool:
-        if not self._stops:
-            return False
-        # a shutdown ends the clients a moment later: their last wills are still executed
-        dying = now_us() < self._stopped_at + self._grace_us
-        pulses = self._arbiter.pulses and now_us() < self._stopped_at + self._grace_us + LONGEST_PULSE_US
-        waits = pulses or any(
-            (session.ended and not session.stuck) or (dying and (session.ended or session.will))
-            for session in self._arbiter.sessions
-        )  # a will that cannot be executed is that of the next arbiter
-        return self._stops > 1 or not waits
+        return self._stops > 1 or (self._stops == 1 and self._arbiter.may_end(self._stopped_at, now_us()))
 
     def _wait_s(self) -> float | None:
         if self._connections.wait:
