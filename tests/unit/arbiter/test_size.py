@@ -66,6 +66,7 @@ def test_64_grippers_of_three_switches_each_and_a_tool_changer(
     greeted(path)
 
 
+@pytest.mark.thinned  # long
 def test_64_vacuums_that_blow_off_with_64_outputs_and_names_of_the_longest_kind(tmp_path: Path) -> None:
     path = tmp_path / "end_effector.yaml"
     cups = "".join(

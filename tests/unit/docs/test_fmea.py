@@ -33,6 +33,7 @@ def test_nothing_is_unexplained(name: str) -> None:
     assert {row["function"] for row in rows} == {"begin a grip", "grip", "hold", "release"}
 
 
+@pytest.mark.thinned  # long
 def test_one_is_the_same_when_it_is_played_again() -> None:
     """Virtual time from a seed: the same on every machine."""
     name, fault = "double_acting_jaw", "" if NIGHTLY else "stuck-release:jaw"

@@ -19,6 +19,7 @@ from end_effector_hal.signals import Frame
 from end_effector_lab.campaign import Case, CaseSource, CoverageMap, play_case
 from end_effector_lab.testbench import SensorBoard, Sent
 from end_effector_lab.virtual import VirtualTool
+from tests.support.nightly import first_of
 from tests.support.places import ROOT
 
 SHIPPED = load(profile_path())
@@ -64,7 +65,7 @@ def both(description: Description, fault: str, after: float) -> None:
     assert len(frames) > 100
 
 
-@pytest.mark.parametrize("after", [0.41, 2.5])
+@pytest.mark.parametrize("after", first_of([0.41, 2.5]))
 @pytest.mark.parametrize("fault", FAULTS)
 def test_the_same_at_the_same_times(fault: str, after: float) -> None:
     both(SHIPPED, fault, after)
@@ -77,7 +78,7 @@ def test_the_same_for_a_binary_codec(tmp_path: Path) -> None:
     both(load(file), "leak-grows:top_vacuum:2", 1.5)
 
 
-@pytest.mark.parametrize("name", ["six_cups", "area_gripper", "diy_text", "double_acting_jaw"])
+@pytest.mark.parametrize("name", first_of(["six_cups", "area_gripper", "diy_text", "double_acting_jaw"], 2))
 def test_the_same_for_other_tools(name: str) -> None:
     tool = load_tool(ROOT / "examples" / "tools" / name / "end_effector.yaml")
     both(tool, f"fails-once:{tool.sequence[0]}", 0.5)
@@ -147,7 +148,7 @@ def test_a_frame_that_is_asked_for_is_played() -> None:
     assert [frame.at for frame in frames] == list(range(0, 2_000_001, 20_000))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", first_of(range(8), 3))
 def test_random_runs_are_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     case, known = CaseSource(SHIPPED).fresh(Random(seed)), CoverageMap(SHIPPED)
     assert ended(case, known) == with_every_frame(case, known, monkeypatch)

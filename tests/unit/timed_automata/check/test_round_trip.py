@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.description import profile_path
+from tests.support.nightly import first_of
 from timed_automata import export, load_document, load_network, make_network, read_document
 from timed_automata.check import channel_ends
 
@@ -28,7 +29,7 @@ def constants(n: int) -> dict[str, object]:
     }
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 8, 32])
+@pytest.mark.parametrize("n", first_of([1, 3, 2, 8, 32], 2))
 def test_what_was_exported_is_the_same_network(n):
     given = load_network(SHIPPED, constants(n))
     written = export(given)

@@ -108,6 +108,7 @@ def test_an_edit_that_makes_no_difference_is_no_survivor(  # type: ignore[no-unt
     assert judge(edit, next(iter(baselines))).outcome == MutantOutcome.EQUIVALENT
 
 
+@pytest.mark.thinned  # long
 def test_an_edit_that_switches_an_edge_on_is_judged(shipped) -> None:  # type: ignore[no-untyped-def]
     edit = next(
         each
@@ -199,7 +200,7 @@ ONCE_UNNOTICED = [
 """Edits that no requirement noticed before: words of them, which one does today, and of which tool it is asked."""
 
 
-@pytest.mark.parametrize("case", first_of(ONCE_UNNOTICED, 2), ids=lambda each: each[1])
+@pytest.mark.parametrize("case", first_of(ONCE_UNNOTICED), ids=lambda each: each[1])
 def test_what_was_not_noticed_once(tool, baselines, case: tuple[str, str, str]) -> None:  # type: ignore[no-untyped-def]
     words, by, variant = case
     baseline = next(each for each in baselines if each.variant == variant)
