@@ -19,7 +19,7 @@ NOTHING_GRIPPED = "nothing_gripped"
 PARKED = "parked"
 """The tool is in its stand, or there is none (IL-02)."""
 E_STOP_CLOSED = "e_stop_closed"
-"""The e-stop input is read and closed (IL-13)."""
+"""The e-stop input is closed (IL-13); without a valid reading it is not said."""
 
 
 NO_FAULT, NO_LATCHED_FAULT = "no_fault:", "no_latching_fault:"
@@ -121,8 +121,10 @@ class Predicates:
             LOCKED: now.tool is ToolEvidence.LOCKED,
             NOTHING_GRIPPED: now.nothing_gripped,
             PARKED: now.in_stand,
-            E_STOP_CLOSED: bool(now.readings.get(self._e_stop, at)),
         }
+        # that nothing was read is no news of an open one, which would be latched
+        if (closed := now.readings.get(self._e_stop, at)) is not None:
+            all_said[E_STOP_CLOSED] = bool(closed)
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)) if now.faults.channels else ():
             well = now.faults.well(now.readings, at, latching=latching)
             all_said |= {word + channel: holds for channel, holds in well.items()}

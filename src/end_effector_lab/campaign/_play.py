@@ -287,7 +287,8 @@ class _CaseRun:
         if not self._until(self._is_still, longest):
             return "it does not come to rest"
         self._go(tool.at + round(known_s * 1e6))
-        self._reset()
+        if not self._reset():
+            return "a reset is refused"
         self._go(tool.at + 500_000)
         if self._changer_wants_lock() and not self._locks():
             return "it does not lock"

@@ -42,6 +42,7 @@ class VirtualConnection:
         self._lost: ArbiterError | None = None
         self._declared_dead = False
         self._faults: tuple[str, ...] = ()
+        self._latched: dict[str, str] = {}
         self.renews_at = clock() + RENEW_US
         """µs at which `renew` is to be called."""
         self._connect()
@@ -75,11 +76,13 @@ class VirtualConnection:
 
     def latch(self, fault: str, why: str) -> None:
         """Have one latched."""
-        self._call(lambda arbiter, session: arbiter.rules.latch(session, fault, why))
+        self._latched[fault] = why
+        self._tell_fault(lambda arbiter, session: arbiter.rules.latch(session, fault, why))
 
     def clear(self, fault: str) -> None:
         """End one that this program has latched."""
-        self._call(lambda arbiter, session: arbiter.rules.clear(session, fault))
+        self._latched.pop(fault, None)
+        self._tell_fault(lambda arbiter, session: arbiter.rules.clear(session, fault))
 
     def renew(self) -> tuple[ArbiterError | None, tuple[str, ...] | None]:
         """Renew the lease; returns why the connection was lost just now, and the faults if they are others."""
@@ -112,6 +115,13 @@ class VirtualConnection:
         arbiter.rules.renew(session, self._clock())
         return tuple(printable(why) for why in arbiter.rules.predicates.faults.values())
 
+    def _tell_fault(self, what: Callable[[VirtualArbiter, Session], None]) -> None:
+        try:
+            self._exchange(what)
+        except ArbiterError as error:
+            self._lost = error
+            raise
+
     def _call(self, what: Callable[[VirtualArbiter, Session], T]) -> T:
         if self._lost is not None:
             lost, self._lost = self._lost, None
@@ -137,7 +147,9 @@ class VirtualConnection:
         if arbiter is None:
             raise ArbiterError("the line arbiter cannot be reached.", todo="Start it.")
         try:
-            session = arbiter.rules.hello(self._client, self._token, self._lines, self._will, self._clock())
+            session = arbiter.rules.hello(
+                self._client, self._token, self._lines, self._will, self._clock(), faults=self._latched
+            )
         finally:
             arbiter.keep()
         self._arbiter, self._session = arbiter, session

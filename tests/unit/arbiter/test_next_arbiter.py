@@ -153,6 +153,10 @@ def test_what_a_client_has_latched_is_its_own_through_a_restart_of_the_arbiter()
     assert new.state.faults == {}
 
     new = LineArbiter(Lines(), policy, 0, state)
+    client = new.hello("changer", TOKEN, (UNLOCK,), (), 0, faults={})
+    assert new.state.faults == {}, "it was cleared while no arbiter was there"
+    new.reset(0)
+    new = LineArbiter(Lines(), policy, 0, state)
     new.expire(policy.lease_us)
     new.reset(policy.lease_us)
     assert new.state.faults == {}, "the client has gone"

@@ -16,6 +16,7 @@ from tests.support.keeping import (
     MS,
     POLICY,
     SENSING,
+    TOKEN,
     TOP,
     UNLOCK,
     Lines,
@@ -228,6 +229,28 @@ def test_what_a_client_has_latched_stays_until_that_client_clears_it_or_has_gone
     assert rules.predicates.faults == {"sensor_fault": why}
     rules.reset(arbiter.now)
     assert rules.predicates.faults == {}
+
+
+def test_a_client_that_connects_again_says_what_it_has_latched_by_now():
+    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    rules, why = arbiter.rules, {"sensor_fault": "IL-04: both bits are set."}
+
+    def again(faults):
+        arbiter.die(arbiter.changer)
+        arbiter.changer = rules.hello("changer", TOKEN, (UNLOCK,), (), arbiter.now, faults=faults)
+        arbiter.alive.append(arbiter.changer)
+
+    rules.latch(arbiter.changer, "sensor_fault", why["sensor_fault"])
+    again(why)
+    assert rules.reset(arbiter.now), "it is still this client's"
+    arbiter.die(arbiter.changer)
+    assert rules.reset(arbiter.now) == {}
+    arbiter.alive.append(arbiter.changer)
+    again({**why, "another": "that the policy does not list"})
+    assert rules.predicates.faults == why, "a reset while it was not there"
+    again({})
+    assert rules.predicates.faults == why, "it has gone without clearing it, as far as is known"
+    assert rules.reset(arbiter.now) == {}
 
 
 def test_what_two_clients_have_latched_ends_with_the_second():

@@ -85,6 +85,11 @@ def test_a_sensor_fault_outlives_a_reset_that_was_refused() -> None:
     assert played("scenario unlocked-shows:tool_changer:1; wait 8; reset; end hal") == {}
 
 
+def test_a_reset_that_is_accepted_while_no_line_arbiter_is_there_counts() -> None:
+    fault = "scenario unlocked-shows:tool_changer:1; wait 8; scenario nominal; wait 2"
+    assert played(f"{fault}; kill arbiter; reset; start arbiter; wait 5; reset") == {}
+
+
 def test_what_raises_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     def breaks(_: object, status: Status, *__: object) -> tuple[()]:
         if status.ee == EndEffectorState.GRIPPING:

@@ -86,7 +86,17 @@ def test_an_absent_tool_is_as_good_as_one_in_its_stand(feed: Feed) -> None:
 
 def test_what_is_stale_proves_nothing(feed: Feed) -> None:
     assert feed.predicates.advance(feed.at + 149 * MS) == ALL
-    assert feed.predicates.advance(feed.at + 150 * MS) == dict.fromkeys(ALL, False)
+    assert feed.predicates.advance(feed.at + 150 * MS) == dict.fromkeys(ALL.keys() - {"e_stop_closed"}, False)
+
+
+def test_an_e_stop_that_was_not_read_is_not_said_to_be_open(feed: Feed) -> None:
+    """It would be latched: a link that is silent, or not read yet, is no emergency stop."""
+    silent_us = feed.at + 1_000 * MS
+    assert "e_stop_closed" not in feed.predicates.advance(silent_us)
+    assert "e_stop_closed" not in feed(8, estop_ok=None)
+    assert feed(estop_ok=False)["e_stop_closed"] is False
+    unread = Predicates(load(profile_path()).model_copy(update={"e_stop": EStop()}), get_codec("ees1-ascii"))
+    assert "e_stop_closed" not in unread.advance(silent_us)
 
 
 def test_what_the_codec_does_not_carry_is_not_fitted() -> None:

@@ -68,6 +68,7 @@ class ArbiterClient:
         self._on_lost: Callable[[ArbiterError], None] | None = None
         self._on_faults: Callable[[tuple[str, ...]], None] | None = None
         self._faults: tuple[str, ...] = ()  # as on_faults knows them
+        self._latched: dict[str, str] = {}  # by this client
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._arbiter = Conversation(str(socket_path), timeout_s)
@@ -161,13 +162,16 @@ class ArbiterClient:
     def latch(self, fault: str, why: str) -> None:
         """Keep a fault that the arbiter's policy lists; `status` shows it, the first ``why`` stays.
 
-        While this client lives only its `clear` ends it; after that a `reset` does.
+        While this client lives only its `clear` ends it; after that a `reset` does. What could not be sent now is said
+        with the next connection.
         """
-        self._call("latch", fault=fault, why=why)
+        why = printable(why)
+        self._tell_faults("latch", {**self._latched, fault: why}, fault=fault, why=why)
 
     def clear(self, fault: str) -> None:
-        """End a fault that this client has latched, once it has been reset itself."""
-        self._call("clear", fault=fault)
+        """End a fault that this client has latched, once it has been reset itself; as `latch`."""
+        left = {name: why for name, why in self._latched.items() if name != fault}
+        self._tell_faults("clear", left, fault=fault)
 
     def reset(self) -> dict[str, str]:
         """Clear the latched faults; returns those of clients that live and have not been reset, sentences by name.
@@ -269,6 +273,15 @@ class ArbiterClient:
                     raise
                 return self._request(op, **fields)
 
+    def _tell_faults(self, op: str, latched: Mapping[str, str], **fields: str) -> None:
+        with self._lock:
+            self._latched = dict(latched)
+            try:
+                self._request(op, **fields)
+            except ArbiterError as error:
+                self._lost = error
+                raise
+
     def _raise_lost(self) -> None:
         if self._lost is not None:
             lost, self._lost = self._lost, None
@@ -313,7 +326,7 @@ class ArbiterClient:
         if self._lines:
             try:
                 will = [step.as_json() for step in self._will]
-                named = {"client": self._client, "token": self._token}
+                named = {"client": self._client, "token": self._token, "faults": self._latched}
                 reply = self._arbiter.exchange("hello", {**named, "lines": self._lines, "will": will})
                 self._declared_dead = self._declared_dead or bool(reply.get("overtaken"))
             except ReportedError:

@@ -3,7 +3,7 @@
 Requests have ``op``, and an ``id`` (an integer or a short text) that the reply repeats::
 
     {"id": 1, "op": "hello", "client": "grip", "token": "5be0cd191f83d9ab9b05688c2b3e6c1f",
-                           "lines": ["SODIMM_208"], "will": []}
+                           "lines": ["SODIMM_208"], "will": [], "faults": {}}
     {"id": 2, "op": "set", "levels": {"SODIMM_208": true},
                            "will": [{"line": "SODIMM_208", "level": false, "after_us": 0}],
                            "until_us": 815000000}
@@ -47,11 +47,12 @@ unless it is refused.
 
 **Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a
 restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client says so once it has been reset
-itself. What the arbiter latches itself for an interlock (IL-03, IL-13) has no limit that a client could use up.
-``reset`` clears all faults; it is refused with EE-403 for those whose cause persists (an open e-stop). A fault of a
-client that lives, and has not cleared it, stays as well: the reply has ``stays``, a sentence by name. ``stop`` latches
-what an open e-stop latches (IL-13): until a reset, also through a restart, nothing is activated, and no line is
-changed. A program that hears of it cancels the grip that runs.
+itself. A ``hello`` has all faults that the client has latched and not cleared: what it said to an arbiter or over a
+connection that was lost counts (left out: those that its last session had). What the arbiter latches itself for an
+interlock (IL-03, IL-13) has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403
+for those whose cause persists (an open e-stop). A fault of a client that lives, and has not cleared it, stays as well:
+the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop latches (IL-13): until a reset, also
+through a restart, nothing is activated, and no line is changed. A program that hears of it cancels the grip that runs.
 
 ``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what
 is over, and a stop only refuses. Such a connection is closed after 10 s without a message, and the oldest of them when
@@ -91,6 +92,8 @@ class LastWillRunsError(LineBusyError):
         self.retry_us = retry_us
 
 
+MOST_FAULTS = 16
+"""Of one client."""
 _TOKEN = re.compile("[0-9a-f]{32}")
 
 
@@ -123,6 +126,7 @@ class Request(NamedTuple):
     at_us: int = 0
     fault: str = ""
     why: str = ""
+    faults: Mapping[str, str] | None = None
 
 
 def read_id(message: Mapping[str, Any]) -> int | str | None:
@@ -154,6 +158,7 @@ def read_request(message: Mapping[str, Any]) -> Request:
 
 def _read_hello(message: Mapping[str, Any]) -> Request:
     role, client, token = message.get("role", ""), message.get("client"), message.get("token")
+    faults = message.get("faults")
     if role not in ("", SENSORS):
         raise UsageError(f"role must be left out, or {SENSORS}.")
     if not is_name(client):
@@ -165,7 +170,10 @@ def _read_hello(message: Mapping[str, Any]) -> Request:
     lines = message.get("lines")
     if not (isinstance(lines, list) and 0 < len(lines) <= MOST_LINES and all(map(is_name, lines))):
         raise UsageError(f"lines must be a list of 1 to {MOST_LINES} line names.")
-    return Request("hello", role, str(client), token, tuple(lines), will=_read_last_will(message))
+    if faults is not None and not _is_sentences(faults):
+        raise UsageError(f"faults must be an object of at most {MOST_FAULTS} sentences by name.")
+    will = _read_last_will(message)
+    return Request("hello", role, str(client), token, tuple(lines), will=will, faults=faults)
 
 
 def _read_set(message: Mapping[str, Any]) -> Request:
@@ -206,6 +214,14 @@ def _read_fault(message: Mapping[str, Any]) -> str:
 
 def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:
     return None if message.get("will") is None else read_last_will(message["will"])
+
+
+def _is_sentences(given: object) -> TypeGuard[dict[str, str]]:
+    return (
+        isinstance(given, dict)
+        and len(given) <= MOST_FAULTS
+        and all(is_name(name) and isinstance(why, str) and why for name, why in given.items())
+    )
 
 
 def _is_flags(given: object, most: int) -> bool:

@@ -118,10 +118,12 @@ class LineArbiter:
         *,
         pid: int = 0,
         program: str = "",
+        faults: Mapping[str, str] | None = None,
     ) -> Session:
         """A client connects to write these lines; one with the same name and token connects again.
 
-        ``pid`` and ``program``, the command line of its process, are for the sentences only.
+        ``pid`` and ``program``, the command line of its process, are for the sentences only. ``faults`` are those that
+        it has latched and not cleared, sentences by name; None: those of its session before.
 
         Raises:
             UsageError: there is no such line, or the last will names another one.
@@ -157,11 +159,11 @@ class LineArbiter:
                 todo="Stop that process: only one program writes a line.",
             )
         session = Session(client, token, frozenset(lines), (), at + self.policy.lease_us, pid, program)
-        session.faults = latched
         self._set_last_will(session, will)
         session.declared_dead = (client, token) in self._dead
         self._dead = deque((each for each in self._dead if each != (client, token)), maxlen=100)
         self.sessions.append(session)
+        self._take_over(session, latched, faults)
         _log.info("%s (%s) writes %s", client, session.process, ", ".join(lines))
         return session
 
@@ -334,6 +336,16 @@ class LineArbiter:
         for line in devices.activating():
             for interlock, why in self._interlocks.objections(line, at):
                 devices.withdraw((line,), f"{interlock}: {why}")
+
+    def _take_over(self, session: Session, before: set[str], faults: Mapping[str, str] | None) -> None:
+        """Latch what a client says that it has latched; what it had before and does not name, it has cleared."""
+        session.faults = before
+        if faults is None:
+            return
+        for name in before - faults.keys():
+            self.clear(session, name)
+        for name in self.predicates.client_faults & faults.keys():
+            self.latch(session, name, faults[name])
 
     def _latched_by(self) -> dict[str, str]:
         """The clients that live, by the faults that they have latched."""

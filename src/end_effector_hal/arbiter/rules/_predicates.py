@@ -49,7 +49,7 @@ class SensorPredicates:
         self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
         self._valid_us = valid_us
-        self._names, self._client_faults = (
+        self._names, self.client_faults = (
             frozenset(need.predicate for need in needs) - own,
             frozenset(client_faults),
         )
@@ -86,7 +86,7 @@ class SensorPredicates:
 
     def check_client_fault(self, name: str) -> None:
         """Raises UsageError if clients may not latch it, for the policy does not list it."""
-        _check_known(name, self._client_faults, "fault")
+        _check_known(name, self.client_faults, "fault")
 
     @property
     def stopped(self) -> str:

@@ -132,6 +132,7 @@ class RequestHandler:
             at,
             pid=connection.pid,
             program=connection.program,
+            faults=request.faults,
         )
         return {"overtaken": session.declared_dead}
 

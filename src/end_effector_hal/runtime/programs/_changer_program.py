@@ -55,10 +55,6 @@ class ChangerProgram(Program):
     def _fault_found(self) -> bool:
         return self._fault.found()
 
-    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
-        self._fault.faults_changed(faults)
-        return super()._keep_faults(faults)
-
     def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
         answer, statuses = super()._decide(name, until_us)
         if name == "reset" and answer.accepted:

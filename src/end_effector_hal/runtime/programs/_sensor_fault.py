@@ -6,7 +6,7 @@ import logging
 from typing import Any, Protocol
 
 from end_effector_hal.control import Status
-from end_effector_hal.errors import WireError
+from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime.arbiter import SENSOR_FAULT
 from end_effector_hal.vocabulary import ChangerFault
 
@@ -20,14 +20,14 @@ class FaultKeeper(Protocol):
         """With ``faults``: sentences by name."""
 
     def latch(self, fault: str, why: str) -> None:
-        """Latch one, with a sentence."""
+        """Latch one, with a sentence; what could not be sent is said with the next connection."""
 
     def clear(self, fault: str) -> None:
-        """End one that was latched."""
+        """End one that was latched; what could not be sent is said with the next connection."""
 
 
 class SensorFault:
-    """Whether the line arbiter keeps it, and what to do about that.
+    """Has the line arbiter latch it when the program shows it, and clear it when the program was reset.
 
     Args:
         keeper: the line arbiter.
@@ -35,35 +35,26 @@ class SensorFault:
 
     def __init__(self, keeper: FaultKeeper) -> None:
         self._keeper = keeper
-        self._kept = ""  # as the owner has it
-        self._is_reset = False
+        self._is_latched = self._is_reset = False
 
     def found(self) -> bool:
-        """Whether one was latched before, which this program takes over; raises WireError."""
-        self._is_reset = False
-        self._kept = self._keeper.status()["faults"].get(SENSOR_FAULT, "")
-        if self._kept:
-            self._keeper.latch(SENSOR_FAULT, self._kept)
-        return bool(self._kept)
+        """Whether one was latched before; raises WireError."""
+        self._is_latched = self._is_reset = False
+        return SENSOR_FAULT in self._keeper.status()["faults"]
 
     def reset(self) -> None:
-        """The automaton has accepted a reset: the owner clears the fault with the next status that shows none."""
+        """The automaton has accepted a reset: the next status that shows no fault clears it."""
         self._is_reset = True
 
-    def faults_changed(self, faults: tuple[str, ...]) -> None:
-        """The owner has these latched now: one that it has lost, and that is still shown, is latched again."""
-        if self._kept not in faults:
-            self._kept = ""
-
     def update(self, status: Status) -> None:
-        """Latch it as soon as a status shows it, clear it after a reset; what fails now the next status tries again."""
+        """A status is published. One that shows none and follows no reset clears nothing: a restart begins so."""
         shown = status.changer_fault == ChangerFault.SENSOR
         try:
-            if shown and not self._kept:
+            if shown and not self._is_latched:
+                self._is_latched = True
                 self._keeper.latch(SENSOR_FAULT, status.reason)
-                self._kept = status.reason
             elif not shown and self._is_reset:
+                self._is_latched = self._is_reset = False
                 self._keeper.clear(SENSOR_FAULT)
-                self._kept, self._is_reset = "", False
-        except WireError as error:
-            _log.warning("the line arbiter could not keep the sensor fault: %s", error)
+        except ReportedError as error:
+            _log.warning("the line arbiter is told of the sensor fault when it is back: %s", error)

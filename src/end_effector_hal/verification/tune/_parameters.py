@@ -60,7 +60,7 @@ class TunableKey:
 
     def with_value(self, part: Actuator, supply: Supply, value: float) -> Actuator | None:
         """The actuator with another value; None: alone it makes no sense there."""
-        tree = part.model_dump(by_alias=True)
+        tree = part.model_dump(by_alias=True, mode="json")
         place: Any = tree
         for key in self.path[:-1]:
             place = place[key]
