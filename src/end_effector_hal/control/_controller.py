@@ -119,7 +119,10 @@ class Controller:
         events = self._senses.frame(frame)
         self._write_levels()
         held = self._statuses.held
-        told = self._hold.sample(seen, held=held) | self._senses.noticed(seen, held=held)
+        # until the lines are adopted a part is only perhaps held, and its sensors may not have been read yet
+        told = self._hold.sample(seen, held=held and self._statuses.adopted) | self._senses.noticed(
+            seen, held=held
+        )
         for event in events:
             statuses += self._receive(event, self._at, seen)
         if not self._statuses.adopted and self._senses.conclusive:
@@ -135,7 +138,9 @@ class Controller:
         """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it."""
         self._at = max(self._at, frame.at)
         readings = PassingReadings(self._senses.now.readings, frame)
-        told = self._hold.sample(frame.at, held=self._statuses.held, readings=readings)
+        told = self._hold.sample(
+            frame.at, held=self._statuses.held and self._statuses.adopted, readings=readings
+        )
         return [self.status()] if told else []
 
     def _refuse_frame(self, at: int) -> list[Status]:
@@ -303,7 +308,7 @@ class Controller:
         """What the sensors prove at ``at`` without a frame, taken now; and whether that is news."""
         events = self._senses.advance(at)
         self._write_levels()
-        told = self._hold.sample(at, held=self._statuses.held)
+        told = self._hold.sample(at, held=self._statuses.held and self._statuses.adopted)
         statuses = [status for event in events for status in self._receive(event, self._at, stamp)]
         return statuses, bool(events) or told
 

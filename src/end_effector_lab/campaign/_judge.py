@@ -337,8 +337,14 @@ class Judge:
 
     def _may_be_let_go(self, name: str) -> bool:
         """Whether any ending is declared that does (only without IL-09), or its device hears nothing."""
-        held = self._description.endings_of(name).held
-        return "release" in (held.lost, held.sigterm, held.process_death) or self._reality.lets_go(name)
+        endings = self._description.endings_of(name)
+        held = endings.held
+        return "release" in (
+            held.lost,
+            held.sigterm,
+            held.process_death,
+            endings.power_up,
+        ) or self._reality.lets_go(name)
 
     def _is_unwound(self, name: str) -> bool:
         """Whether every ending before GRIPPED releases it."""

@@ -54,7 +54,10 @@ class Reality:
         """Note since when something is so."""
         self._note_lies()
         links = self._description.links
-        if any(self._tool.bench.silent(self._tool.at, name) for name in links):
+        unasked = (
+            self._description.register_outputs and "arbiter" not in self._tool.living
+        )  # who masters the bus
+        if unasked or any(self._tool.bench.silent(self._tool.at, name) for name in links):
             self._silent_at = self._tool.at
         for name in self._description.sequence:
             device = self._tool.bench.devices[name]

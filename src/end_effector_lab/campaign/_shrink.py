@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from end_effector_hal.description import Description
@@ -11,13 +12,20 @@ from ._coverage import CoverageMap
 from ._play import play_case
 
 MOST_PLAYS = 300
+MOST_S = 60.0
+"""Each play of a large tool takes seconds: the smallest case by then is one to work with."""
 
 
 def shrunk(
     description: Description, case: Case, same: Callable[[Mapping[str, str]], bool], known: CoverageMap
 ) -> Case:
-    """The smallest case found whose failures are still the ``same``; those of the case itself are."""
-    return shrunk_by(case, lambda tried: same(play_case(description, tried, known, enough=same).failures))
+    """The smallest case found within `MOST_S` whose failures are still the ``same``; those of the case itself are."""
+    until = time.monotonic() + MOST_S
+
+    def fails(tried: Case) -> bool:
+        return time.monotonic() < until and same(play_case(description, tried, known, enough=same).failures)
+
+    return shrunk_by(case, fails)
 
 
 def shrunk_by(case: Case, fails: Callable[[Case], bool], most: int = MOST_PLAYS) -> Case:

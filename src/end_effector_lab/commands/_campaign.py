@@ -31,7 +31,11 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
     "--runs", type=click.IntRange(1), metavar="N", help=f"End after N runs in all.  [default: {RUNS}]"
 )
 @click.option(
-    "--time", "seconds", type=click.FloatRange(min=0, min_open=True), metavar="S", help="End after S seconds."
+    "--time",
+    "seconds",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="S",
+    help="Begin no run after S seconds; what failed is then made smaller, for up to a minute each.",
 )
 @seed_option(default=0, help="Seed of all cases: the same seed gives the same runs.  [default: 0]")
 @click.option("--play", "file", metavar="FILE", type=PathName(), help="Play the case in FILE only.")

@@ -63,6 +63,10 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
         ("bistable_and_magnet", "grip; end arbiter; end arbiter", 0),
         # near its threshold a noisy sensor shows a vacuum as gone a moment before it is
         ("six_cups", "wait 3.64; drop", 91249183),
+        # a device that has let go because it heard nothing is told only once its bus is read again
+        ("epick_commanded", "grip; wait 0.6; kill arbiter; wait 9", 0),
+        # its trouble is over when it was dropped, and a reset is accepted then
+        ("epick_commanded", "grip; wait 2; scenario silent-after:0", 0),
         # no sensor reads the air
         ("double_acting_jaw", "scenario supply:0; wait 2; grip", 0),
         # a line arbiter that has never heard of a release does what it was left before: it holds

@@ -438,3 +438,44 @@ def test_two_coils_that_are_driven_at_once_are_driven_in_the_same_order_by_every
         for seed in ("1", "2")
     )  # fmt: skip
     assert one == other != ""
+
+
+OF_TWO_SOURCES = """
+schema: 2
+name: two_sources
+link: {port: /dev/ttyUSB0, baudrate: 115200, period_ms: 40, frame: {modbus: {timeout_ms: 20}}}
+inputs: {period_ms: 10}
+channels:
+  told: {modbus: {unit: 3, address: 0x0103}, on: [0]}
+  state: {modbus: {unit: 3, address: 0x0201}, on: [2]}
+  opened: {modbus: {unit: 3, address: 0x0202}, unit: "%", scale: 0.1, range: [0, 100]}
+  support_out: {digital: {line: DI_1, bias: pull_up, debounce_ms: 3}, invert: true}
+  support_in: {digital: {line: DI_2, bias: pull_up, debounce_ms: 3}, invert: true}
+sequence: [fingers, support]
+actuators:
+  fingers:
+    kind: gripper
+    modbus: {unit: 3, address: 0x0103, command_on: [0], command_off: [1000], verify: told, on_link_loss: hold}
+    on_power_loss: hold
+    evidence:
+      confirmed: {all: [{on: state}, {channel: opened, between: [20, 60]}], for_ms: 100}
+      gone: {channel: opened, above: 98, for_ms: 80}
+      lost: {any: [{not: {on: state}}, {channel: opened, below: 15}], for_ms: 80}
+      empty: {channel: opened, below: 2, for_ms: 200}
+    timeout_s: 7
+    release_s: 4
+  support:
+    {kind: cylinder, line: DO_1, opposite: {line: DO_2}, channel: none, extended_bit: support_out,
+     retracted_bit: support_in, timeout_s: 3}
+supply: {channel: none}
+"""
+
+
+def test_a_start_at_rest_tells_of_no_part_that_is_held(tmp_path: Path) -> None:
+    """Until the lines are adopted, an output that nobody has read yet counts as active."""
+    (tmp_path / "end_effector.yaml").write_text(OF_TWO_SOURCES)
+    tool = VirtualTool(load_tool(tmp_path / "end_effector.yaml"))
+    until(tool, STAND_BY)
+    told = [alarm for status in tool.statuses for alarm in status.alarms]
+    assert any(status.held for status in tool.statuses[:-1]), "nobody knows at first"
+    assert not [alarm for alarm in told if "while it holds a part" in alarm]

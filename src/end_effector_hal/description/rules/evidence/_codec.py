@@ -124,6 +124,8 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         bits = (("locked_bit", changer.locked_bit), ("unlocked_bit", changer.unlocked_bit))
         if missing := ", ".join(f"{key}: {bit}" for key, bit in bits if bit not in channels):
             yield f"tool changer: {missing}: a lock cannot be proven: IL-04 and IL-05 are off"
+            if any(bit in channels for _, bit in bits):
+                yield "tool changer: one bit of the two never proves LOCKED: no unlock is accepted"
         if changer.stand_bit not in channels:
             yield f"tool changer: stand_bit: {changer.stand_bit}: an unlock is armed first (IL-02)"
         elif changer.present_bit not in channels:
