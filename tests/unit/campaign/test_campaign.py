@@ -67,6 +67,8 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
         ("epick_commanded", "grip; wait 0.6; kill arbiter; wait 9", 0),
         # its trouble is over when it was dropped, and a reset is accepted then
         ("epick_commanded", "grip; wait 2; scenario silent-after:0", 0),
+        # what has stuck to a magnet falls when nothing sticks any more
+        ("bistable_and_magnet", "grip; wait 0.5; scenario sticks:magnet; wait 0.4; drop", 0),
         # no sensor reads the air
         ("double_acting_jaw", "scenario supply:0; wait 2; grip", 0),
         # a line arbiter that has never heard of a release does what it was left before: it holds

@@ -45,7 +45,13 @@ class HoldingMagnet(Device):
 
     @property
     def settled(self) -> bool:
-        return self.valve.settled and self._blow_off.settled and abs(self._target - self.field) < _STILL
+        falls = self._holds and self.field < _DROPS and not self._sticks
+        return (
+            not falls
+            and self.valve.settled
+            and self._blow_off.settled
+            and abs(self._target - self.field) < _STILL
+        )
 
     def command(self, active: bool, at: int) -> None:
         self._lost = self._lost and active
