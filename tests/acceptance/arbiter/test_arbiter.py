@@ -303,6 +303,43 @@ def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
         assert look.levels()[BOTTOM]
 
 
+LATCHING = Policy(LINES, lease_us=1_500_000, min_switch_us=0, faults=("sensor_fault",))
+
+
+def test_what_a_client_latches_or_clears_while_no_arbiter_is_there_is_told_to_the_next(bench):
+    with bench.arbiter(LATCHING):
+        grip = bench.client()
+        grip.latch("sensor_fault", "IL-04")
+    with pytest.raises(ArbiterError):
+        grip.clear("sensor_fault")
+    with bench.arbiter(LATCHING), bench.client("look", []) as look:
+        wait_until("it", lambda: not look.status()["faults"])
+        assert look.reset() == {}
+    with pytest.raises(ArbiterError):
+        grip.latch("sensor_fault", "another one")
+    with bench.arbiter(LATCHING), bench.client("look", []) as look:
+        wait_until("it", lambda: look.status()["faults"] == {"sensor_fault": "another one"})
+        grip.clear("sensor_fault")
+        assert look.status()["faults"] == {}
+        grip.close()
+
+
+def test_a_client_that_was_declared_dead_comes_back_with_what_it_has_latched(bench):
+    alive = threading.Event()
+    alive.set()
+    with bench.arbiter(LATCHING), bench.client() as grip, bench.client("look", []) as look:
+        grip.attend(alive=alive.is_set)
+        grip.latch("sensor_fault", "IL-04")
+        assert look.reset() == {"sensor_fault": "grip has latched sensor_fault, and has not been reset."}
+        alive.clear()
+        wait_until("it", lambda: look.reset() == {})
+        assert look.status()["faults"] == {}
+        alive.set()
+        wait_until("it", lambda: look.status()["faults"])
+        assert look.reset()
+        grip.clear("sensor_fault")
+
+
 def test_a_will_that_cannot_be_delivered_is_told(bench):
     with bench.arbiter():
         grip, other = bench.client(), bench.client("changer", [UNLOCK])
