@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
-from end_effector_hal.arbiter.rules._interlocks import Interlocks
+from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
@@ -63,7 +63,7 @@ class LineArbiter:
         self._stays: dict[str, str] = {}  # faults of lines that the hardware does not deactivate
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
-        self._interlocks = Interlocks(policy, self._lines, self.predicates)
+        self._interlocks = LineInterlocks(policy, self._lines, self.predicates)
         for line in self._interlocks.broken():
             _log.error("%s was found active together with a line that excludes it", policy.called(line))
         self._resume(state, at)

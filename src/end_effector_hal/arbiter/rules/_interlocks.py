@@ -11,7 +11,7 @@ from end_effector_hal.arbiter.rules._session import Session
 from end_effector_hal.errors import LineRefusedError
 
 
-class Interlocks:
+class LineInterlocks:
     """The interlocks of a policy; time is an argument, in µs.
 
     Args:

@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.arbiter import LineArbiter
 from end_effector_hal.arbiter.records import Journal
 from end_effector_hal.arbiter.rules import Session
-from end_effector_hal.arbiter.rules._interlocks import Interlocks
+from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._predicates import SensorPredicates
 
@@ -191,8 +191,8 @@ ARBITER: Mapping[str, WrongProduct] = {
         cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "no interlocks": WrongProduct(
-        lambda patch: patch.setattr(Interlocks, "check", lambda *_: None),
-        "arbiter/rules/_interlocks.py: Interlocks.check",
+        lambda patch: patch.setattr(LineInterlocks, "check", lambda *_: None),
+        "arbiter/rules/_interlocks.py: LineInterlocks.check",
         "grip; wait 0.2; scenario silent-after:0",
         "activation",
         cell="locked-shows:tool_changer:0 @ grip bottom_vacuum on + none",
