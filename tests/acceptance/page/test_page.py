@@ -190,6 +190,7 @@ def test_two_browsers_and_one_control(chromium: Any, nominal: Live) -> None:
     one.click("#control-take")
     shows(two, "control-who", "Page 1 has the control.")
     assert two.is_disabled("#control-take")
+    shows(two, "why-grip", "Take control first.")  # until the HAL is ready, it says why itself
     press_forbidden(two, "grip")
     shows(two, "answer", "Take control first.")
     one.click("#command-grip")
