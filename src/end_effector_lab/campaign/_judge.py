@@ -125,10 +125,10 @@ class Judge:
             for why in self._reality.against_a_grip():
                 self._object("refusals", f"a grip was accepted while {why}", at)
 
-    def dies(self, programs: frozenset[str]) -> None:
-        """These have died now, or were ended; before they do."""
+    def grip_dies(self) -> None:
+        """The gripping program is about to die, or to be ended."""
         tool = self._tool
-        if "grip" in programs and "grip" in tool.living:
+        if "grip" in tool.living:
             self._grip_runs, self._let_go = False, {}
             ee = tool.statuses[-1].ee
             if not self._held and (ee == GRIPPING or (ee == RELEASING and self._release_was_heard())):

@@ -185,7 +185,8 @@ class _CaseRun:
             self._coverer.suffer(rest)
         elif verb in (KILL, END):
             names = processes(rest)
-            judge.dies(frozenset(each for name in names for each in _parts(name)))
+            if {"grip", HAL}.intersection(names):
+                judge.grip_dies()
             for name in names:
                 (tool.kill if verb == KILL else tool.end)(name)
         elif verb == START:
@@ -353,7 +354,3 @@ def _changes_of_state(statuses: Sequence[Any]) -> list[Any]:
 def processes(name: str) -> tuple[str, ...]:
     """Those that a word of a case means."""
     return (HAL, ARBITER) if name == ALL else (name,)
-
-
-def _parts(name: str) -> tuple[str, ...]:
-    return ("grip", "tool_change") if name == HAL else (name,)

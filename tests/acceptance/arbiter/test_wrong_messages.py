@@ -52,6 +52,15 @@ pytestmark = pytest.mark.wall
         ({"op": "hello", "client": 3, "lines": [BOTTOM]}, "client must be a name"),
         ({"op": "hello", "client": "x", "lines": [BOTTOM]}, "token must be 32 random digits"),
         ({"op": "hello", "client": "x", "token": 7, "lines": [BOTTOM]}, "token must be 32 random digits"),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "faults": ["sensor_fault"]},
+            "faults must be an object",
+        ),
+        (
+            {"op": "hello", "client": "x", "token": TOKEN, "lines": [BOTTOM], "faults": {"sensor_fault": 1}},
+            "faults must be an object",
+        ),
+        ({"op": "clear", "fault": "sensor_fault"}, "say hello first"),
         ({"op": "hello", "client": "x", "token": "", "lines": [BOTTOM]}, "token must be 32 random digits"),
         (
             {"op": "hello", "client": "x", "token": "a" * 31, "lines": [BOTTOM]},

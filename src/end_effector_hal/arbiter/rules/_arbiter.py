@@ -26,11 +26,13 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 MOST_WAITING = 64
 """Writes of one client."""
 LONGEST_PULSE_US = 2_000_000
+"""An arbiter that ends waits at most so long for a pulse, once the lease of its clients is over."""
 RETRY_US = 100_000
 """Between two tries of a deactivation that the hardware refuses."""
 DOUBT = "last wills"
-LET_GO = "let go"
 """The name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
+LET_GO = "let go"
+"""The same, when a line went inactive while no arbiter ran."""
 
 
 class LineArbiter:

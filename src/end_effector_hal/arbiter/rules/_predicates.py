@@ -111,7 +111,10 @@ class SensorPredicates:
         return f"{need.latched}; reset the faults first" if latched else ""
 
     def reset(self, at: int, of_clients: Iterable[str]) -> list[str]:
-        """Clear the faults but these; those whose predicate is not freshly proven now stay: sentences of them."""
+        """Clear all faults but ``of_clients``, and but those whose predicate is not freshly proven now.
+
+        Returns a sentence for each of the latter.
+        """
         faults, self.faults = self.faults, {}
         stay = {
             name: f"{need.interlock}: {why}"

@@ -31,7 +31,8 @@ def command(description: Path, as_json: bool) -> None:
     stays = ""
     with ArbiterClient(socket_path(load_tool(description)), "eehal reset", patience_s=0) as arbiter:
         try:
-            stays = " ".join(arbiter.reset().values())
+            if left := arbiter.reset():
+                stays = f"{' '.join(left.values())} Reset it at the prompt, through ROS or on the page."
         except LineRefusedError as error:
             stays = str(error)
     if as_json:
