@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,8 +53,13 @@ def load_tool(path: str | Path) -> Description:
     return examination.description
 
 
-def match_codec(description: Description) -> CodecMatch:
-    """Hold a description against its codec."""
+def match_codec(description: Description, faulty: Collection[str] = ()) -> CodecMatch:
+    """Hold a description against its codec.
+
+    Args:
+        description: the tool.
+        faulty: channels whose declaration already has a fault.
+    """
     links = description.links
     if unusable := [fault for name in links if (fault := _unusable(description, name))]:
         return CodecMatch(tuple(unusable))
@@ -67,7 +72,7 @@ def match_codec(description: Description) -> CodecMatch:
     fresh = ((description.freshness_of(source.link), source.period_us / 1e6) for source in sources_of(codec))
     stale_s = max(max(each.stale_s, each.stale_periods * period_s) for each, period_s in fresh)
     channels = CodecChannels(
-        codec.name, codec.channels, codec.period_us, stale_s, shows_noise(codec), declared=declared
+        codec.name, codec.channels, codec.period_us, stale_s, shows_noise(codec), declared, frozenset(faulty)
     )
     return CodecMatch(
         tuple(sorted([*unproven(description, channels), *_hidden(description), *_too_short(description)])),

@@ -9,7 +9,7 @@ from typing import Any, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from end_effector_hal.description.model import Channel, Description, Link
+from end_effector_hal.description.model import Channel, Description, Link, PlainOutput
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 
@@ -52,6 +52,16 @@ def part_in(annotation: Any) -> type[Part] | None:
     if get_origin(annotation) is dict:
         return None
     return next(filter(None, map(part_in, get_args(annotation))), None)
+
+
+def top_mappings() -> dict[str, list[type[Part]]]:
+    """Keys at the top whose value is stanzas by the user's own names, and the models that one of these may have."""
+    return {
+        "links": [Link],
+        "channels": [Channel],
+        "actuators": [*actuator_stanzas().values()],
+        "outputs": [PlainOutput],
+    }
 
 
 def homes_of(key: str) -> list[str]:

@@ -146,7 +146,10 @@ def check(path: Path) -> Checked:
         from end_effector_hal.codecs import match_codec
         from end_effector_hal.nodes.interface import name_faults
 
-        match = match_codec(likely)
+        faulty = {
+            str(each.path[1]) for each in faults if each.path[:1] == ("channels",) and len(each.path) > 1
+        }
+        match = match_codec(likely, faulty)
         further: list[Fault] = sorted((*match.faults, *name_faults(likely)))
         faults += [each for each in further if not examination.is_broken(*each.path)]
         # without a codec nothing is put together

@@ -25,6 +25,7 @@ from end_effector_hal.errors import DescriptionError, Diagnostic
 from ._explain import explain, likely_kind, meant, no_kind, why_not
 from ._likely import likely
 from ._syntax import position
+from ._top_keys import read_as_meant
 from ._yaml import Reader
 
 
@@ -90,6 +91,7 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     if not isinstance(tree, dict):
         what = Fault.at(places.value(), "EE-203", "this is not a description", expected="keys with values")
         return None, [*faults, what], set()
+    faults += read_as_meant(tree, places)
     broken = set(reader.refused)
     plain = _plain_outputs(tree)
     kinds, guessed = _kinds(tree, places, broken)
@@ -167,11 +169,21 @@ def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str], pl
     """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
     if any(path[: len(each)] == each for each in refused):
         return True
-    if fault.code == "EE-206" and path[0] == "actuators" and len(path) > 1 and path[1] in plain:
-        return True
+    if path[0] == "actuators" and len(path) > 1:
+        if fault.code == "EE-206" and path[1] in plain:
+            return True
+        # what one kind needs, where the kind is a guess
+        of_a_kind = fault.code == "EE-225" if len(path) == 2 else fault.code == "EE-206" and len(path) == 3
+        if of_a_kind and path[1] in guessed and not _every_kind_needs(path[-1]):
+            return True
     stanzas = actuator_stanzas().values() if fault.code == "EE-205" else ()
     own_key = any(str(path[-1]) in fields_of(stanza) for stanza in stanzas)
     return own_key and path[0] == "actuators" and path[1] in guessed
+
+
+def _every_kind_needs(key: str | int) -> bool:
+    fields = (fields_of(stanza).get(str(key)) for stanza in actuator_stanzas().values())
+    return all(each is not None and each.is_required() for each in fields)
 
 
 def load(path: str | Path) -> Description:

@@ -97,6 +97,7 @@ class CodecChannels:
         stale_s: how long a reading counts, of the source where that is longest.
         noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
         declared: no codec is named: whatever is missing is to be declared under `channels`.
+        faulty: channels whose declaration has a fault: that they are not carried only follows from it.
     """
 
     codec: str
@@ -105,6 +106,7 @@ class CodecChannels:
     stale_s: float
     noise_shows: bool = True
     declared: bool = False
+    faulty: frozenset[str] = frozenset()
 
     def of(self, kind: Kind) -> tuple[str, ...]:
         """Channels that carry this, in the order of the codec."""
@@ -152,7 +154,7 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     }
     for use in uses(description):
         told = not use.bit and not use.condition and use.stanza in unproven
-        if told or use.channel in codec.channels:
+        if told or use.channel in codec.channels or use.channel in codec.faulty:
             continue
         quantity = any(key in _OF_QUANTITIES for key, _ in use.thresholds)
         kind = Kind.BIT if use.bit else Kind.QUANTITY if quantity else Kind.PRESSURE

@@ -23,6 +23,7 @@ from ._channels import (
     provers,
     too_soon,
     unwired,
+    uses,
 )
 from ._evidence import impossible_evidence, overlapping_evidence
 
@@ -44,8 +45,10 @@ def _unproven(
     description: Description, codec: CodecChannels, name: str, actuator: Actuator
 ) -> Iterator[Fault]:
     kind = kind_of(actuator)
+    asked = {use.channel for use in uses(description) if use.stanza[:2] == ("actuators", name)}
     # what conditions ask for and nothing carries is told channel by channel
-    if not kind.conditions(actuator) and not can_be_confirmed(actuator, codec):
+    told = bool(kind.conditions(actuator)) or not asked.isdisjoint(codec.faulty)
+    if not told and not can_be_confirmed(actuator, codec):
         what = f"{codec.codec} carries nothing that could confirm {name!r}"
         proof = next(each for each in kind.channels if each.confirms)
         place = description.place("actuators", name, proof.key)
