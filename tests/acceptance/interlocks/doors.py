@@ -386,15 +386,17 @@ no("IL-12", "socket", "maintenance is a mode of the program Grip; at the socket 
 def open_e_stop(rig: Rig) -> None:
     rig.odd["estop_ok"] = False
     rig.until(lambda: "e_stop_closed" in rig.faults())
+    # at the socket there is no program
+    rig.until(lambda: all("IL-13" in " ".join(each.status.alarms) for each in rig.units))
 
 
-@cell("IL-13", "action", r"IL-13: SODIMM_208 \(bottom_vacuum\) is not activated: the emergency stop is open")
+@cell("IL-13", "action", r"^IL-13: the emergency stop was opened\. Nothing is activated")
 def _(rig: Rig) -> str:
     open_e_stop(rig)
     return rig.action("grip")
 
 
-@cell("IL-13", "action", r"IL-13: SODIMM_206 \(unlock\) is not activated: the emergency stop is open")
+@cell("IL-13", "action", r"^IL-13: the emergency stop was opened\. Nothing is activated")
 def _(rig: Rig) -> str:
     open_e_stop(rig)
     said: list[str] = []
@@ -402,7 +404,7 @@ def _(rig: Rig) -> str:
     return said[-1]
 
 
-@cell("IL-13", "service", r"^IL-13: SODIMM_210 \(cylinder\) is not activated: the emergency stop is open")
+@cell("IL-13", "service", r"^IL-13: the emergency stop was opened\. Nothing is activated")
 def _(rig: Rig) -> str:
     open_e_stop(rig)
     return rig.service("cylinder", True).reason

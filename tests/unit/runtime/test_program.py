@@ -387,3 +387,20 @@ def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) 
     assert tool.program.status.ee is EndEffectorState.GRIPPED
     assert tool.lines.active == before
     assert tool.command("drop").accepted, "a stop refuses activations only"
+
+
+def test_an_open_e_stop_refuses_a_grip_at_once_until_a_reset_and_cancels_nothing(tool: Tool) -> None:
+    opened = "IL-13: the emergency stop was opened."
+    tool.run(60)
+    tool.program.faults_changed((opened,))
+    tool.idle()
+    refused = Answer(False, f"{opened} Nothing is activated until it is closed and the faults are reset.")
+    assert tool.command("grip") == refused
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
+    tool.program.faults_changed(())
+    tool.idle()
+    assert tool.command("grip").accepted
+    tool.run(2)
+    tool.program.faults_changed((opened,))
+    tool.idle()
+    assert tool.program.status.ee is EndEffectorState.GRIPPING, "only the next activation is refused"

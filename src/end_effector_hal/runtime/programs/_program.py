@@ -33,6 +33,7 @@ HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
 STILL_US = 30_000_000
 """Longer than all programs of a tool take to end and to start again."""
 RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
+UNTIL_RESET = "Nothing is activated until it is closed and the faults are reset."
 ACTIVATING = ("grip", "unlock", "activate")
 """Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
 
@@ -76,6 +77,7 @@ class Program(ABC):
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
+        self._e_stop_opened = ""  # that of an e-stop, and what to do
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
@@ -196,6 +198,8 @@ class Program(ABC):
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
         self._faults = faults
         self._stopped = latched_stop(faults)
+        opened = next((each for each in faults if each.startswith("IL-13")), "")
+        self._e_stop_opened = opened and f"{opened} {UNTIL_RESET}"
         return []  # only the notices change
 
     def _due(self) -> int | None:
@@ -216,7 +220,7 @@ class Program(ABC):
                 return "Nothing can be activated while the line arbiter is lost."
             if self._still_until > self._clock():
                 return RELOADING
-            return self._stopped
+            return self._stopped or self._e_stop_opened
         return ""
 
     def _unrest(self) -> str:
