@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import timeit
 from collections.abc import Generator
 from functools import lru_cache
@@ -18,7 +19,12 @@ from end_effector_hal.description import Description, load, profile_path
 from timed_automata.language._parser import _lark
 
 # how long an example takes says something of the machine only
-settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "untimed",
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    max_examples=1000 if "EEHAL_NIGHTLY" in os.environ else 40,
+)
 settings.load_profile("untimed")
 
 _TCP_LEFT_OPEN = (

@@ -11,7 +11,7 @@ from itertools import pairwise
 from end_effector_hal.description import CODES
 from end_effector_hal.errors import DescriptionError, ReportedError
 
-from ._markdown import ROOT, plain, table, text_of, trees
+from ._markdown import ROOT, nodes, plain, table, text_of
 
 FAULTS = ROOT / "tests" / "unit" / "description" / "faults"
 MOST = 4
@@ -46,8 +46,8 @@ def _of_descriptions() -> Iterator[str]:
 
 def _in_the_source() -> Iterator[tuple[str, str]]:
     """Of what tests have no example: the code of a fault, and the sentence behind it."""
-    for _, tree in trees("src"):
-        for node in ast.walk(tree):
+    for _, inside in nodes("src"):
+        for node in inside:
             if isinstance(node, ast.Call):
                 for code, sentence in pairwise(map(text_of, node.args)):
                     if code in CODES and sentence:
@@ -84,8 +84,8 @@ def _kinds(kind: type[ReportedError]) -> Iterator[type[ReportedError]]:
 
 def _raised() -> dict[str, list[tuple[str, str]]]:
     found: dict[str, dict[str, str]] = defaultdict(dict)
-    for _, tree in trees("src"):
-        for node in ast.walk(tree):
+    for _, inside in nodes("src"):
+        for node in inside:
             match node:
                 case ast.Call(func=ast.Name(id=name), args=[first, *_], keywords=keywords) if text_of(first):
                     advice = next((text_of(each.value) for each in keywords if each.arg == "todo"), "")

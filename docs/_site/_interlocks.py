@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from end_effector_hal.description import schema
 from end_effector_hal.page.view import RULES
@@ -13,7 +14,8 @@ from ._markdown import link, plain, strings, tests_with
 
 def interlocks() -> str:
     """All of them, in their order."""
-    parts = [part for name, rule in RULES.items() for part in _interlock(name, rule)]
+    stanzas = schema()["$defs"]
+    parts = [part for name, rule in RULES.items() for part in _interlock(name, rule, stanzas)]
     tests = "## Tests\n\n`grep -rn IL-09 tests` finds those of one; the site lists them here."
     return "\n\n".join((*parts, tests, "<!-- written by docs/_site: interlock-tests -->"))
 
@@ -26,32 +28,29 @@ def interlock_tests() -> str:
     )
 
 
-def _interlock(name: str, rule: str) -> Iterator[str]:
+def _interlock(name: str, rule: str, stanzas: Mapping[str, Any]) -> Iterator[str]:
     yield f"## {name}: {rule[0].lower()}{rule[1:]}"
-    switches = schema()["$defs"]["Interlocks"]["properties"]
     yield (
         f"It can be switched off in the description: `interlocks: {{{name}: false}}`."
-        if name in switches
+        if name in stanzas["Interlocks"]["properties"]
         else "It cannot be switched off."
     )
-    said = sorted(
-        {text for _, text in strings("src") if text.startswith(f"{name}: ")} - set(_keys(name).values())
-    )
+    keys = _keys(name, stanzas)
+    said = sorted({text for _, text in strings("src") if text.startswith(f"{name}: ")} - set(keys.values()))
     if said:
         yield "It says:"
         yield "\n".join(f"- {plain(each)}" for each in said)
-    if keys := _keys(name):
+    if keys:
         yield "Keys of it, in [the description](description.md):"
         yield "\n".join(
             f"- `{key}`: {plain(text.removeprefix(f'{name}: '))}" for key, text in sorted(keys.items())
         )
 
 
-def _keys(name: str) -> dict[str, str]:
-    defined = schema()["$defs"].items()
+def _keys(name: str, stanzas: Mapping[str, Any]) -> dict[str, str]:
     return {
         f"{stanza}.{key}".removeprefix("Interlocks."): each["description"]
-        for stanza, part in defined
+        for stanza, part in stanzas.items()
         for key, each in part.get("properties", {}).items()
         if each.get("description", "").startswith(f"{name}: ")
     }

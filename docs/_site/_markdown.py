@@ -44,14 +44,18 @@ def trees(folder: str) -> tuple[tuple[Path, ast.Module], ...]:
 
 
 @cache
+def nodes(folder: str) -> tuple[tuple[Path, tuple[ast.AST, ...]], ...]:
+    """Each Python file below a folder of the repository, with all that stands in it."""
+    return tuple((path, tuple(ast.walk(tree))) for path, tree in trees(folder))
+
+
+@cache
 def strings(folder: str) -> tuple[tuple[Path, str], ...]:
     """Each text in the code below a folder, with its file; ``{…}`` stands for what is filled in."""
     found = []
-    for path, tree in trees(folder):
-        parts = {
-            id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values
-        }
-        found += [(path, text_of(node)) for node in ast.walk(tree) if text_of(node) and id(node) not in parts]
+    for path, inside in nodes(folder):
+        parts = {id(part) for node in inside if isinstance(node, ast.JoinedStr) for part in node.values}
+        found += [(path, text_of(node)) for node in inside if text_of(node) and id(node) not in parts]
     return tuple(found)
 
 

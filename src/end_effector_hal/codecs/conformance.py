@@ -21,7 +21,11 @@ from end_effector_hal.codecs._codec import Codec, Decoder
 from end_effector_hal.codecs._registry import declared
 from end_effector_hal.signals import Frame, Kind, Value
 
-EXAMPLES = settings(suppress_health_check=[HealthCheck.differing_executors], deadline=None, max_examples=50)
+EXAMPLES = settings(
+    suppress_health_check=[HealthCheck.differing_executors],
+    deadline=None,
+    max_examples=settings().max_examples // 2,  # of the profile that is loaded
+)
 
 
 class CodecConformance:

@@ -121,6 +121,7 @@ def test_a_grip_right_after_the_reset_of_a_stop(started: list[Started]) -> None:
     assert tool.process.returncode == 1
 
 
+@pytest.mark.nightly  # a stop from another terminal has a prompt, too
 def test_commands_come_from_the_prompt(started: list[Started]) -> None:
     tool = Started()
     started.append(tool)
@@ -128,7 +129,7 @@ def test_commands_come_from_the_prompt(started: list[Started]) -> None:
     assert (tool.process.returncode, "LOCK: succeeded" in out) == (0, True)
 
 
-@pytest.mark.parametrize("number", first_of([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], 2))
+@pytest.mark.parametrize("number", first_of([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], 1, 1))
 def test_a_signal_leaves_no_process_and_no_file(number: signal.Signals, started: list[Started]) -> None:
     tool = Started("--script", "lock; grip; wait 600")
     started.append(tool)

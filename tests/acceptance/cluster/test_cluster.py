@@ -72,6 +72,7 @@ def test_the_cells_of_a_worker_that_is_killed_are_played_by_others(
     assert found == here
 
 
+@pytest.mark.thinned  # long
 def test_a_campaign_is_the_same_on_any_workers(workers: Workers, tmp_path: Path) -> None:
     def go_on(_: Campaign, run: int) -> bool:
         return (
@@ -87,6 +88,7 @@ def test_a_campaign_is_the_same_on_any_workers(workers: Workers, tmp_path: Path)
     assert runs[0] == runs[1]
 
 
+@pytest.mark.nightly  # long; above, the cells of one that is killed
 @pytest.mark.timeout(600)  # two programs, a scheduler and two workers begin
 def test_a_sweep_goes_on_when_one_of_two_workers_is_killed(bare: Cluster, tmp_path: Path) -> None:
     worker, _ = (bare.worker("--nthreads", "1", "--no-nanny") for _ in range(2))

@@ -27,7 +27,14 @@ def unwound(hal: Hal, goal: Goal) -> Message:
     return result
 
 
-@pytest.mark.parametrize(("actuator", "lines"), [("bottom_vacuum", 1), ("cylinder", 2), ("top_vacuum", 3)])
+@pytest.mark.parametrize(
+    ("actuator", "lines"),
+    [
+        ("top_vacuum", 3),
+        pytest.param("bottom_vacuum", 1, marks=pytest.mark.nightly),
+        pytest.param("cylinder", 2, marks=pytest.mark.nightly),
+    ],
+)
 def test_a_cancel_at_each_step_of_a_grip_unwinds_in_reverse_order(
     resting: Hal, actuator: str, lines: int
 ) -> None:

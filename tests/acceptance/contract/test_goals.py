@@ -181,6 +181,7 @@ def test_a_client_that_vanishes_leaves_its_grip_to_go_on(resting: Hal, client: C
     assert resting.wait_for("GRIPPED")["held"]
 
 
+@pytest.mark.nightly
 def test_another_client_drops_what_one_that_vanished_has_gripped(
     holding: Hal, client: Callable[[], Driver]
 ) -> None:

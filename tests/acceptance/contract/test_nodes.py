@@ -105,6 +105,7 @@ def test_a_goal_in_flight_is_answered_when_hal_main_ends(resting: Hal, number: s
         resting.wait_for("GRIPPED")  # the grip went on without it
 
 
+@pytest.mark.nightly
 def test_a_goal_of_a_hal_main_that_is_killed_never_succeeds(resting: Hal) -> None:
     goal = at_the_last_step(resting)
     resting.kill("HALMain")
@@ -155,6 +156,7 @@ def test_a_command_to_a_node_that_hangs_is_never_executed(holding: Hal) -> None:
     assert holding.edges() == edges
 
 
+@pytest.mark.nightly
 def test_more_goals_than_are_kept_are_refused_in_words(holding: Hal) -> None:
     if together(holding):
         return  # as above

@@ -50,6 +50,7 @@ def test_a_wrong_parameter_is_said_in_one_sentence(hal: Hal, case: str) -> None:
     assert (code, words in said) == (2, True), said
 
 
+@pytest.mark.nightly
 def test_a_description_with_a_fault_is_told_with_its_place(hal: Hal, tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
     path.write_text(profile_path().read_text().replace("timeout_s: 5.0", "timeout_s: 5 s"), encoding="utf-8")
@@ -58,6 +59,7 @@ def test_a_description_with_a_fault_is_told_with_its_place(hal: Hal, tmp_path: P
     assert said.startswith(f"position: {path}:25:16: 'timeout_s' is of the wrong type"), said
 
 
+@pytest.mark.nightly
 def test_a_name_that_belongs_to_the_nodes_is_refused_with_its_place(hal: Hal, tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
     text = profile_path().read_text().replace("service: SetCylinder", "service: grip/command")
@@ -66,6 +68,7 @@ def test_a_name_that_belongs_to_the_nodes_is_refused_with_its_place(hal: Hal, tm
     assert (code, ":38:14: service 'grip/command' belongs to the nodes" in said) == (2, True), said
 
 
+@pytest.mark.nightly
 def test_a_limit_of_a_recording_that_is_no_number_is_refused(hal: Hal, tmp_path: Path) -> None:
     parameters = {"description": hal.world.description_path.absolute(), "directory": tmp_path}
     code, said = ended(hal, "data_logger", **parameters, segment_mb="many")

@@ -68,6 +68,7 @@ def test_a_late_joiner_first_sees_that_a_part_is_held(resting: Hal, client: Call
     assert states.messages[0]["count"] >= gripped["count"]
 
 
+@pytest.mark.nightly
 def test_a_late_joiner_sees_no_old_held(holding: Hal, client: Callable[[], Driver]) -> None:
     """A queue of earlier messages would say for a while that the part which was dropped is held."""
     late = client()
@@ -185,6 +186,7 @@ def test_the_cylinder_and_the_joints_move_by_their_sensors_alone(
     assert (places.messages[first - 1]["fraction"], places.newest["fraction"]) == (0.0, 1.0)
 
 
+@pytest.mark.nightly
 def test_a_weak_grip_is_told_until_it_is_over_and_reset(resting: Hal, heard: Mapping[str, Heard]) -> None:
     health = heard["/diagnostics"]
     resting.choose("leak:top_vacuum")

@@ -81,6 +81,7 @@ def test_one_link_falls_silent_while_held_and_comes_back(world: World) -> None:
         )
 
 
+@pytest.mark.nightly  # one that falls silent comes back, too
 def test_a_port_that_is_unplugged_comes_back_while_the_other_goes_on(tmp_path: Path) -> None:
     with World(load_tool(TOOL), "nominal", tmp_path) as world, EndEffector.open(world.description) as tool:
         tool.wait_ready(READY_S)

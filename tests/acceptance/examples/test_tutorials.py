@@ -22,7 +22,6 @@ PICTURES = {
     "my-own-tool": {"mine.svg": "my-tool.svg"},
 }
 """Of each tutorial, what it leaves and its page shows; ``EEHAL_UPDATE=1`` copies them."""
-IN_MAKE_TEST = "my-first-proof"
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
 
 
@@ -49,9 +48,8 @@ def printed(lines: list[str]) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=[pytest.mark.thinned] * (each != IN_MAKE_TEST)) for each in PICTURES]
-)
+@pytest.mark.thinned  # long
+@pytest.mark.parametrize("name", PICTURES)
 def test_the_commands_print_what_the_page_says(
     fresh: Environment, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

@@ -152,6 +152,7 @@ def test_the_death_of_the_program_while_gripping_unwinds_in_reverse(world: World
     assert released == list(reversed(GRIPPING_LINES))
 
 
+@pytest.mark.thinned
 def test_the_death_of_the_program_releases_what_is_declared_and_no_more(tmp_path: Path) -> None:
     """The bottom vacuum holds when its program dies, the others are unwound; a Drop releases it, too."""
     mixed = declared(bottom_vacuum={"gripping": {"process_death": "hold"}})

@@ -67,7 +67,7 @@ def in_2038(frames: list[Frame]) -> list[Frame]:
     ("fault", "why"),
     [
         (leave, "feed() raised SystemExit: a codec ends its thread"),
-        (in_2038, "a frame whose stamp is ahead of now"),
+        pytest.param(in_2038, "a frame whose stamp is ahead of now", marks=pytest.mark.nightly),
     ],
 )
 def test_a_codec_that_fails_while_gripped_lets_nothing_go(

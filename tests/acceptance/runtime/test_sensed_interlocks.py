@@ -6,7 +6,6 @@ import os
 import signal
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -19,6 +18,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.demo._world import World
+from tests.support.nightly import NIGHTLY
 from tests.support.patience import wait_until
 from tests.support.stopped import stop
 
@@ -90,18 +90,15 @@ class Rhythm:
         self.breaks += late
 
 
-def test_what_one_command_has_proven_the_next_may_rest_on_at_once(tmp_path: Path) -> None:
+def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
     """The owner knows of a frame before the program that decides by it, and so does the other program.
 
     A machine that stands still makes frames late, and then a refusal is right: only rounds without such a break count.
     """
-    with (
-        World(load(profile_path()), "nominal", tmp_path) as world,
-        EndEffector.open(world.description) as tool,
-    ):
+    with EndEffector.open(world.description) as tool:
         rhythm, rounds = Rhythm(tool), 0
         tool.wait_ready(30.0)
-        while rounds < 5:
+        while rounds < (5 if NIGHTLY else 3):
             wait_until("the tool is locked", lambda: tool.lock().succeeded)
             wait_until("a second of regular frames", lambda: rhythm.regular > 50)
             before = rhythm.breaks

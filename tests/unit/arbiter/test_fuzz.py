@@ -16,8 +16,8 @@ from tests.support.nightly import examples
 from tests.unit.arbiter.grammar import Grammar
 from tests.unit.arbiter.stepping import MS, Peer, S, Stepped
 
-BLOCKS = examples(5, 100) // 5
-RUNS = 5
+BLOCKS = examples(2, 100) // 2
+RUNS = 2
 """Of a block, each from its seed."""
 STEPS, MOST_PEERS, MOST_GROWTH = 60, 50, 64 << 20
 

@@ -67,7 +67,7 @@ def test_it_is_checked_without_an_edit(actuators: str, options: tuple[str, ...])
     assert (tool.lines.backend == "virtual") is ("--virtual" in options)
 
 
-@pytest.mark.parametrize("number", first_of([1, 9, 3, *sorted({*range(len(TOOLS))} - {1, 9, 3})], 1, 2))
+@pytest.mark.parametrize("number", first_of([0, 1, 9, *sorted({*range(len(TOOLS))} - {0, 1, 9})], 1, 2))
 def test_it_is_proven_without_an_edit(number: int) -> None:
     tool = written(*TOOLS[number])
     proof = prove(load_network(tool.automata_path, model_constants(tool)))

@@ -194,6 +194,7 @@ def test_any_uppaal_file_is_drawn() -> None:
     ET.parse("out/Lamp.svg")
 
 
+@pytest.mark.thinned  # long
 def test_the_requirements_that_need_an_edge_are_printed() -> None:
     told = run("show", "--template", "Changer", "--edges", "-o", "out").stdout.splitlines()
     edges = json.loads(run("show", "--template", "Changer", "-o", "out", "--json").stdout)["edges"]["Changer"]

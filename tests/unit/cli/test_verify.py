@@ -260,6 +260,7 @@ def test_a_fourth_actuator_needs_no_bounds() -> None:
     )
 
 
+@pytest.mark.thinned  # long
 def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() -> None:
     text = profile_path().read_text(encoding="utf-8")
     Path("tool.yaml").write_text(text.replace("release_s: 6.2", "release_s: 6.0"), encoding="utf-8")

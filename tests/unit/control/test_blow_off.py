@@ -13,6 +13,7 @@ from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.support.blown import BOTTOM_AIR, TOP_AIR, BlownTool, blown
 from tests.support.declared import declared
+from tests.support.nightly import first_of
 
 BOTTOM, CYLINDER, TOP = "SODIMM_208", "SODIMM_210", "SODIMM_212"
 MS = 1000
@@ -190,7 +191,7 @@ def test_the_line_arbiter_bounds_it_and_keeps_the_tool_locked_meanwhile() -> Non
     assert [each.line for each in guarded.partners(TOP_AIR)] == [TOP]
 
 
-@pytest.mark.parametrize("until_gone", [False, pytest.param(True, marks=pytest.mark.thinned)])
+@pytest.mark.parametrize("until_gone", first_of([False, True], 0, 1))
 def test_it_is_proven_and_its_time_is_in_the_bounds(until_gone: bool) -> None:
     proof = prove(network_of(blown(until_gone=until_gone)))
     assert [finding.id for finding in proof.findings if not finding.holds] == []

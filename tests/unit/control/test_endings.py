@@ -52,13 +52,14 @@ def drop_releases_everything(tool: VirtualTool) -> None:
 
 HOLDS = first_of(
     [
-        (False, False, False),
         (False, True, True),
-        (True, True, True),
         (True, False, False),
+        (False, False, False),
+        (True, True, True),
         (False, True, False),
     ],
-    3,
+    1,
+    2,
 )
 
 

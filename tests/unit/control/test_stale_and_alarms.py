@@ -62,8 +62,15 @@ def tools() -> list[Description]:
     return [*shipped, with_e_stop]
 
 
+def when(number: int, change: Change, seen: set[Change]) -> list[pytest.MarkDecorator]:
+    """In each run each channel left out, and each change once; in CI each of the shipped tool."""
+    if change is left_out or change not in seen:
+        return []
+    return [pytest.mark.nightly if number else pytest.mark.thinned]
+
+
 def cases() -> list[object]:
-    found = []
+    found, seen = list[object](), set[Change]()
     for number, tool in enumerate(tools()):
         kinds = get_codec(tool.link.codec).channels
         watched = {part.channel for part in (*tool.actuators.values(), tool.supply) if part.frozen_s}
@@ -73,8 +80,8 @@ def cases() -> list[object]:
             changes += [frozen] if channel in watched else []
             for change in changes:
                 name = f"{tool.name}-{channel}-{change.__name__}"
-                marks = [pytest.mark.thinned] if number and change is not left_out else []
-                found.append(pytest.param(tool, channel, change, id=name, marks=marks))
+                found.append(pytest.param(tool, channel, change, id=name, marks=when(number, change, seen)))
+                seen.add(change)
     return found
 
 

@@ -89,7 +89,10 @@ def test_another_description_takes_the_place_of_the_installed_one_if_it_has_no_f
 
 @pytest.mark.parametrize(
     ("program", "units"),
-    [("eehal-hal", {"eehal-hal"}), ("eehal-hal-ros2", {"eehal-hal-ros2", "eehal-logger-ros2"})],
+    [
+        pytest.param("eehal-hal", {"eehal-hal"}, marks=pytest.mark.thinned),
+        ("eehal-hal-ros2", {"eehal-hal-ros2", "eehal-logger-ros2"}),
+    ],
 )
 def test_the_nodes_are_those_of_the_ros_that_the_folder_was_built_for(
     prefix: Path, program: str, units: set[str]

@@ -50,25 +50,25 @@ def check(text: str) -> None:
 
 
 @given(st.text())
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 def test_arbitrary_text(text: str) -> None:
     check(text)
 
 
 @given(st.lists(pieces, max_size=40).map("".join))
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 def test_arbitrary_pieces_of_yaml(text: str) -> None:
     check(text)
 
 
 @given(st.integers(0, len(SHIPPED)))
-@settings(max_examples=examples(37, 1500), deadline=None)
+@settings(max_examples=examples(20, 1500), deadline=None)
 def test_a_truncated_description(end: int) -> None:
     check(SHIPPED[:end])
 
 
 @given(st.lists(st.tuples(st.integers(0, len(SHIPPED)), st.integers(0, 12), pieces), min_size=1, max_size=4))
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 def test_a_damaged_description(damages: list[tuple[int, int, str]]) -> None:
     text = SHIPPED
     for start, length, piece in damages:
@@ -77,7 +77,7 @@ def test_a_damaged_description(damages: list[tuple[int, int, str]]) -> None:
 
 
 @given(st.permutations(range(len(LINES))), st.integers(2, len(LINES)))
-@settings(max_examples=examples(25, 1000), deadline=None)
+@settings(max_examples=examples(20, 1000), deadline=None)
 def test_lines_out_of_order(order: list[int], count: int) -> None:
     check("".join(LINES[index] for index in order[:count]))
 
@@ -100,7 +100,7 @@ values = st.recursive(
 @given(st.dictionaries(st.sampled_from(KEYS), values, max_size=8))
 @example({"actuators": {"[key]": None}})
 @example({"actuators": {"\n": None}, "name": "\ud800", "\ud800": 1})
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 def test_good_yaml_with_any_value_anywhere(tree: dict[str, object]) -> None:
     # JSON is YAML; NaN and Infinity are words there
     check(json.dumps(tree, ensure_ascii=True))

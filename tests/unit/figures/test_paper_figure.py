@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesLog
 from end_effector_lab.figures import paper, save
+from tests.support.nightly import examples, first_of
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
 from tests.unit.figures.figure_facts import overlaps, recordings, texts
 
@@ -87,7 +88,7 @@ def test_every_transition_has_its_name(recording, names):
     assert shown.count("RETRACTED") == (4 if recording is NEVER else 2)
 
 
-@pytest.mark.parametrize("factor", [0.05, 1, 30])
+@pytest.mark.parametrize("factor", first_of([0.05, 30, 1], 2, 0))
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_no_words_stand_on_each_other(name, factor):
     rows = [(r.time_s * factor, *r.states) for r in SCENARIOS[name].rows]
@@ -113,7 +114,7 @@ def test_a_recording_without_rows_is_refused():
         paper(StatesLog(NAMES, ()))
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(6, 200), deadline=None)
 @given(recordings())
 def test_any_recording_is_drawn_without_words_on_words(recording):
     assert overlaps(paper(recording)) == []

@@ -202,9 +202,18 @@ def retried(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
 
 
-def test_traces_are_compared_by_their_records(nominal: Path, retried: Path) -> None:
-    """Two runs whose grips begin two seconds apart: a time-out more, and what follows from it."""
+@pytest.fixture(scope="module")
+def both(nominal: Path, retried: Path) -> tuple[ComparedRecording, ComparedRecording]:
+    """Each of them, read once."""
     first, second = (read_recording(RecordingFiles(each)).compared for each in (nominal, retried))
+    return first, second
+
+
+def test_traces_are_compared_by_their_records(
+    nominal: Path, both: tuple[ComparedRecording, ComparedRecording]
+) -> None:
+    """Two runs whose grips begin two seconds apart: a time-out more, and what follows from it."""
+    first, second = both
     assert compare_recordings(first, first)["rows"] == []
     found = compare_recordings(first, second)
     told = {(each["lane"], each["what"].partition(":")[0]): each for each in found["rows"]}
@@ -218,7 +227,9 @@ def test_traces_are_compared_by_their_records(nominal: Path, retried: Path) -> N
     assert str(nominal.parent) not in json.dumps(found)
 
 
-def test_of_a_part_only_what_is_in_it(nominal: Path, retried: Path) -> None:
+def test_of_a_part_only_what_is_in_it(
+    nominal: Path, retried: Path, both: tuple[ComparedRecording, ComparedRecording]
+) -> None:
     """Of the recordings from 6 s to 12 s: also what is in the part of one of them only."""
     part = RecordingPart(6.0, 12.0)
     first, second = (read_recording(RecordingFiles(each), part).compared for each in (nominal, retried))
@@ -227,8 +238,7 @@ def test_of_a_part_only_what_is_in_it(nominal: Path, retried: Path) -> None:
     assert times["EXTENDED: 6.00 s later in the second"] == pytest.approx((2.42, 10.42))
     assert times["RETRACTED: only in the second"] == (None, pytest.approx(8.9))
     assert not any(what.startswith(("RELEASING", "up to")) for what in times), "they are at 5.5 s and before"
-    whole = [read_recording(RecordingFiles(each)).compared for each in (nominal, retried)]
-    listed = [each["what"] for each in compare_recordings(*whole)["rows"]]
+    listed = [each["what"] for each in compare_recordings(*both)["rows"]]
     assert any(each.startswith("RELEASING") for each in listed)
 
 
@@ -261,10 +271,12 @@ def of_app(*paths: Path) -> tuple[int, bytes]:
     return asyncio.run(ask())
 
 
-def test_the_process_of_the_page_answers_with_them(nominal: Path, retried: Path) -> None:
+def test_the_process_of_the_page_answers_with_them(
+    nominal: Path, retried: Path, both: tuple[ComparedRecording, ComparedRecording]
+) -> None:
     status, body = of_app(nominal, retried)
     assert status == 200
-    first, second = (read_recording(RecordingFiles(each)).compared for each in (nominal, retried))
+    first, second = both
     assert json.loads(body) == compare_recordings(first, second)
     assert of_app(nominal) == (404, b"There is one recording here: nothing is compared.\n")
 

@@ -129,13 +129,16 @@ def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_
 
 
 @pytest.fixture(scope="module")
-def grip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def grip(verdin: Description, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A grip that fails, in segments."""
-    limits = RecordingLimits(segment_bytes=150_000, total_bytes=100_000_000)
-    tool = RecordedTool(tmp_path_factory.mktemp("run"), "never-confirms:cylinder", limits=limits)
+    limits = RecordingLimits(segment_bytes=110_000, total_bytes=100_000_000)
+    short = verdin.actuators["cylinder"].model_copy(update={"timeout_s": 2.5})
+    description = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": short}})
+    folder = tmp_path_factory.mktemp("run")
+    tool = RecordedTool(folder, "never-confirms:cylinder", description=description, limits=limits)
     tool.run(1.5)
     assert tool.command("grip").accepted
-    tool.run(25.0)
+    tool.run(12.0)
     tool.close()
     assert (tool.folder / "grip-3.mcap").exists()
     return tool.folder
@@ -172,7 +175,7 @@ def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> 
     """Its bytes are valid JSON, and no frame."""
     second = copy / "grip-2.mcap"
     data = second.read_bytes()
-    place = data.index(b'"device_ms"', len(data) // 2)
+    place = data.index(b'"device_ms"', len(data) * 2 // 3)
     second.write_bytes(data[:place] + b'"Xevice_ms"' + data[place + 11 :])
     files = RecordingFiles(copy)
     document = plain(read_recording(files).document)
@@ -230,7 +233,7 @@ def test_a_recording_that_grows_is_noticed(copy: Path) -> None:
 def test_a_part_of_a_recording_stands_where_the_whole_stands(grip: Path) -> None:
     whole_one, part = read(grip), read(grip, RecordingPart(5.0, 9.0))
     assert (part["recording"]["begin_s"], part["recording"]["end_s"]) == (5.0, 9.0)
-    assert len(part["times"]) < len(whole_one["times"]) / 3
+    assert len(part["times"]) < len(whole_one["times"]) / 2
     assert moment(part, 7_000_000) == moment(whole_one, 7_000_000)
     assert all(5e6 <= entry["at"] <= 9e6 for entry in part["log"])
     assert part["samples"][0][0] >= 5000
@@ -240,7 +243,7 @@ def test_a_part_of_a_recording_stands_where_the_whole_stands(grip: Path) -> None
 def test_the_size_of_a_document_is_bounded(grip: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(document_module, "MOST_STEPS", 100)
     coarse = read(grip)
-    assert coarse["recording"]["step_s"] == pytest.approx(0.265)
+    assert coarse["recording"]["step_s"] == pytest.approx(0.135)
     events = {entry["at"] for entry in coarse["log"]}
     assert len(coarse["times"]) < 110 + 2 * len(events)
     # each event has a moment of its own all the same
@@ -285,9 +288,9 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     assert out.read_text().startswith("<!doctype html>")
     last = copy / "grip-3.mcap"
     last.write_bytes(last.read_bytes()[:-20_000])
-    ran = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out)])
+    ran = CliRunner().invoke(eehal, ["report", str(copy), "-o", str(out)])
     assert ran.exit_code == 1
-    assert "Note, run: grip-3.mcap is not whole" in ran.output
+    assert "Note: grip-3.mcap is not whole" in ran.output
     told = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out), "--json"])
     document = json.loads(told.stdout)
     assert (told.exit_code, document["ok"], document["exit_code"], document["file"]) == (

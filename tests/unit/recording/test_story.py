@@ -341,7 +341,7 @@ ROWS = st.lists(
 )
 
 
-@settings(max_examples=examples(100, 3000))
+@settings(max_examples=examples(50, 3000))
 @given(ROWS, st.booleans())
 def test_any_recording_has_a_story(rows, informed):
     times = sorted(row[0] / 4 for row in rows)

@@ -136,6 +136,7 @@ def prove(folder: Path, *axes: str) -> tuple[list[dict[str, Any]], str]:
     return json.loads(result.output)["combinations"], ""
 
 
+@pytest.mark.thinned  # long
 def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, proofs = tmp_path / "sweep", list[object]()
     real = _sweep.prove_tool

@@ -138,7 +138,7 @@ def slowly(condition: dict[str, Any], frames: list[tuple[Value, ...]], now: int)
     return length >= count and length > 0 and (now - first) * PERIOD >= ms * 1000
 
 
-@settings(max_examples=examples(50, 3000), deadline=None)
+@settings(max_examples=examples(25, 3000), deadline=None)
 @given(CONDITIONS, FRAMES)
 def test_it_agrees_with_a_judge_that_has_no_memory(
     condition: dict[str, Any], frames: list[tuple[Value, ...]]

@@ -139,7 +139,7 @@ def _steps(regions: Regions, states: frozenset[Region]) -> dict[object, set[Regi
 
 
 @settings(
-    max_examples=examples(40, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(20, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 @given(networks(), st.randoms(use_true_random=False))
 def test_what_is_shown_to_be_the_same_is_the_same(random_one: Network, random) -> None:  # type: ignore[no-untyped-def]

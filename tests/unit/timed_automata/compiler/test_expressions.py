@@ -197,7 +197,7 @@ def result_of(network):
     return semantics.fire(network.initial, transition.edges).state.values[0]
 
 
-@settings(max_examples=examples(100, 3000), deadline=None)
+@settings(max_examples=examples(50, 3000), deadline=None)
 @given(tree=trees)
 def test_random_expressions_with_variables_and_with_constants(tree):
     """Computed at run time and folded at load time, both as the independent evaluator has it."""

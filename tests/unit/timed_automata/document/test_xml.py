@@ -134,7 +134,7 @@ def test_a_file_cut_off_anywhere_is_a_model_error():
         assert error.value.where.startswith("cut.xml:")
 
 
-@settings(max_examples=examples(100, 3000), deadline=None)
+@settings(max_examples=examples(50, 3000), deadline=None)
 @given(data=st.data())
 def test_a_file_with_noise_is_read_or_refused(data):
     """Never a traceback, whatever happens to the bytes."""

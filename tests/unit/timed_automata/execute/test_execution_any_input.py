@@ -40,7 +40,7 @@ gaps = st.integers(0, 3_000) | st.sampled_from([0, 1, 999, 1_000, 1_001, 10_000,
 inputs = st.lists(st.tuples(gaps, st.sampled_from(EVENTS)), max_size=25)
 
 
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 @given(inputs=inputs, lateness=st.lists(gaps, min_size=25, max_size=25))
 def test_random_events_at_random_times_never_raise(network, inputs, lateness):
     execution, at, last = started(network), 0, 0
@@ -61,7 +61,7 @@ def test_random_events_at_random_times_never_raise(network, inputs, lateness):
         assert execution.value("done") <= 2
 
 
-@settings(max_examples=examples(75, 3000), deadline=None)
+@settings(max_examples=examples(37, 3000), deadline=None)
 @given(inputs=inputs, cuts=st.lists(st.integers(0, 400_000), max_size=20), end=st.integers(0, 400_000))
 def test_one_jump_equals_many_small_steps(network, inputs, cuts, end):
     """The same steps at the same times, however often time is told in between."""
@@ -84,7 +84,7 @@ def test_one_jump_equals_many_small_steps(network, inputs, cuts, end):
     assert story(whole) == story(cut)
 
 
-@settings(max_examples=examples(25, 1000), deadline=None)
+@settings(max_examples=examples(20, 1000), deadline=None)
 @given(inputs=inputs)
 def test_the_same_inputs_give_the_same_steps(network, inputs):
     """Replay decides the same: nothing but the arguments goes in."""
@@ -99,7 +99,7 @@ def test_the_same_inputs_give_the_same_steps(network, inputs):
     assert told[0] == told[1]
 
 
-@settings(max_examples=examples(50, 2000), deadline=None)
+@settings(max_examples=examples(25, 2000), deadline=None)
 @given(inputs=inputs)
 def test_every_trace_is_a_run_of_the_model(network, inputs):
     """Judged by a second reading of the model, by hand, that shares no code with the executor."""
@@ -135,7 +135,7 @@ def execution_index(step):
     return index
 
 
-@settings(max_examples=examples(25, 1000), deadline=None)
+@settings(max_examples=examples(20, 1000), deadline=None)
 @given(inputs=inputs)
 def test_what_was_worked_out_before_changes_nothing(network, inputs):
     """An execution that remembers nothing does the same as one that has been everywhere."""

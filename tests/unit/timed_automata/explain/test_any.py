@@ -12,7 +12,7 @@ from timed_automata.explore import Explorer
 from timed_automata.queries import parse_query
 
 many = settings(
-    max_examples=examples(40, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(20, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 
 

@@ -25,7 +25,7 @@ from timed_automata.explore import Explorer, Verdict
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 many = settings(
-    max_examples=examples(50, 3000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(25, 3000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 
 

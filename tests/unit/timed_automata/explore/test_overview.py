@@ -16,7 +16,7 @@ from timed_automata.queries import parse_query
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 many = settings(
-    max_examples=examples(40, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(20, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 places = st.sampled_from(["P0.a", "P0.b", "P1.c", "i == 1", "P0.b && i > 0"])
 

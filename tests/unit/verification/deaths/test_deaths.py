@@ -39,6 +39,7 @@ def test_it_reads_well(template) -> None:  # type: ignore[no-untyped-def]
     assert layout_faults(template) == []
 
 
+@pytest.mark.thinned  # long
 def test_eehal_verify_proves_it() -> None:
     result = CliRunner().invoke(verify, ["--deaths", "--all"], catch_exceptions=False)
     assert result.exit_code == 0

@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.verification.coils import COILS_FILE
 from tests.unit.verification.mutants.conftest import Shipped
-from tests.unit.verification.mutants.mutants import Mutant
+from tests.unit.verification.mutants.mutants import Mutant, first_of_each
 
 MUTANTS: list[Mutant] = tomllib.loads(Path(__file__).with_name("two_coils.toml").read_text(encoding="utf-8"))[
     "mutant"
@@ -21,6 +21,6 @@ def coils() -> Shipped:
     return Shipped(COILS_FILE.read_text(encoding="utf-8"), {"PULSE": 100})
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=[each["name"] for each in MUTANTS])
+@first_of_each(MUTANTS, "template", thinned="caught_by")
 def test_the_mutant_is_caught(mutant: Mutant, coils: Shipped) -> None:
     assert coils.catches(mutant), f"{mutant['name']}: survives"

@@ -149,7 +149,7 @@ def test_a_deadlock_that_only_widening_has_is_not_reported() -> None:
 
 @pytest.mark.timeout(3600 if NIGHTLY else 120)
 @settings(
-    max_examples=examples(40, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+    max_examples=examples(20, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
 )
 @given(networks(), conditions(1))
 def test_every_verdict_is_that_of_the_naive_explorer(model: Network, p: Condition) -> None:

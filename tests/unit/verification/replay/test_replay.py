@@ -41,7 +41,7 @@ QUESTIONS = {
 
 
 @pytest.mark.parametrize(
-    "name", first_of(sorted(SCENARIOS, key=("fails-once", "cancel").count, reverse=True), 2)
+    "name", first_of(sorted(SCENARIOS, key=lambda name: (name != "cancel", name != "fails-once")), 1, 1)
 )
 def test_each_scenario_of_the_demo_decides_the_same(tool: Callable[..., RecordedTool], name: str) -> None:
     scenario = SCENARIOS[name]
