@@ -5,8 +5,9 @@ from __future__ import annotations
 import gc
 import os
 import timeit
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -65,10 +66,16 @@ def verdin() -> Description:
     return load(profile_path())
 
 
+@pytest.fixture(scope="session")
+def _state_homes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("states")
+    return (folder / str(number) for number in count())
+
+
 @pytest.fixture(autouse=True)
-def _state_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What `eehal verify` keeps is not kept in the home of whoever runs the tests."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+def _state_home(_state_homes: Iterator[Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    """What `eehal verify` keeps is not kept in the home of whoever runs the tests; a folder is made if it is needed."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(next(_state_homes)))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

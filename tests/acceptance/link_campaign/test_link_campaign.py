@@ -30,6 +30,7 @@ def test_nothing_that_a_link_does_harms() -> None:
     assert found.confirmations > 10
 
 
+@pytest.mark.nightly
 @pytest.mark.wall
 @pytest.mark.alone
 @pytest.mark.timeout(180)

@@ -71,6 +71,7 @@ def test_one_that_is_broken_is_refused_in_a_sentence(site: Path, name: str, why:
     assert "Traceback" not in err
 
 
+@pytest.mark.thinned
 def test_broken_figures_of_another_hide_not_ours(site: Path, tmp_path: Path) -> None:
     code, _, err = eehal(site, "model", "show", "--model", str(LAMP), "-o", str(tmp_path / "drawings"))
     assert (code, err) == (0, "")

@@ -94,6 +94,7 @@ def test_the_nominal_scenario_without_ros(
     assert left() == set()
 
 
+@pytest.mark.nightly
 @pytest.mark.wall
 @pytest.mark.alone
 def test_an_unlock_is_armed_first_where_the_codec_shows_no_stand(verdin: Description, tmp_path: Path) -> None:

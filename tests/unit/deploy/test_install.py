@@ -104,6 +104,7 @@ def test_the_nodes_are_those_of_the_ros_that_the_folder_was_built_for(
     assert installed == {"eehal-arbiter", *units}
 
 
+@pytest.mark.thinned
 def test_the_journal_of_earlier_releases_is_moved_and_none_is_overwritten(prefix: Path) -> None:
     state = prefix.parent / "root/var/lib"
     (state / "eehal-owner").mkdir(parents=True)

@@ -179,6 +179,7 @@ def test_ten_minutes_with_one_grip_in_the_middle():
     assert "GRIP ERROR" in texts(figure, "beside")
 
 
+@pytest.mark.thinned
 def test_many_grips_keep_the_words_of_what_went_wrong():
     figure = timeline(long_recording(24), None, INFO)
     assert overlaps(figure) == []

@@ -31,6 +31,7 @@ def test_the_extras() -> None:
     }
 
 
+@pytest.mark.thinned
 def test_plot(tmp_path: Path) -> None:
     shutil.unpack_archive(ARCHIVE, tmp_path)
     done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run")

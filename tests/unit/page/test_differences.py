@@ -281,6 +281,7 @@ def test_the_process_of_the_page_answers_with_them(
     assert of_app(nominal) == (404, b"There is one recording here: nothing is compared.\n")
 
 
+@pytest.mark.thinned
 def test_they_are_found_again_when_a_recording_has_grown(
     nominal: Path, retried: Path, tmp_path: Path
 ) -> None:
@@ -331,6 +332,7 @@ def test_no_difference_ends_the_data_of_a_report(nominal: Path) -> None:
     assert "alert(1)<" not in html
 
 
+@pytest.mark.thinned
 def test_what_another_description_would_have_made_of_it_is_compared(nominal: Path) -> None:
     async def both() -> Json:
         served = ServedRecording(RecordingFiles(nominal), RecordingPart())

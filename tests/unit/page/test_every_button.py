@@ -95,7 +95,7 @@ def told_apart(states: list[Reached]) -> Iterator[tuple[Reached, set[str]]]:
             yield where, new
 
 
-@pytest.mark.parametrize("name", first_of(tools(), 1, 1))
+@pytest.mark.parametrize("name", first_of(tools(), 0, 1))
 def test_each_button_says_what_the_hal_answers(name: str) -> None:
     description = tools()[name]
     states = reached(description)

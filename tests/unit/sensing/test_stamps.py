@@ -13,6 +13,7 @@ from end_effector_hal.description import Description, examine_text, load, profil
 from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value, memory_of, recall
+from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 
 GRIPPING, GRIPPED, STAND_BY = 1, 3, 6
@@ -161,7 +162,7 @@ def moves(statuses: list[Status]) -> list[tuple[object, ...]]:
 
 @pytest.mark.parametrize(
     "wrong",
-    [YEAR_2038, 2**63 - 1, 2**70, 0, -20_001, -STALE, float("nan"), float("inf"), "now"],
+    first_of([YEAR_2038, -STALE, float("nan"), "now", 2**63 - 1, 2**70, 0, -20_001, float("inf")], 4, 2),
     ids=lambda each: repr(each)[:12],
 )
 def test_a_wrong_frame_moves_nothing_in_any_state(description: Description, wrong: object) -> None:

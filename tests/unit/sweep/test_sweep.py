@@ -111,6 +111,7 @@ def test_what_is_no_key_is_refused_before_anything_is_proven(
     assert said in str(caught.value)
 
 
+@pytest.mark.thinned
 def test_the_command_writes_a_table_and_a_map_of_each_worst_case(tmp_path: Path) -> None:
     axes = ["--sweep", f"{TIMEOUT}=2", "--sweep", f"{GRIP}=5,0"]
     result = CliRunner().invoke(command, [str(TOOL), *axes, "--jobs", "1", "--json", "-o", str(tmp_path)])

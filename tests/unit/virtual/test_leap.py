@@ -66,11 +66,12 @@ def both(description: Description, fault: str, after: float) -> None:
 
 
 @pytest.mark.parametrize("after", first_of([0.41, 2.5], thinned=0))
-@pytest.mark.parametrize("fault", first_of(FAULTS, 5))
+@pytest.mark.parametrize("fault", first_of(FAULTS, 3, 3))
 def test_the_same_at_the_same_times(fault: str, after: float) -> None:
     both(SHIPPED, fault, after)
 
 
+@pytest.mark.thinned
 def test_the_same_for_a_binary_codec(tmp_path: Path) -> None:
     shutil.copytree(profile_path().parent, tmp_path / "tool")
     file = tmp_path / "tool" / profile_path().name

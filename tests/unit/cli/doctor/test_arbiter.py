@@ -130,6 +130,7 @@ command(["/dev/stdin", *sys.argv[1:]])
 """
 
 
+@pytest.mark.thinned
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
 def test_a_stranger_is_told_which_group_he_needs() -> None:
     def told() -> list[tuple[str, str]]:

@@ -106,6 +106,7 @@ def test_a_cycle_is_found_where_there_is_one(steps: list[Step], entries: Entries
             assert tested.isdisjoint(clock for arc in found for clock in arc.zeroed)
 
 
+@pytest.mark.thinned
 def test_the_cost_is_linear_in_the_clocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten processes, each with a cycle that tests and sets its clock: to divide by each takes 2^10 searches."""
     steps, searches = [], 0

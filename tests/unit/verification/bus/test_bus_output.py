@@ -73,7 +73,7 @@ def _writes_what_it_has(self: BusOutput, at: int) -> None:
     ("name", "wrong", "output"),
     [
         ("acknowledged", _believes_every_acknowledgement, PLAIN),
-        ("_give_up", _keeps_what_was_withdrawn, PLAIN),
+        pytest.param("_give_up", _keeps_what_was_withdrawn, PLAIN, marks=pytest.mark.thinned),
         ("acknowledge", _writes_what_it_has, PLAIN),
     ],
 )

@@ -134,6 +134,7 @@ def refuted(mutant: Mutant) -> Finding:
 
 SLOWER = {
     "last will executed late": pytest.mark.thinned,
+    "held is told although the line arbiter was lost before it had the last will that holds": pytest.mark.thinned,
     "death between two lines": pytest.mark.nightly,
     "journal stale": pytest.mark.nightly,
     "held is told while a deactivation of its line waits, with an activation behind it": pytest.mark.nightly,

@@ -15,7 +15,7 @@ from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.verification.proof.sizes import sized
 from timed_automata import load_network
 
-SIZES = [1, 2, 4, 8, 32, 64] if NIGHTLY else first_of([1, 2, 4], 2)
+SIZES = [1, 2, 4, 8, 32, 64] if NIGHTLY else first_of([1, 2, 4], 1)
 
 LIMIT_S = {1: 20, 2: 20, 4: 30, 8: 60, 32: 300, 64: 1200}
 """Of the processor: several times what docs/explanation/performance.md has, for machines that are busy or small."""

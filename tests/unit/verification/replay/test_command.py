@@ -143,6 +143,7 @@ def test_one_that_differs_tells_more_than_one_that_cannot_be_read(folder: Path, 
     assert run(folder, "--description", other).exit_code == 1
 
 
+@pytest.mark.thinned
 def test_a_trace_may_end_in_the_middle_of_a_decision(gripped: ProgramTrace) -> None:
     (command,) = numbers(gripped, "command", lambda content: content["name"] == "drop")
     for end in range(command, command + 5):

@@ -115,6 +115,7 @@ def test_a_threshold_is_late_before_it_fails(nominal: Path) -> None:
     assert all(counts.late or counts.failed for counts in beyond)
 
 
+@pytest.mark.thinned
 def test_a_leak_is_confirmed_and_lost_within_the_hold(tmp_path: Path) -> None:
     folder = recorded(tmp_path / "run", "leak-grows:bottom_vacuum:2", 1.0, "grip", 13.0, "drop", 3.0)
     found = of(tuned(folder), "bottom_vacuum.lost_kpa")
@@ -133,6 +134,7 @@ def test_a_cancelled_attempt_decides_nothing(tmp_path: Path) -> None:
     assert {(counts.failed, counts.undecided) for counts in short} == {(1, 0)}
 
 
+@pytest.mark.thinned
 def test_attempts_that_were_needed(gripped_twice: Path) -> None:
     found = of(tuned(gripped_twice), "cylinder.attempts")
     assert found.today.late == 1

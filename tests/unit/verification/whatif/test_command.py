@@ -52,6 +52,7 @@ def test_as_json(gripped_twice: Path, other: Other) -> None:
     assert "what_if" not in json.loads(run(gripped_twice, "--json").output)
 
 
+@pytest.mark.thinned
 def test_of_many_runs_each_is_told(gripped_twice: Path, other: Other, tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / "runs" / name).mkdir(parents=True)
@@ -69,6 +70,7 @@ def test_a_figure_needs_another_description(gripped_twice: Path) -> None:
     assert "nothing to draw beside" in str(error)
 
 
+@pytest.mark.thinned
 def test_the_figure_marks_where_the_runs_differ_and_where_it_is_a_guess(
     gripped_twice: Path, other: Other
 ) -> None:
@@ -99,6 +101,7 @@ def test_the_same_story_has_no_mark(files: ReadOnce) -> None:
     assert not labels & {"apart", "guess", "differs"}
 
 
+@pytest.mark.thinned
 def test_the_page_shows_it_beside_the_recording(gripped_twice: Path) -> None:
     files = RecordingFiles(gripped_twice)
     other = OtherFiles(

@@ -57,6 +57,7 @@ def test_a_program_that_stood_still_is_as_late_in_the_other_story(tmp_path: Path
     assert any("No valid reading" in line.text for line in told.lines)
 
 
+@pytest.mark.thinned
 def test_a_time_out_that_nothing_reaches_changes_nothing_but_the_deadline(
     files: RecordingFiles, other: Other
 ) -> None:
@@ -96,6 +97,7 @@ def test_a_higher_threshold_confirms_later(files: ReadOnce, other: Other) -> Non
     assert told.spans[0].why == "Cylinder is inactive here and was active in the recorded run."
 
 
+@pytest.mark.thinned
 def test_until_the_outputs_differ_the_other_story_is_what_really_happens(
     tmp_path: Path, other: Other
 ) -> None:
@@ -116,6 +118,7 @@ def test_until_the_outputs_differ_the_other_story_is_what_really_happens(
     assert len(said) >= 4
 
 
+@pytest.mark.thinned
 def test_a_program_hears_what_the_other_one_would_say(tmp_path: Path, other: Other) -> None:
     """The recorded tool had dropped its part when it was unlocked; the other one is still gripping."""
     tool = RecordedTool(tmp_path / "run")
