@@ -47,7 +47,9 @@ class AlarmLog:
 
     def active(self, kind: AlarmKind) -> bool:
         """Whether there is one of a kind that is not over."""
-        return any(alarm.kind is kind and not alarm.over for alarm in self._alarms.values())
+        return bool(self._alarms) and any(
+            alarm.kind is kind and not alarm.over for alarm in self._alarms.values()
+        )
 
     def raise_(self, kind: AlarmKind, who: str, text: str, at: int) -> bool:
         """It is so now; False when that was known. The text is that of its beginning: it does not flicker."""

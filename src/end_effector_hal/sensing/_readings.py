@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sources_of
@@ -149,6 +149,11 @@ class Readings:
                 if channel not in read_at or at - read_at[channel] >= spans[channel]
             ]
         )
+
+    @property
+    def read_at(self) -> Mapping[str, int]:
+        """When each channel was read last, µs; another object after each frame, and after nothing else."""
+        return self._at
 
     @property
     def last_frame(self) -> int:

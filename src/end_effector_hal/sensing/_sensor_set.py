@@ -55,6 +55,7 @@ class SensorSet:
         }
         self._parts, self._named = description.ordered, bool(description.named_links)
         self._noticed: tuple[str, ...] = ()
+        self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """How often something may have changed."""
         self._evidence_events = tuple(
@@ -108,7 +109,9 @@ class SensorSet:
         """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
         readings = self.now.readings
         passes = self._stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
-        self.revision += not passes
+        if not passes:
+            self.revision += 1
+            self._due = None, 0, None
         return passes
 
     def frame(self, frame: Frame) -> list[Event]:
@@ -139,8 +142,14 @@ class SensorSet:
 
     def deadline(self, at: int) -> int | None:
         """µs of the next change without any frame."""
+        read_at = self.now.readings.read_at
+        of, asked_at, due = self._due
+        if of is read_at and asked_at <= at and (due is None or at < due):
+            return due  # several ask between two frames
         due, ends = self.now.deadline(at), self._stamps.deadline(at)
-        return due if ends is None else ends if due is None else min(due, ends)
+        due = due if ends is None else ends if due is None else min(due, ends)
+        self._due = read_at, at, due
+        return due
 
     def notices(self, at: int, *, held: bool) -> tuple[str, ...]:
         """What is wrong with the readings at ``at`` µs, in words.

@@ -48,8 +48,8 @@ class Trend:
         if at - self._samples[0][0] < self._full_us:
             return False
         count = len(self._samples)
-        mean_s = sum(when for when, _ in self._samples) / count / 1e6
-        self._points.append((mean_s, sum(each for _, each in self._samples) / count))
+        mean_s = sum([when for when, _ in self._samples]) / count / 1e6
+        self._points.append((mean_s, sum([each for _, each in self._samples]) / count))
         self._samples.clear()
         while self._points[-1][0] - self._points[0][0] > self._window_us / 1e6:
             self._points.popleft()
@@ -99,10 +99,10 @@ class Trend:
 def _surely(points: Sequence[Point]) -> float:
     """The slope of the line through some points; 0 when it may as well be level."""
     count = len(points)
-    mean_x = sum(x for x, _ in points) / count
-    mean_y = sum(y for _, y in points) / count
-    spread = sum((x - mean_x) ** 2 for x, _ in points)
-    slope = sum((x - mean_x) * (y - mean_y) for x, y in points) / spread
-    rest = sum((y - mean_y - slope * (x - mean_x)) ** 2 for x, y in points)
+    mean_x = sum([x for x, _ in points]) / count
+    mean_y = sum([y for _, y in points]) / count
+    spread = sum([(x - mean_x) ** 2 for x, _ in points])
+    slope = sum([(x - mean_x) * (y - mean_y) for x, y in points]) / spread
+    rest = sum([(y - mean_y - slope * (x - mean_x)) ** 2 for x, y in points])
     error = sqrt(rest / (count - 2) / spread)
     return slope if abs(slope) > SURE * error else 0.0

@@ -53,7 +53,8 @@ class Recorder:
     @property
     def trouble(self) -> str:
         """Why what happens now is not recorded, a sentence; empty: it is, or nothing is to be recorded."""
-        return sendable(self._defect or (self._writer.trouble if self._writer is not None else ""))
+        trouble = self._defect or (self._writer.trouble if self._writer is not None else "")
+        return sendable(trouble) if trouble else ""
 
     def attend(self, on_trouble: Callable[[], None]) -> None:
         """Have ``on_trouble`` called when :attr:`trouble` has changed, in any thread; it must not wait."""

@@ -23,6 +23,8 @@ from end_effector_hal.wires.link._codec_calls import CodecCalls
 
 MOST_KEPT = 65_536
 """Bytes and elements that a decoder may keep between two calls."""
+WEIGHED_AFTER = 16
+"""Calls after which it is looked at what a decoder keeps: at each it would cost as much as decoding."""
 LONGEST_REQUEST = 4_096
 """Bytes that `poll` may ask to be sent."""
 MOST_ENDED = 64
@@ -51,6 +53,7 @@ class GuardedDecoder:
         self._period_us = calls.run("period_us", lambda: int(codec.period_us))
         self._idle = False
         self._last = 0
+        self._calls_left = 0
         self.counters = self._count()
 
     def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
@@ -96,9 +99,16 @@ class GuardedDecoder:
                 raise self._calls.failure(f"{what} returned {wrong}")
             self._last = frame.at
         self.counters = self._count()
+        self._weigh()
+        return frames
+
+    def _weigh(self) -> None:
+        if self._calls_left > 0:
+            self._calls_left -= 1
+            return
+        self._calls_left = WEIGHED_AFTER - 1
         if (kept := self._calls.run("attributes", lambda: weight(self._decoder, self._codec))) > MOST_KEPT:
             raise self._calls.failure(f"its decoder keeps {kept} bytes, at most {MOST_KEPT} are allowed")
-        return frames
 
     def _count(self) -> Counters:
         counters = self._calls.run("counters", lambda: counters_of(self._decoder))
