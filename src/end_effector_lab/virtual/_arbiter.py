@@ -29,6 +29,13 @@ class Memories:
     journal: VirtualDisk = field(default_factory=VirtualDisk)
     boot: str = "boot 0"
 
+    def lose_power(self, boot: str) -> None:
+        """Only what the disk has taken is left; ``boot`` names the start that comes."""
+        self.journal.lose_power()
+        self.sessions.remove()
+        self.mark.remove()
+        self.boot = boot
+
 
 class VirtualJournal:
     """As a `JournalThread`, for which a disk that works takes no time."""

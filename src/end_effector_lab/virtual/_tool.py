@@ -18,7 +18,6 @@ from end_effector_hal.runtime import (
     InlineWorker,
     PredicatePublisher,
     Program,
-    arbiter_policy,
     longest_release_s,
     program_lines,
     release_is_decided,
@@ -27,10 +26,9 @@ from end_effector_hal.runtime import (
 from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.wires.lines import ComposedLines
 from end_effector_lab.testbench import Bench
 
-from ._arbiter import Memories, VirtualArbiter
+from ._arbiter_lives import ArbiterLives
 from ._buses import VirtualBuses
 from ._connection import VirtualConnection
 from ._leap import Leap
@@ -72,7 +70,6 @@ class VirtualTool:
     Attributes:
         at: µs since the start.
         bench: the simulated devices, as they really are.
-        arbiters: how many line arbiters have begun so far.
         memories: what outlives the arbiter; its disk can be made to fail.
         statuses: of the gripping program, in order, and ``changes`` those of the tool changer's.
         edges: of the output lines, in order.
@@ -98,20 +95,16 @@ class VirtualTool:
         self._recorder = Watching(watch) if watch else NULL_RECORDER
         self._on_frame = on_frame
         self._random = Random(seed)
-        self._policy = arbiter_policy(description)
-        self.memories = Memories()
         self.bench = Bench(description, scenario, seed, levels=levels)
         self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
         self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus)
-        self._arbiter_starts = False
-        self._opened: Mapping[str, VirtualBus] | None = None  # by an arbiter that starts
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
+        reads = self._own is not None
+        self._arbiters = ArbiterLives(description, self._outputs, self._buses, self._now, reads=reads)
+        self.memories = self._arbiters.memories
         self._leap = self._leap_of(self._sources) if on_frame is None else None
-        self.arbiters = 0
-        self._arbiter: VirtualArbiter | None = None
-        self._own_publisher: PredicatePublisher | None = None
         self._programs: dict[str, Program] = {}
         self._connections: dict[str, VirtualConnection] = {}
         self._starting: dict[str, int] = {}
@@ -138,17 +131,22 @@ class VirtualTool:
     @property
     def living(self) -> frozenset[str]:
         """``arbiter``, ``grip`` and ``tool_change``, as far as they run."""
-        return frozenset((*self._programs, *([ARBITER] if self._arbiter else [])))
+        return frozenset((*self._programs, *([ARBITER] if self._arbiters.now else [])))
+
+    @property
+    def arbiters(self) -> int:
+        """How many line arbiters have begun so far."""
+        return self._arbiters.begun
 
     @property
     def ending(self) -> bool:
         """Whether the arbiter was asked to end, and still waits for something."""
-        return self._arbiter is not None and self._arbiter.ends
+        return self._arbiters.now is not None and self._arbiters.now.ends
 
     @property
     def latched(self) -> dict[str, str]:
         """The faults that the arbiter has latched: sentences by name."""
-        return dict(self._arbiter.rules.predicates.faults) if self._arbiter else {}
+        return dict(self._arbiters.now.rules.predicates.faults) if self._arbiters.now else {}
 
     def command(self, name: str, look: Callable[[], object] = lambda: None) -> Answer:
         """Give ``grip``, ``drop``, ``cancel``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the tool changer).
@@ -174,9 +172,9 @@ class VirtualTool:
         if "grip" in self._programs:
             self._programs["grip"].acknowledge()
         try:
-            if self._arbiter is None:
+            if self._arbiters.now is None:
                 return Answer(False, "There is no line arbiter.", decided=False)
-            stays = self._arbiter.reset()
+            stays = self._arbiters.now.reset()
         except ReportedError as error:
             return Answer(False, str(error))
         return Answer(not stays, " ".join(stays.values()))
@@ -204,7 +202,7 @@ class VirtualTool:
             for due, happens in waits:
                 if due <= self.at:
                     happens()
-            self._look_at_arbiter()
+            self._arbiters.look()
         return True
 
     # Births and deaths
@@ -212,9 +210,7 @@ class VirtualTool:
     def kill(self, name: str) -> None:
         """``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with who reads the sensors) dies now."""
         if name == ARBITER:
-            self._arbiter = self._own_publisher = None
-            self._arbiter_starts, self._opened = False, None
-            self._buses.kill()
+            self._arbiters.kill()
         for program in self._named(name):
             if program in self._programs:
                 del self._programs[program]
@@ -228,12 +224,8 @@ class VirtualTool:
 
         The arbiter ends when it waits for no last will and no pulse any more; asked once more, it ends at once.
         """
-        if name == ARBITER and self._arbiter is not None:
-            if self._arbiter.ends:
-                self._close_arbiter()
-            else:
-                self._arbiter.end()
-                self._look_at_arbiter()
+        if name == ARBITER:
+            self._arbiters.end()
         for program in self._named(name):
             if program in self._programs:
                 with suppress(WireError):  # then the arbiter executes its last will
@@ -244,41 +236,11 @@ class VirtualTool:
 
     def start(self, name: str) -> None:
         """Start what does not run; a program that finds no arbiter, or not its lines, tries again every 0.2 s."""
-        if name == ARBITER and (self._arbiter is None or self._arbiter.ends):
-            self._arbiter_starts = True
-            if self._arbiter is None:
-                self._begin_arbiter()
+        if name == ARBITER:
+            self._arbiters.start()
         for program in self._named(name):
             if program not in self._programs:
                 self._start_program(program)
-
-    def _look_at_arbiter(self) -> None:
-        if self._arbiter is not None and self._arbiter.is_over:
-            self._close_arbiter()
-
-    def _close_arbiter(self) -> None:
-        if self._arbiter is not None:
-            self._arbiter.close()
-        self._arbiter = self._own_publisher = None
-        self._buses.end()
-        if self._arbiter_starts:
-            self._begin_arbiter()
-
-    def _begin_arbiter(self) -> None:
-        """As soon as the ports of its buses are free, and what hangs on them has reported how it stands."""
-        if self._opened is None:
-            if self._buses.masters:
-                return
-            self._opened = self._buses.open()
-        if not self._buses.adopted:
-            return
-        lines = ComposedLines(self._outputs, self._opened) if self._opened else self._outputs
-        self._arbiter_starts, self._opened = False, None
-        self._arbiter = VirtualArbiter(lines, self._policy, self.memories, self._now)
-        self.arbiters += 1
-        if self._own is not None:
-            sender = _ToArbiter(self, own=True)
-            self._own_publisher = PredicatePublisher(self.description, clock=self._now, sender=sender)
 
     def lose_power(self) -> None:
         """Everything dies, and every line goes inactive; the machine starts again when `start` is called."""
@@ -286,14 +248,8 @@ class VirtualTool:
             self._programs.pop(name, None)
             self._connections.pop(name, None)
             self._starting.pop(name, None)
-        self._arbiter = self._own_publisher = self._publisher = self._opened = None
-        self._arbiter_starts = False
-        self._buses.lose_power()
-        self.memories.journal.lose_power()
-        self.memories.sessions.remove()
-        self.memories.mark.remove()
-        self.memories.boot = f"boot {self.at}"
-        self._outputs.set(dict.fromkeys(self._outputs.levels(), False))
+        self._publisher = None
+        self._arbiters.lose_power()
 
     def _named(self, name: str) -> Sequence[str]:
         if name == "hal":
@@ -310,7 +266,7 @@ class VirtualTool:
                 self.description,
                 clock=self._now,
                 judge=self._judge,
-                sender=_ToArbiter(self, own=False),
+                sender=self._arbiters.sender(own=False),
                 own=False,
             )
             self._repeats_at = self.at + REPEAT_US if self._publisher.repeats else None
@@ -318,7 +274,7 @@ class VirtualTool:
         if name == "grip":
             lines = (*lines, *self.description.blow_off_lines.values())
         try:
-            connection = VirtualConnection(lambda: self._arbiter, name, token, lines, self._now)
+            connection = VirtualConnection(lambda: self._arbiters.now, name, token, lines, self._now)
         except ReportedError:
             self._starting[name] = self.at + _TRIES_US
             return
@@ -367,8 +323,8 @@ class VirtualTool:
         for name, connection in self._connections.items():
             waits.append((connection.renews_at, partial(self._renew, name, connection)))
         waits += [(due, partial(self._start_program, name)) for name, due in self._starting.items()]
-        if self._arbiter is not None and (due := self._arbiter.due) is not None:
-            waits.append((due, self._arbiter.step))
+        if self._arbiters.now is not None and (due := self._arbiters.now.due) is not None:
+            waits.append((due, self._arbiters.now.step))
         return waits
 
     def _repeat(self) -> None:
@@ -386,12 +342,7 @@ class VirtualTool:
         for frame in master.frames(self.at):
             if self._publisher is not None:
                 self._publisher.frame(frame, self._pass_on)
-        if self._arbiter is None:
-            self._buses.forget_ended()
-            if self._arbiter_starts:
-                self._begin_arbiter()
-        elif self._buses.news:
-            self._arbiter.step()
+        self._arbiters.heard()
 
     def _leap_of(self, sources: Sequence[Source]) -> Leap | None:
         """None: several bring readings, or one that is asked."""
@@ -433,8 +384,8 @@ class VirtualTool:
     def _read_own(self) -> None:
         """The arbiter reads its own inputs, and hands them on; while there is none, nobody does."""
         for frame in self._own.frames(self.at) if self._own is not None else ():
-            if self._own_publisher is not None:
-                self._own_publisher.frame(frame, self._hand_on)
+            if self._arbiters.publisher is not None:
+                self._arbiters.publisher.frame(frame, self._hand_on)
 
     def _hand_on(self, frame: Frame) -> None:
         if self._publisher is not None:
@@ -480,21 +431,3 @@ class VirtualTool:
             self._leap.forget()
         self.edges.append(edge)
         self.bench.line(edge.line, edge.level, edge.at)
-
-
-class _ToArbiter:
-    """Takes what is proven to the arbiter that lives."""
-
-    def __init__(self, tool: VirtualTool, *, own: bool) -> None:
-        self._tool, self._own = tool, own
-
-    def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
-        """Whether it got there."""
-        arbiter = self._tool._arbiter
-        if arbiter is None:
-            return False
-        (arbiter.read if self._own else arbiter.told)(predicates, at_us)
-        return True
-
-    def close(self) -> None:
-        """Nothing is open."""
