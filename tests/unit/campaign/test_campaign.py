@@ -39,7 +39,7 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
     return play_case(SHIPPED, case_from_words(words, SHIPPED, seed=seed), KNOWN).failures
 
 
-NIGHTLY = pytest.mark.nightly
+THINNED = pytest.mark.thinned
 
 
 @pytest.mark.parametrize(
@@ -48,12 +48,12 @@ NIGHTLY = pytest.mark.nightly
         # what has been so before the case began, has been so for long
         ("", "wait 0.1; unlock", 0),
         # a switch that is off proves that a vacuum is gone, whatever is left of it
-        pytest.param("six_cups", "", 0, marks=NIGHTLY),
+        pytest.param("six_cups", "", 0, marks=THINNED),
         # a wire that falls silent shows what it has shown last
-        pytest.param("two_coil_changer", "scenario silent-after:0; grip", 0, marks=NIGHTLY),
+        pytest.param("two_coil_changer", "scenario silent-after:0; grip", 0, marks=THINNED),
         # a vacuum that has just begun, and one that has just been lost, were not read yet
-        pytest.param("", "grip; wait 0.069; cancel", 57385670, marks=NIGHTLY),
-        pytest.param("", "grip; wait 0.29; scenario lost-after:bottom_vacuum:1", 1398798426, marks=NIGHTLY),
+        pytest.param("", "grip; wait 0.069; cancel", 57385670, marks=THINNED),
+        pytest.param("", "grip; wait 0.29; scenario lost-after:bottom_vacuum:1", 1398798426, marks=THINNED),
         # what a grip that was cancelled has switched off late (IL-10) is no attempt of the next one
         ("", "grip; cancel; grip", 0),
         # an unlock may wait for its proof until a last will has been executed
@@ -61,23 +61,23 @@ NIGHTLY = pytest.mark.nightly
         # a sensor lies that nothing is held, and nobody is there to switch the output off
         ("", "grip; end arbiter; wait 3; scenario shows:bottom_vacuum:0", 0),
         # fingers that have lost their part show it only at the end of their way
-        pytest.param("two_coil_changer", "grip; wait 0.46; scenario no-part:jaw", 0, marks=NIGHTLY),
+        pytest.param("two_coil_changer", "grip; wait 0.46; scenario no-part:jaw", 0, marks=THINNED),
         # no coil stays active behind an arbiter that is asked twice to end
         ("bistable_and_magnet", "grip; end arbiter; end arbiter", 0),
         # near its threshold a noisy sensor shows a vacuum as gone a moment before it is
-        pytest.param("six_cups", "wait 3.64; drop", 91249183, marks=NIGHTLY),
+        pytest.param("six_cups", "wait 3.64; drop", 91249183, marks=THINNED),
         # a device that has let go because it heard nothing is told only once its bus is read again
-        pytest.param("epick_commanded", "grip; wait 0.6; kill arbiter; wait 9", 0, marks=NIGHTLY),
+        pytest.param("epick_commanded", "grip; wait 0.6; kill arbiter; wait 9", 0, marks=THINNED),
         # its trouble is over when it was dropped, and a reset is accepted then
         ("epick_commanded", "grip; wait 2; scenario silent-after:0", 0),
         # what has stuck to a magnet falls when nothing sticks any more
         pytest.param(
-            "bistable_and_magnet", "grip; wait 0.5; scenario sticks:magnet; wait 0.4; drop", 0, marks=NIGHTLY
+            "bistable_and_magnet", "grip; wait 0.5; scenario sticks:magnet; wait 0.4; drop", 0, marks=THINNED
         ),
         # no sensor reads the air
-        pytest.param("double_acting_jaw", "scenario supply:0; wait 2; grip", 0, marks=NIGHTLY),
+        pytest.param("double_acting_jaw", "scenario supply:0; wait 2; grip", 0, marks=THINNED),
         # a line arbiter that has never heard of a release does what it was left before: it holds
-        pytest.param("", "grip; wait 2; end arbiter; drop; kill all; start all", 0, marks=NIGHTLY),
+        pytest.param("", "grip; wait 2; end arbiter; drop; kill all; start all", 0, marks=THINNED),
     ],
 )
 def test_the_rules_have_nothing_against_what_nobody_can_know(tool: str, words: str, seed: int) -> None:
