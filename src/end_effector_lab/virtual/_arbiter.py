@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from end_effector_hal.arbiter import LineArbiter, Policy
-from end_effector_hal.arbiter.records import Journal, JournalEntry, Records, SessionStore
+from end_effector_hal.arbiter.records import NO_ANSWER, Journal, JournalEntry, Records, SessionStore
 from end_effector_hal.wires.lines import LineBackend
 
 from ._disk import VirtualDisk
@@ -43,6 +43,7 @@ class VirtualJournal:
     def __init__(self, disk: VirtualDisk, boot: str, clock: Callable[[], int]) -> None:
         self._disk, self._clock = disk, clock
         self._journal = Journal(disk, boot, clock)
+        self._is_read = False
         self.due: int | None = None
         """µs at which it tries to write again; None: all is written."""
 
@@ -53,10 +54,14 @@ class VirtualJournal:
 
     def read(self) -> JournalEntry:
         """See `JournalThread`."""
-        return self._journal.begin(self._journal.read())
+        return self.late() or NO_ANSWER
 
-    def late(self) -> None:
-        """It was read in time."""
+    def late(self) -> JournalEntry | None:
+        """See `JournalThread`."""
+        if self._is_read or self._disk.hangs:
+            return None
+        self._is_read = True
+        return self._journal.begin(self._journal.read())
 
     def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
         """See `JournalThread`."""
@@ -72,11 +77,13 @@ class VirtualJournal:
 
     def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
         """See `JournalThread`."""
+        if late := self.late():
+            faults = {**late.faults, **faults}
         self._journal.keep(faults, pulsed, clean=True)
         self._write()
 
     def _write(self) -> None:
-        written = not self._disk.hangs and self._journal.write_next()
+        written = self._is_read and not self._disk.hangs and self._journal.write_next()
         self.due = None if written else self._clock() + RETRY_US
 
 

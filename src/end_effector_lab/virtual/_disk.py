@@ -14,7 +14,7 @@ class VirtualDisk:
         safe: what a loss of power leaves.
         full: there is no room for a new file.
         fails: every access is an error of input and output.
-        hangs: nothing that is written comes to an end.
+        hangs: nothing that is read at a start or written comes to an end.
     """
 
     def __init__(self) -> None:

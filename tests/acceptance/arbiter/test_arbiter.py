@@ -303,7 +303,7 @@ def test_a_loss_that_was_not_told_yet_does_not_make_a_close_a_death(bench):
         assert look.levels()[BOTTOM]
 
 
-LATCHING = Policy(LINES, lease_us=1_500_000, min_switch_us=0, faults=("sensor_fault",))
+LATCHING = Policy(LINES, lease_us=1_500_000, min_switch_us=0, faults={"sensor_fault": "changer"})
 
 
 def test_what_a_client_latches_or_clears_while_no_arbiter_is_there_is_told_to_the_next(bench):

@@ -32,7 +32,7 @@ from end_effector_hal.wires.lines import VirtualLines
 from tests.support.nightly import first_of
 chip, socket, journal, *lines = sys.argv[1:]
 closed = Need("closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened")
-policy = Policy(lines, needs={line: (closed,) for line in lines}, faults=("sensor_fault",))
+policy = Policy(lines, needs={line: (closed,) for line in lines}, faults={"sensor_fault": "changer"})
 serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda arbiter: print("ready", flush=True))
 """
 UNWIND = [LastWillStep(TOP), LastWillStep(BOTTOM, after_us=100_000)]

@@ -22,7 +22,7 @@ GUARDED = Policy(
     [(UNLOCK, line) for line in GRIP],
     {UNLOCK: 3 * S},
     needs={UNLOCK: (CLOSED,), **dict.fromkeys(GRIP, (CLOSED, LOCKED))},
-    faults=("sensor_fault",),
+    faults={"sensor_fault": "changer"},
 )
 
 

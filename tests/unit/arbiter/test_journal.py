@@ -18,7 +18,7 @@ from end_effector_hal.arbiter.records import _storage as storage_module
 from end_effector_hal.arbiter.records._journal import PATIENCE_US, Journal, JournalEntry, JournalThread
 from end_effector_hal.arbiter.records._record_file import SLOT, RecordFile
 from end_effector_hal.arbiter.records._storage import FileStorage
-from tests.support.patience import wait_until
+from tests.support.patience import PATIENCE_S, wait_until
 
 E_STOP = {"closed": "IL-13: the e-stop was opened."}
 IL_03 = {"IL-03 unlock": "IL-03: unlock was active too long."}
@@ -239,6 +239,28 @@ def test_what_is_read_late_is_not_written_over(tmp_path: Path, monkeypatch: pyte
         assert found[-1] == JournalEntry(E_STOP, clean=False, boot="boot")
         assert running.late() is None
         wait_until("it is written", lambda: journal(tmp_path).read().faults == {})
+
+
+@pytest.mark.wall
+@pytest.mark.parametrize("answers", [False, True])
+def test_what_was_not_read_before_the_end_is_still_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, answers: bool
+) -> None:
+    monkeypatch.setattr(module, "READ_S", 0.05)
+    before = journal(tmp_path)
+    before.keep(E_STOP)
+    before.write_next()
+    disk = Hanging(tmp_path / "journal")
+    disk.answers.clear()
+    running = JournalThread(Journal(disk, "boot", Clock()))
+    assert running.read().unread
+    if answers:
+        monkeypatch.setattr(module, "READ_S", PATIENCE_S)
+        disk.answers.set()
+    running.close(IL_03, {})
+    disk.answers.set()
+    running._thread.join(0.2)  # it would write now
+    assert journal(tmp_path).read().faults == (E_STOP | IL_03 if answers else E_STOP)
 
 
 @pytest.mark.wall

@@ -140,7 +140,7 @@ def test_faults_stay_latched_through_a_restart() -> None:
 
 
 def test_what_a_client_has_latched_is_its_own_through_a_restart_of_the_arbiter() -> None:
-    policy = replace(SENSING, faults=("sensor_fault",))
+    policy = replace(SENSING, faults={"sensor_fault": "changer"})
     first = LineArbiter(Lines(), policy, 0)
     first.latch(first.hello("changer", TOKEN, (UNLOCK,), (), 0), "sensor_fault", "why")
     state = read_arbiter_state(json.loads(json.dumps(first.state.as_json())))

@@ -103,7 +103,7 @@ def test_predicates_are_known_beforehand():
 
 
 def test_faults_of_clients_are_known_beforehand_and_take_no_room_of_an_interlock():
-    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    arbiter = Arbiter(replace(SENSING, faults={"sensor_fault": "changer"}))
     sensed, latch = arbiter.rules.predicates, partial(arbiter.rules.latch, arbiter.changer)
     for number in range(100):
         with pytest.raises(UsageError, match=f"no fault fault{number}; it has sensor_fault"):
@@ -213,7 +213,7 @@ def test_a_reset_clears_every_fault_that_is_over():
 
 
 def test_what_a_client_has_latched_stays_until_that_client_clears_it_or_has_gone():
-    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    arbiter = Arbiter(replace(SENSING, faults={"sensor_fault": "changer"}))
     rules, why = arbiter.rules, "IL-04: both bits are set."
     rules.latch(arbiter.changer, "sensor_fault", why)
     assert rules.reset(arbiter.now) == {
@@ -232,7 +232,7 @@ def test_what_a_client_has_latched_stays_until_that_client_clears_it_or_has_gone
 
 
 def test_a_client_that_connects_again_says_what_it_has_latched_by_now():
-    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    arbiter = Arbiter(replace(SENSING, faults={"sensor_fault": "changer"}))
     rules, why = arbiter.rules, {"sensor_fault": "IL-04: both bits are set."}
 
     def again(faults):
@@ -250,11 +250,13 @@ def test_a_client_that_connects_again_says_what_it_has_latched_by_now():
     assert rules.predicates.faults == why, "a reset while it was not there"
     again({})
     assert rules.predicates.faults == why, "it has gone without clearing it, as far as is known"
-    assert rules.reset(arbiter.now) == {}
+    assert rules.reset(arbiter.now), "it is there again, and shows it"
+    rules.clear(arbiter.changer, "sensor_fault")
+    assert rules.predicates.faults == {}
 
 
 def test_what_two_clients_have_latched_ends_with_the_second():
-    arbiter = Arbiter(replace(SENSING, faults=("sensor_fault",)))
+    arbiter = Arbiter(replace(SENSING, faults={"sensor_fault": "changer"}))
     for client in (arbiter.changer, arbiter.grip):
         arbiter.rules.latch(client, "sensor_fault", "why")
     arbiter.rules.clear(arbiter.grip, "sensor_fault")

@@ -14,7 +14,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import LEASE_US, ChangerState, EndEffectorState
+from end_effector_hal.vocabulary import LEASE_US, ChangerFault, ChangerState, EndEffectorState
 from end_effector_lab.testbench.physics import _magnet
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
@@ -205,6 +205,82 @@ def test_a_latched_fault_survives_a_loss_of_power_but_not_on_a_disk_that_failed(
         tool.choose("nominal")
         tool.start("arbiter")
         assert set(tool.latched) == (set() if fails else latched)
+
+
+BOTH_BITS = "locked-shows:tool_changer:1,unlocked-shows:tool_changer:1"
+
+
+def started_with_a_slow_disk() -> VirtualTool:
+    """A sensor fault of the tool changer was latched; after a loss of power the disk does not give it back yet."""
+    tool = ready(scenario=BOTH_BITS)
+    tool.run(2.0)
+    assert set(tool.latched) == {"sensor_fault"}
+    tool.lose_power()
+    tool.choose("nominal")
+    tool.memories.journal.hangs = True
+    tool.start("arbiter")
+    tool.start("hal")
+    until(tool, STAND_BY)
+    tool.run(1.0)
+    assert tool.status.changer == ChangerState.LOCKED
+    assert set(tool.latched) == {"journal"}
+    return tool
+
+
+def test_a_sensor_fault_that_a_slow_disk_gives_back_late_is_its_programs_until_its_reset() -> None:
+    tool = started_with_a_slow_disk()
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    before = len(tool.edges)
+    tool.memories.journal.hangs = False
+    told = tool._connections["tool_change"].renews_at
+    assert tool.run_until(told, lambda: "sensor_fault" in tool.latched), "before its program hears of it"
+    assert tool.status.changer == ChangerState.LOCKED
+    assert tool.reset().reason == "tool_change has latched sensor_fault, and has not been reset."
+    assert tool.run_until(told + 110_000, lambda: tool.status.changer_fault == ChangerFault.SENSOR)
+    assert tool.status.changer == ChangerState.FAULT
+    assert not tool.reset().accepted
+    tool.run(5.0)
+    assert set(tool.latched) == {"sensor_fault"}
+    assert tool.status.ee == GRIPPED
+    assert len(tool.edges) == before
+    assert tool.command("reset").accepted
+    assert not tool.latched
+    tool.run(5.0)
+    assert (tool.status.changer, tool.status.changer_fault) == (ChangerState.LOCKED, ChangerFault.NONE)
+
+
+def test_a_fault_that_came_late_while_its_arbiter_died_is_not_missed() -> None:
+    tool = started_with_a_slow_disk()
+    tool.memories.journal.hangs = False
+    assert tool.run_until(tool.at + 250_000, lambda: "sensor_fault" in tool.latched)
+    assert tool.status.changer == ChangerState.LOCKED
+    tool.kill("arbiter")
+    tool.start("arbiter")
+    tool.run(1.0)
+    assert tool.status.changer_fault == ChangerFault.SENSOR
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+@pytest.mark.parametrize("dies", [False, True])
+def test_an_arbiter_that_ends_before_its_journal_was_read_leaves_it_to_the_next(
+    *, dies: bool, hangs: bool
+) -> None:
+    tool = started_with_a_slow_disk()
+    if dies:
+        tool.kill("arbiter")
+    tool.memories.journal.hangs = hangs
+    tool.end("arbiter")
+    tool.run(2.0)
+    assert "arbiter" not in tool.living
+    tool.memories.journal.hangs = False
+    tool.start("arbiter")
+    assert "sensor_fault" in tool.latched
+    tool.run(1.0)
+    assert tool.status.changer_fault == ChangerFault.SENSOR
+    tool.lose_power()
+    tool.start("arbiter")
+    assert "sensor_fault" in tool.latched, "the disk has it all the time"
 
 
 def test_a_link_that_falls_silent_holds_what_is_held() -> None:

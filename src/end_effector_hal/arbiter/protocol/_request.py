@@ -45,14 +45,17 @@ line whose activation needs a predicate (IL-01, IL-02, IL-05, IL-07, IL-13) is r
 nothing is ever deactivated because one is missing. Without an ``id`` it gets no reply
 unless it is refused.
 
-**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through a
-restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client says so once it has been reset
-itself. A ``hello`` has all faults that the client has latched and not cleared: what it said to an arbiter or over a
-connection that was lost counts (left out: those that its last session had). What the arbiter latches itself for an
-interlock (IL-03, IL-13) has no limit that a client could use up. ``reset`` clears all faults; it is refused with EE-403
-for those whose cause persists (an open e-stop). A fault of a client that lives, and has not cleared it, stays as well:
-the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop latches (IL-13): until a reset, also
-through a restart, nothing is activated, and no line is changed. A program that hears of it cancels the grip that runs.
+**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through
+a restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client says so once it has been reset
+itself. The policy names the client that shows a fault: that one may also clear a fault that it has not latched, which
+a disk has given back late, and finds it in ``status``. A ``hello`` has all faults that the client has latched and not
+cleared: what it said to an arbiter or over a connection that was lost counts (left out: those that its last session
+had). What the arbiter latches itself for an interlock (IL-03, IL-13) has no limit that a client could use up.
+``reset`` clears all faults; it is refused with EE-403 for those whose cause persists (an open e-stop). A fault of a
+client that lives, and has not cleared it, stays as well, whoever has latched it (one that never shows it, such as an
+older program, is to be restarted): the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop
+latches (IL-13): until a reset, also through a restart, nothing is activated, and no line is changed. A program that
+hears of it cancels the grip that runs.
 
 ``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what
 is over, and a stop only refuses. Such a connection is closed after 10 s without a message, and the oldest of them when

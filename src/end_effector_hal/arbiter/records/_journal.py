@@ -37,6 +37,7 @@ class JournalEntry(NamedTuple):
         boot: the start of the machine in which it was written.
         doubt: why faults may be missing, a clause; empty: none is missing.
         pulsed: levels of the outputs that leave none on their lines.
+        unread: the disk has not answered yet; what stands on it comes late.
     """
 
     faults: Mapping[str, str]
@@ -44,6 +45,13 @@ class JournalEntry(NamedTuple):
     boot: str = ""
     doubt: str = ""
     pulsed: Mapping[str, bool] = MappingProxyType({})
+    unread: bool = False
+
+
+NO_ANSWER = JournalEntry(
+    {}, clean=False, doubt="its journal cannot be read (the disk does not answer)", unread=True
+)
+"""For a disk that has not answered in time."""
 
 
 class Journal:
@@ -180,9 +188,7 @@ class JournalThread:
     def read(self) -> JournalEntry:
         """What an earlier arbiter has written; after 2 s without an answer of the disk: see `late`."""
         self._was_read.wait(READ_S)
-        return self.late() or JournalEntry(
-            {}, clean=False, doubt="its journal cannot be read (the disk does not answer)"
-        )
+        return self.late() or NO_ANSWER
 
     def late(self) -> JournalEntry | None:
         """What an earlier arbiter has written, once; nothing is written before it was fetched here."""
@@ -201,10 +207,17 @@ class JournalThread:
         return self._journal.trouble
 
     def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
-        """The arbiter ends in order; waits at most 2 s for the disk."""
+        """The arbiter ends in order; waits at most 2 s for what was not read yet, and 2 s for what is to be written."""
+        if not self._taken.is_set():
+            self._was_read.wait(READ_S)
+            if (late := self.late()) is None:
+                _log.error(
+                    "the line arbiter ends without its journal, which stays as it is: the disk does not answer"
+                )
+                return
+            faults = {**late.faults, **faults}
         self._journal.keep(faults, pulsed, clean=True)
         self._ended = True
-        self._taken.set()
         self._journal.changed.set()
         self._thread.join(READ_S)
         if self._thread.is_alive():

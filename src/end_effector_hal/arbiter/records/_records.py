@@ -19,7 +19,7 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
 
     In doubt more faults are latched rather than fewer, and no last will is executed.
     """
-    if record is not None and not record.doubt:
+    if record is not None and not record.doubt and not record.unread:
         return record
     if journal.doubt:
         _log.error("latched faults may be missing: %s", journal.doubt)
@@ -32,6 +32,8 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
         for line, level in journal.pulsed.items()
         if level or (journal.clean and not journal.doubt)
     }
+    if record is not None and not record.doubt:  # made before the journal was read: only faults are missing
+        return replace(record, faults={**faults, **record.faults})
     if record is not None:
         active = {line: level for line, level in pulsed.items() if level}
         return replace(record, faults={**faults, **record.faults}, pulsed=active)
@@ -76,7 +78,9 @@ class Records:
 
     def __init__(self, sessions: SessionStore, journal: JournalKeeper) -> None:
         self._sessions, self._journal = sessions, journal
-        self.before = recall(sessions.read(), journal.read())
+        entry = journal.read()
+        self._unread = entry.unread
+        self.before = recall(sessions.read(), entry)
         """The state of the arbiter before this one."""
 
     def before_change(self) -> None:
@@ -86,11 +90,12 @@ class Records:
     def keep(self, arbiter: LineArbiter) -> None:
         """Keep its state; call it before any client learns what has changed."""
         if late := self._journal.late():
+            self._unread = False
             for name, why in late.faults.items():
                 arbiter.predicates.latch(name, why)
         for name, why in self.troubles().items():
             arbiter.predicates.latch(name, why)
-        state = arbiter.state
+        state = replace(arbiter.state, unread=self._unread)
         self._sessions.keep(state)
         self._journal.keep(dict(state.faults), state.pulsed)
 
@@ -107,6 +112,6 @@ class Records:
 
     def close(self, state: ArbiterState) -> None:
         """The arbiter ends in order."""
-        self._sessions.keep(replace(state, clean=True))
+        self._sessions.keep(replace(state, clean=True, unread=self._unread))
         self._sessions.close()
         self._journal.close(dict(state.faults), state.pulsed)

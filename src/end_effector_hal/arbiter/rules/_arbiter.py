@@ -235,11 +235,12 @@ class LineArbiter:
         session.faults.add(name)
 
     def clear(self, session: Session, name: str) -> None:
-        """A client has been reset: end a fault that it has latched."""
-        if name in session.faults:
-            session.faults.remove(name)
-            if name not in self._latched_by():
-                self.predicates.faults.pop(name, None)
+        """A client has been reset: end a fault that it has latched, or that is its own by the policy."""
+        if name not in session.faults and self.policy.faults.get(name) != session.client:
+            return
+        session.faults.discard(name)
+        if not any(name in each.faults for each in self.sessions if not each.ended):
+            self.predicates.faults.pop(name, None)
 
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> dict[str, str]:
         """Clear the latched faults and the list of ended activations; ``still``: faults that persist now.
@@ -350,8 +351,12 @@ class LineArbiter:
             self.latch(session, name, faults[name])
 
     def _latched_by(self) -> dict[str, str]:
-        """The clients that live, by the faults that they have latched."""
-        return {name: each.client for each in self.sessions if not each.ended for name in each.faults}
+        """The clients that live, by the faults that they have latched, or will show: a journal may be read late."""
+        living = [each for each in self.sessions if not each.ended]
+        names = {each.client for each in living}
+        theirs = {name: client for name, client in self.policy.faults.items() if client in names}
+        theirs |= {name: each.client for each in living for name in each.faults}
+        return {name: client for name, client in theirs.items() if name in self.predicates.faults}
 
     def _resume(self, state: ArbiterState, at: int) -> None:
         """Continue the sessions of the arbiter before this one; in doubt no last will is executed."""

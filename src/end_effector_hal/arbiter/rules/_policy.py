@@ -62,7 +62,7 @@ class Policy:
         fresh_us: how long a proof of the sensors counts.
         lease_us: a client that does not renew its lease for so long is dead.
         longest_last_will_us: no step of a last will is later than that after the death.
-        faults: names of the faults that clients may latch.
+        faults: those that clients may latch, by name: the client that shows it, and whose reset ends it.
         labels: what the lines drive, for the sentences.
         opposites: second coils, by the line of their output; no client writes them.
         proven: predicates that the arbiter proves by itself, by lines that it reads; nobody else is believed.
@@ -76,7 +76,7 @@ class Policy:
     fresh_us: int = 150_000
     lease_us: int = LEASE_US
     longest_last_will_us: int = 10_000_000
-    faults: Sequence[str] = ()
+    faults: Mapping[str, str] = field(default_factory=dict)
     labels: Mapping[str, str] = field(default_factory=dict)
     opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
     proven: frozenset[str] = frozenset()

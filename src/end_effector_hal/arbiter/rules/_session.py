@@ -44,6 +44,7 @@ class ArbiterState:
         dead: names and tokens of clients that were declared dead and have not connected since.
         pulsed: levels of the outputs that leave none on their lines; a line that is missing counts as active.
         doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
+        unread: the disk had not given the journal back yet: faults in it are missing here.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -53,19 +54,24 @@ class ArbiterState:
     dead: tuple[tuple[str, str], ...] = ()
     pulsed: Mapping[str, bool] = field(default_factory=dict)
     doubt: str = ""
+    unread: bool = False
 
     def as_json(self) -> dict[str, object]:
         """For the session record. The doubt is not in it: it arises when the record is read."""
-        return {
-            "faults": dict(self.faults),
-            "clients": [
-                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid, each.faults]
-                for each in self.clients
-            ],
-            "clean": self.clean,
-            "levels": dict(self.levels),
-            "dead": self.dead,
-        } | ({"pulsed": dict(self.pulsed)} if self.pulsed else {})
+        return (
+            {
+                "faults": dict(self.faults),
+                "clients": [
+                    [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid, each.faults]
+                    for each in self.clients
+                ],
+                "clean": self.clean,
+                "levels": dict(self.levels),
+                "dead": self.dead,
+            }
+            | ({"pulsed": dict(self.pulsed)} if self.pulsed else {})
+            | ({"unread": True} if self.unread else {})
+        )
 
 
 def read_arbiter_state(given: Any) -> ArbiterState:
@@ -78,7 +84,8 @@ def read_arbiter_state(given: Any) -> ArbiterState:
         clients = tuple(_read_record(*client) for client in given["clients"])
         levels, pulsed = read_levels(given["levels"]), read_levels(given.get("pulsed", {}))
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
-        return ArbiterState(read_faults(given["faults"]), clients, bool(given["clean"]), levels, dead, pulsed)
+        faults, unread = read_faults(given["faults"]), given.get("unread") is True
+        return ArbiterState(faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is not the state of a line arbiter: {error}.") from error
 

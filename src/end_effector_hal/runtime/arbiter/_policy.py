@@ -51,7 +51,7 @@ def arbiter_policy(description: Description) -> Policy:
         longest_last_will_us=max(
             LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
         ),
-        faults=(SENSOR_FAULT,) if changer else (),
+        faults={SENSOR_FAULT: "tool_change"} if changer else {},
         opposites={
             line: SecondCoil(each.line, to_us(each.pulse_s or 0), to_us(each.pause_s or 0))
             for line, each in description.opposites.items()

@@ -7,8 +7,9 @@ from typing import ClassVar, Protocol
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
+from end_effector_hal.errors import WireError
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
-from end_effector_hal.runtime.outputs import ChangerOutputs, LineWriter, OutputMapping
+from end_effector_hal.runtime.outputs import RESTARTED, RETRY_US, ChangerOutputs, LineWriter, OutputMapping
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 
@@ -18,6 +19,10 @@ from ._program import Program
 from ._release_proof import await_release
 from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import SerialWorker
+
+CAME_LATE = (
+    f"The line arbiter read late that a sensor fault of the tool changer was latched before; {RESTARTED}"
+)
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):
@@ -41,6 +46,7 @@ class ChangerProgram(Program):
     ) -> None:
         self._waits = worker is SerialWorker
         self._fault = SensorFault(lines)
+        self._look_at: int | None = None  # µs at which the faults of the line arbiter are read again
         super().__init__(description, lines, on_status, recorder, clock, judge, worker)
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
@@ -54,6 +60,29 @@ class ChangerProgram(Program):
 
     def _fault_found(self) -> bool:
         return self._fault.found()
+
+    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+        """A sensor fault may be among them that a slow disk has kept back until now."""
+        self._look_at = self._clock()
+        return super()._keep_faults(faults)
+
+    def _arbiter_was_lost(self) -> None:
+        self._look_at = self._clock() + RETRY_US
+
+    def _due(self) -> int | None:
+        looks = [self._look_at] if self._adoption.begun else []
+        return min((at for at in (super()._due(), *looks) if at is not None), default=None)
+
+    def _on_time(self, at: int) -> list[Status]:
+        if self._look_at is None or at < self._look_at:
+            return super()._on_time(at)
+        try:
+            late = self._fault.came_late()
+        except WireError:
+            self._look_at = at + RETRY_US
+            return super()._on_time(at)
+        self._look_at = None
+        return self._restart(CAME_LATE) if late else super()._on_time(at)
 
     def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
         answer, statuses = super()._decide(name, until_us)

@@ -195,6 +195,9 @@ class Program(ABC):
         """Whether the line arbiter keeps a sensor fault of this program; raises WireError."""
         return False
 
+    def _arbiter_was_lost(self) -> None:  # noqa: B027 most programs remember nothing of it
+        """The line arbiter is lost, or was; what is remembered of it may be outdated."""
+
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
         self._faults = faults
         self._stopped = latched_stop(faults)
@@ -360,6 +363,7 @@ class Program(ABC):
             statuses = statuses + more
             outputs.complete(outputs.begin(more))
         if outputs.lost:
+            self._arbiter_was_lost()
             try:
                 statuses = self._adoption.compare(statuses, self.status, self._clock())
             except DeclaredDeadError as error:

@@ -35,12 +35,17 @@ class SensorFault:
 
     def __init__(self, keeper: FaultKeeper) -> None:
         self._keeper = keeper
-        self._is_latched = self._is_reset = False
+        self._is_latched = self._is_reset = self._was_found = False
 
     def found(self) -> bool:
         """Whether one was latched before; raises WireError."""
         self._is_latched = self._is_reset = False
-        return SENSOR_FAULT in self._keeper.status()["faults"]
+        self._was_found = self._is_kept()
+        return self._was_found
+
+    def came_late(self) -> bool:
+        """Whether one is latched that was not `found` and that the program has not shown; raises WireError."""
+        return not (self._was_found or self._is_latched) and self._is_kept()
 
     def reset(self) -> None:
         """The automaton has accepted a reset: the next status that shows no fault clears it."""
@@ -54,7 +59,10 @@ class SensorFault:
                 self._is_latched = True
                 self._keeper.latch(SENSOR_FAULT, status.reason)
             elif not shown and self._is_reset:
-                self._is_latched = self._is_reset = False
+                self._is_latched = self._is_reset = self._was_found = False
                 self._keeper.clear(SENSOR_FAULT)
         except ReportedError as error:
             _log.warning("the line arbiter is told of the sensor fault when it is back: %s", error)
+
+    def _is_kept(self) -> bool:
+        return SENSOR_FAULT in self._keeper.status()["faults"]
