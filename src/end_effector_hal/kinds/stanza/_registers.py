@@ -83,7 +83,8 @@ class RegisterOutput(Part):
     verify: Name | None = Field(
         default=None,
         description="bit channel: on while the device says that command_on is what it was told; null: it cannot be "
-        "read back, so that after a start of the line arbiter the sensors decide, and in doubt it is active",
+        "read back, so that after a start of the line arbiter the sensors decide, and in doubt it is active; it is "
+        "also active for a program that has activated it and still runs, whatever the sensors show",
     )
     activation: Activation | None = Field(default=None, description="absent: it obeys from its start on")
     handshake: Handshake | None = Field(default=None, description="absent: what is written counts at once")

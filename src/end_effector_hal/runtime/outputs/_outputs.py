@@ -82,6 +82,11 @@ class Outputs:
         """The levels that a program adopts as it begins: what has changed since they were read is found by `agree`."""
         self._written = {line: levels[line] for line in self.mapping.levels(status) if line in levels}
 
+    @property
+    def activated(self) -> frozenset[str]:
+        """The lines that this program has activated and not asked to deactivate."""
+        return frozenset(line for line, level in self._written.items() if level)
+
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
         """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
 

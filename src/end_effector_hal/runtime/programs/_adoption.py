@@ -24,6 +24,7 @@ class Adoption:
         controller: one that has not begun.
         outputs: of its statuses.
         lines: the line arbiter.
+        activated: lines that count as active where nobody knows how they stand, whatever their sensors show.
 
     Attributes:
         begun: whether the lines are adopted.
@@ -31,7 +32,14 @@ class Adoption:
         obstacle: why they are not, a sentence; empty: nothing is known to be in the way.
     """
 
-    def __init__(self, controller: AnyController, outputs: Outputs, lines: LineWriter) -> None:
+    def __init__(
+        self,
+        controller: AnyController,
+        outputs: Outputs,
+        lines: LineWriter,
+        activated: frozenset[str] = frozenset(),
+    ) -> None:
+        self._activated = activated
         self.controller, self.outputs, self._lines = controller, outputs, lines
         self.begun = False
         self.withholds = False
@@ -58,7 +66,8 @@ class Adoption:
             peer: what is known of the other program.
         """
         try:
-            levels, found = self._lines.levels(), sensor_fault()
+            levels = {**dict.fromkeys(self._activated, True), **self._lines.levels()}
+            found = sensor_fault()
         except WireError as error:
             self.obstacle, self._begin_at = str(error), at + RETRY_US
             return []

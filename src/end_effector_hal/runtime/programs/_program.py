@@ -46,7 +46,8 @@ class Program(ABC):
     2. The listener is called there, once for each step of the automata, in order, after the lines are written.
     3. No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
     4. A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
-       restarts, and adopts what it finds. Until it knows, it claims no grip.
+       restarts, and adopts what it finds; what it has activated and nobody can read back counts as active, whatever
+       its sensors show. Until it knows, it claims no grip.
     5. Nothing is told as held before all that was asked of the lines is applied: a deactivation may wait (IL-10).
 
     Args:
@@ -333,16 +334,16 @@ class Program(ABC):
         if follow_up := self._reaction(statuses):
             follow_up()
 
-    def _reset(self) -> None:
+    def _reset(self, activated: frozenset[str] = frozenset()) -> None:
         controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
-        self._adoption = Adoption(controller, Outputs(self._lines, self._mapping()), self._lines)
+        self._adoption = Adoption(controller, Outputs(self._lines, self._mapping()), self._lines, activated)
 
     def _adopt(self) -> list[Status]:
         return self._adoption.begin(self._clock(), self._fault_found, self._peer)
 
     def _restart(self, why: str) -> list[Status]:
         _log.warning("%s: %s", self.NAME, why)
-        self._reset()
+        self._reset(self._adoption.outputs.activated)
         self._why = why
         return [self._adoption.now(self._clock()), *self._adopt()]
 
