@@ -13,7 +13,17 @@ from ._tables import (
     TableState,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, OVER, STOPPED, escaped, hint, is_name, latched_stop, printable
+from ._text import (
+    LONGEST_SENTENCE,
+    OVER,
+    STOPPED,
+    escaped,
+    hint,
+    is_name,
+    latched_il_13,
+    latched_stop,
+    printable,
+)
 from ._time import to_s, to_us
 
 __all__ = [
@@ -45,6 +55,7 @@ __all__ = [
     "escaped",
     "hint",
     "is_name",
+    "latched_il_13",
     "latched_stop",
     "printable",
     "read_last_will",

@@ -17,6 +17,11 @@ def latched_stop(sentences: Iterable[str]) -> str:
     return next((each for each in sentences if each.startswith(f"IL-13: {STOPPED}")), "")
 
 
+def latched_il_13(sentences: Iterable[str]) -> str:
+    """The sentence of what refuses every activation, a latched stop or e-stop; empty: nothing does."""
+    return next((each for each in sentences if each.startswith("IL-13: ")), "")
+
+
 def is_name(given: object) -> bool:
     """Whether it is a text of 1 to 64 printable characters: no control characters, no half of a surrogate pair."""
     return isinstance(given, str) and 0 < len(given) <= LONGEST_NAME and given.isprintable()

@@ -20,7 +20,7 @@ from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
 from end_effector_hal.runtime.stream import GO_ON, PROGRAM_WORDS, RELOAD, TOO_LATE, ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Command, EndEffectorState, latched_stop
+from end_effector_hal.vocabulary import Command, EndEffectorState, latched_il_13, latched_stop
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -78,7 +78,7 @@ class Program(ABC):
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
-        self._e_stop_opened = ""  # that of an e-stop, and what to do
+        self._refused = ""  # why nothing is activated: that, or an e-stop, and what to do
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
@@ -202,8 +202,8 @@ class Program(ABC):
     def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
         self._faults = faults
         self._stopped = latched_stop(faults)
-        opened = next((each for each in faults if each.startswith("IL-13")), "")
-        self._e_stop_opened = opened and f"{opened} {UNTIL_RESET}"
+        latched = latched_il_13(faults)
+        self._refused = self._stopped or (latched and f"{latched} {UNTIL_RESET}")
         return []  # only the notices change
 
     def _due(self) -> int | None:
@@ -224,7 +224,7 @@ class Program(ABC):
                 return "Nothing can be activated while the line arbiter is lost."
             if self._still_until > self._clock():
                 return RELOADING
-            return self._stopped or self._e_stop_opened
+            return self._refused
         return ""
 
     def _unrest(self) -> str:

@@ -21,7 +21,7 @@ from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command, latched_stop
+from end_effector_hal.vocabulary import ChangerState, Command, latched_il_13
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -242,7 +242,7 @@ class EndEffector(Closing):
         if answer.accepted:
             # the line arbiter tells the programs with their next renewal: until then they would refuse a grip
             for unit in self._units:
-                unit.wait(lambda status: not latched_stop(status.alarms), RENEWED_S)
+                unit.wait(lambda status: not latched_il_13(status.alarms), RENEWED_S)
         return answer
 
     def arm(self) -> Answer:
