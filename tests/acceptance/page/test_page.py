@@ -44,8 +44,18 @@ def opened(chromium: Any, live: Live, **options: Any) -> Any:
     return page
 
 
+TOLD = ("state-word", "state-reason", "answer", "why-grip")
+"""What the page says of the tool, for a failure."""
+
+
 def shows(page: Any, name: str, text: str, timeout_ms: int = 20_000) -> None:
-    page.locator(f"#{name}", has_text=text).wait_for(timeout=timeout_ms)
+    from playwright.sync_api import TimeoutError as LateError
+
+    try:
+        page.locator(f"#{name}", has_text=text).wait_for(timeout=timeout_ms)
+    except LateError:
+        told = {each: page.locator(f"#{each}").all_text_contents() for each in (name, *TOLD)}
+        pytest.fail(f"#{name} did not show {text!r} within {timeout_ms / 1000:g} s; the page shows {told}")
 
 
 def shot(page: Any, name: str, *, whole: bool = False) -> None:
