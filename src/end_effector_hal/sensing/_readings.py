@@ -152,7 +152,7 @@ class Readings:
 
     @property
     def read_at(self) -> Mapping[str, int]:
-        """When each channel was read last, µs; another object after each frame, and after nothing else."""
+        """When each channel was read last, µs; a new object whenever one of these times has changed."""
         return self._at
 
     @property

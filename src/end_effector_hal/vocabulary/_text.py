@@ -18,8 +18,8 @@ def latched_stop(sentences: Iterable[str]) -> str:
 
 
 def latched_il_13(sentences: Iterable[str]) -> str:
-    """The sentence of what refuses every activation, a latched stop or e-stop; empty: nothing does."""
-    return next((each for each in sentences if each.startswith("IL-13: ")), "")
+    """The sentence of a latched stop or e-stop among faults or alarms: nothing is activated; empty: there is none."""
+    return next((each for each in sentences if each.startswith("IL-13:")), "")
 
 
 def is_name(given: object) -> bool:

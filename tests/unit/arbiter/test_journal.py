@@ -222,14 +222,20 @@ def test_nobody_waits_for_a_disk_that_hangs(tmp_path: Path) -> None:
     assert journal(tmp_path).read() == JournalEntry({}, clean=True, boot="boot")
 
 
+def silent_with_e_stop(folder: Path) -> Hanging:
+    """A disk that has kept a fault, and does not answer."""
+    before = journal(folder)
+    before.keep(E_STOP)
+    before.write_next()
+    disk = Hanging(folder / "journal")
+    disk.answers.clear()
+    return disk
+
+
 @pytest.mark.wall
 def test_what_is_read_late_is_not_written_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "READ_S", 0.05)
-    before = journal(tmp_path)
-    before.keep(E_STOP)
-    before.write_next()
-    disk = Hanging(tmp_path / "journal")
-    disk.answers.clear()
+    disk = silent_with_e_stop(tmp_path)
     with thread(disk) as running:
         assert running.read().doubt == "its journal cannot be read (the disk does not answer)"
         running.keep({}, {})
@@ -247,11 +253,7 @@ def test_what_was_not_read_before_the_end_is_still_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, answers: bool
 ) -> None:
     monkeypatch.setattr(module, "READ_S", 0.05)
-    before = journal(tmp_path)
-    before.keep(E_STOP)
-    before.write_next()
-    disk = Hanging(tmp_path / "journal")
-    disk.answers.clear()
+    disk = silent_with_e_stop(tmp_path)
     running = JournalThread(Journal(disk, "boot", Clock()))
     assert running.read().unread
     if answers:

@@ -21,7 +21,8 @@ from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import SerialWorker
 
 CAME_LATE = (
-    f"The line arbiter read late that a sensor fault of the tool changer was latched before; {RESTARTED}"
+    "A sensor fault of the tool changer was latched before the start, and the disk of the line arbiter has given it "
+    f"back late; {RESTARTED}"
 )
 
 

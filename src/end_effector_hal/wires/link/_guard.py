@@ -24,7 +24,7 @@ from end_effector_hal.wires.link._codec_calls import CodecCalls
 MOST_KEPT = 65_536
 """Bytes and elements that a decoder may keep between two calls."""
 WEIGHED_AFTER = 16
-"""Calls after which it is looked at what a decoder keeps: at each it would cost as much as decoding."""
+"""At one call in so many it is measured what a decoder keeps: that takes as long as to decode a frame."""
 LONGEST_REQUEST = 4_096
 """Bytes that `poll` may ask to be sent."""
 MOST_ENDED = 64
