@@ -19,8 +19,9 @@ from end_effector_hal.wires import now_us
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
 from end_effector_lab.testbench import PtyPort
-from end_effector_lab.testbench.modbus import Gripper2F85, RtuServer, SimulatedEPick
 from tests.support.patience import PATIENCE_S, wait_until
+from tests.support.robotiq import Gripper2F85, SimulatedEPick
+from tests.support.rtu_server import RtuServer
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 TOOLS = Path(__file__).parents[3] / "examples" / "tools"

@@ -16,9 +16,9 @@ from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
-from end_effector_lab.testbench.modbus import Gripper2F85
 from tests.acceptance.runtime.test_commanded_gripper import Cable
 from tests.support.patience import PATIENCE_S, wait_until
+from tests.support.robotiq import Gripper2F85
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 READY_S = 30.0

@@ -1,6 +1,4 @@
-"""Modbus devices at the far end of a bus: three by their registers, and any that a description commands."""
+"""The registers that a description commands, at the far end of a bus: as the device of any tool has them."""
 
 from ._commanded import CommandedRegisters
-from ._handshake import HandshakeGripper
-from ._robotiq import Gripper2F85, SimulatedEPick
-from ._rtu import RegisterMap, RtuServer
+from ._rtu import LONGEST, RegisterRequest, done_answer, exception_answer, read_request, sealed

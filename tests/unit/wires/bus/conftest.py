@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_lab.testbench.modbus import Gripper2F85
+from tests.support.robotiq import Gripper2F85
 from tests.unit.wires.bus.played_bus import (
     Bus,
     example,

@@ -10,7 +10,7 @@ from end_effector_hal.codecs.modbus import ModbusMaster, cycle_record
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
-from end_effector_lab.testbench.modbus import RegisterMap, RtuServer
+from tests.support.rtu_server import RegisterMap, RtuServer
 
 MS, S = 1_000, 1_000_000
 EXAMPLES = Path(__file__).parents[4] / "examples" / "tools"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.wires.bus import BusOutputs, fresh_for_us
-from end_effector_lab.testbench.modbus import SimulatedEPick
+from tests.support.robotiq import SimulatedEPick
 from tests.unit.wires.bus.played_bus import (
     MS,
     TWO_UNITS,

@@ -6,7 +6,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.wires.bus import BusOutputs, fresh_for_us
-from end_effector_lab.testbench.modbus import HandshakeGripper
+from tests.support.handshake_gripper import HandshakeGripper
 from tests.unit.wires.bus.played_bus import ANSWER_US, MS, Bus, S, described
 
 JAWS = "modbus:1/0x0000"

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from end_effector_hal.codecs.modbus import RelayedBus
-from end_effector_lab.testbench.modbus import Gripper2F85, RtuServer
+from tests.support.robotiq import Gripper2F85
+from tests.support.rtu_server import RtuServer
 from tests.unit.wires.bus.played_bus import (
     FINGERS,
     MS,
