@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,26 +14,26 @@ from end_effector_hal.vocabulary import display_name
 
 from ._labels import packed, wrapped
 from ._save import DPI
-from ._style import RULE, drawing, plain
+from ._style import drawing, plain
 from .parts import (
+    AXIS_IN,
     EDGE_IN,
     FOOT_IN,
     GAP_IN,
+    PANEL_GAP_IN,
     ROW_IN,
     WIDTH_IN,
+    FigureSheet,
     Heading,
     Lane,
     Page,
     Panel,
     all_lanes_of,
-    draw_events,
     draw_heading,
-    draw_lane,
+    draw_lanes,
     draw_panel,
-    draw_steps,
+    draw_plots,
     labels_width,
-    line_of,
-    lined,
     page_of,
     panels_of,
     place_events,
@@ -41,7 +42,6 @@ from .parts import (
     write_lane,
 )
 
-_PANEL_GAP_IN, _AXIS_IN = 0.16, 0.62
 _PAIR_GAP_IN = 0.12
 _SECOND = (0, (4, 1.6))
 _MOST_MARKED = 24
@@ -65,49 +65,16 @@ def draw(
             write_lane(lane, page.x, page.width, crossed)
         heading = _heading(first, second, differences, names, WIDTH_IN - page.left - EDGE_IN)
         lanes_at = heading.height_in + (1 + max((event.row for event in events), default=0)) * ROW_IN
-        lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes) + _PAIR_GAP_IN * len(lanes) / 2
-        height = lanes_end + sum(panel.height_in + _PANEL_GAP_IN for panel in panels) + _AXIS_IN
-        figure = Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI)
-
-        def axes(y0: float, y1: float) -> Axes:
-            place = (page.left / WIDTH_IN, 1 - y1 / height, page.width / WIDTH_IN, (y1 - y0) / height)
-            found = figure.add_axes(place)
-            found.set_xlim(page.start_s, page.end_s)
-            found.patch.set_visible(False)
-            return found
-
-        draw_heading(figure, heading, page.left)
-        above = axes(heading.height_in, lanes_end)
-        above.set_ylim(lanes_end - lanes_at, heading.height_in - lanes_at)
-        above.axis("off")
-        draw_events(above, page, events)
-        below = FOOT_IN
-        for index, lane in enumerate(lanes):
-            draw_lane(above, page, lane, below)
-            draw_steps(above, lane, below)
-            below += lane.height_in
-            if index % 2:
-                below += _PAIR_GAP_IN
-                above.axhline(below - (GAP_IN + _PAIR_GAP_IN) / 2, color=RULE, linewidth=0.6, zorder=1)
-        for event in lined(events):
-            start = -(event.row + 0.1) * ROW_IN if event.row else FOOT_IN * 0.4
-            above.plot([event.moment.time_s] * 2, [start, below], zorder=3, **line_of(event))
-        last = above
-        for panel in panels:
-            last = axes(lanes_end + _PANEL_GAP_IN, lanes_end + _PANEL_GAP_IN + panel.height_in)
-            lanes_end += _PANEL_GAP_IN + panel.height_in
-            _draw_both(last, panel, others)
-            for event in lined(events):
-                last.axvline(event.moment.time_s, zorder=1, **line_of(event))
-            last.tick_params(labelsize=9.5, labelbottom=panel is panels[-1], bottom=panel is panels[-1])
-            last.spines["bottom"].set_visible(panel is panels[-1])
-            last.yaxis.set_label_coords(-0.62 / page.width, 0.5)
-        if not panels:
-            last = axes(lanes_end, lanes_end + 0.02)
-            last.set_yticks([])
-            last.spines[["left", "top", "right"]].set_visible(False)
-        last.set_xlabel(f"time since start of {plain(names[0])} [s]", fontsize=10)
-        return figure
+        lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes)
+        heights = [panel.height_in for panel in panels]
+        height = lanes_end + sum(each + PANEL_GAP_IN for each in heights) + AXIS_IN
+        sheet = FigureSheet(Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI), page, height)
+        draw_heading(sheet.figure, heading, page.left)
+        draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end))
+        plots = [partial(_draw_both, panel=each, others=others) for each in panels]
+        since = f"start of {plain(names[0])}"
+        draw_plots(sheet, list(zip(heights, plots, strict=True)), events, lanes_end, since=since)
+        return sheet.figure
 
 
 def _is_marked(difference: RunDifference, lanes: Sequence[Lane]) -> bool:
@@ -168,7 +135,7 @@ def _pairs(lanes: list[Lane], others: list[Lane]) -> list[Lane]:
         title, empty = known.title, Lane(name, known.title, [], bar_in=known.bar_in)
         found += [
             replace(by_name.get(name) or empty, title=title),
-            replace(second.get(name) or empty, title="the second"),
+            replace(second.get(name) or empty, title="the second", gap_in=GAP_IN + _PAIR_GAP_IN, ruled=True),
         ]
     return found
 

@@ -17,21 +17,25 @@ from end_effector_hal.verification.whatif import RunStory, WhatIf
 from ._labels import width_of, wrapped
 from ._save import DPI
 from ._style import INK, RULE, WRONG, drawing, plain
-from ._timeline import AXIS_IN, PANEL_GAP_IN, FigureSheet, draw_lanes, draw_plots
 from .parts import (
+    AXIS_IN,
     EDGE_IN,
     FOOT_IN,
+    PANEL_GAP_IN,
     ROW_IN,
     TITLE,
     WIDTH_IN,
     Event,
+    FigureSheet,
     Heading,
     Lane,
     Page,
     Panel,
     all_lanes_of,
     draw_heading,
+    draw_lanes,
     draw_panel,
+    draw_plots,
     labels_width,
     page_of,
     panels_of,
@@ -134,6 +138,7 @@ def _block(side: RunStory, title: str, told: WhatIf, page: Page, top: float) -> 
     events = place_events(moments, page.x, page.width + EDGE_IN)
     lanes = all_lanes_of(side.log, side.info, page.end_s, told.pressures, side.changer)
     lanes += switch_lanes(told.switches, side.info, page.end_s)
+    lanes[1].ruled = len(lanes) > 2
     crossed = [page.x(event.moment.time_s) for event in events]
     for lane in lanes:
         write_lane(lane, page.x, page.width, crossed)

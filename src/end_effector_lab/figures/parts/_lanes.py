@@ -74,7 +74,7 @@ class Beside:
 
 @dataclass
 class Lane:
-    """One element over time."""
+    """One element over time; ``ruled``: a thin line stands below it."""
 
     name: str
     title: str
@@ -83,6 +83,8 @@ class Lane:
     beside: list[Beside] = field(default_factory=list)
     caption: str = ""
     bar_in: float = BAR_IN
+    gap_in: float = GAP_IN
+    ruled: bool = False
 
     @property
     def bar_at(self) -> float:
@@ -93,7 +95,7 @@ class Lane:
     def height_in(self) -> float:
         """Caption, bar, words below and gap."""
         lowest = max((words.box.y1 for words in self.beside), default=0.0)
-        return self.bar_at + self.bar_in + max(lowest, 0.0) + GAP_IN
+        return self.bar_at + self.bar_in + max(lowest, 0.0) + self.gap_in
 
 
 def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
