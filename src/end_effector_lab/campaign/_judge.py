@@ -29,12 +29,9 @@ from __future__ import annotations
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
-from end_effector_hal.runtime import SENSOR_FAULT
 from end_effector_hal.vocabulary import (
     LEASE_US,
     SETTLE_US,
-    ChangerFault,
-    ChangerState,
     Command,
     EndEffectorState,
     to_us,
@@ -42,14 +39,13 @@ from end_effector_hal.vocabulary import (
 from end_effector_lab.matrix import Switching, switchings
 from end_effector_lab.virtual import Edge, VirtualTool
 
+from ._judged_arbiter import JudgedArbiter
 from ._reality import FRAMES_US, Reality
 
 GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
 GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
 MARGIN_US = 1_000_000
-HEARD_US = 1_000_000
-"""By then a program has told an arbiter that was started again what it wants."""
 NEAR_US = 5_000
 """By so much a pause may seem to be shorter than it is: what is due at one time is done one after the other."""
 
@@ -89,14 +85,11 @@ class Judge:
         self._unlocked_since: int | None = None
         self._unwound_by: int | None = None
         self._disturbed = False
-        self._arbiter_life: int | None = tool.arbiters
-        self._arbiter_since = self._arbiter_until = self._grip_since = tool.at
+        self._arbiter = JudgedArbiter(tool, self._reality)
+        self._grip_since = tool.at
         self._ended: dict[str, int] = {}
         self._released_at = tool.at - 2 * SETTLE_US
         self._let_go: dict[str, int] = {}
-        self._latched: set[str] = set()
-        self._sensor_fault = False
-        self._changer_is_reset = False
 
     # What happens to the tool
 
@@ -106,10 +99,8 @@ class Judge:
 
     def commanded(self, name: str, answer: Answer, at: int) -> None:
         """A command was given at ``at`` µs, and answered."""
-        if name == "reset":  # one that is refused clears all but the faults that persist
-            self._latched = set(self._tool.latched)
-            if answer.accepted or (answer.decided and "tool_change" not in self._tool.living):
-                self._sensor_fault, self._changer_is_reset = False, True
+        if name == "reset":
+            self._arbiter.reset(answer)
         if not answer.accepted:
             if not answer.reason:
                 self._object("refusals", f"{name} was refused without a reason")
@@ -131,22 +122,19 @@ class Judge:
         if "grip" in tool.living:
             self._grip_runs, self._let_go = False, {}
             ee = tool.statuses[-1].ee
-            if not self._held and (ee == GRIPPING or (ee == RELEASING and self._release_was_heard())):
+            if not self._held and (
+                ee == GRIPPING or (ee == RELEASING and self._arbiter.has_heard_of(self._released_at))
+            ):
                 self._expect_unwinding()
 
     def _look_at_arbiter(self) -> None:
         """Who measures the unlock, and executes last wills, may have gone or come."""
-        tool = self._tool
-        life = tool.arbiters if "arbiter" in tool.living else None
-        if life == self._arbiter_life:
-            return
-        if self._arbiter_life is not None:
-            self._arbiter_until, self._unlocked_since = tool.at, None
+        gone, came = self._arbiter.look()
+        if gone:
+            self._unlocked_since = None
             self._unwound_by = None if self._unwound_by is None else 1 << 62
-        self._arbiter_life = life
-        if life is None:
+        if not came:
             return
-        self._arbiter_since = tool.at
         if self._changer and self._tool.levels.get(self._changer):
             self._unlocked_since = self._tool.at
         if self._unwound_by is not None:
@@ -156,7 +144,7 @@ class Judge:
     def disturbed(self) -> None:
         """What the arbiter keeps may be gone: in doubt it holds, and no last will is demanded of it."""
         self._disturbed, self._unwound_by = True, None
-        self._latched, self._sensor_fault = set(), False
+        self._arbiter.forget()
 
     def power_lost(self) -> None:
         """Everything has died, every line is inactive; valves of two coils stay; the journal has what is latched."""
@@ -191,8 +179,9 @@ class Judge:
         if "grip" in tool.living:
             self._is_held(tool.statuses[-1])
         since = self._unlocked_since
-        if "arbiter" in tool.living and not self._disturbed:
-            self._still_latched()
+        if self._arbiter.lives and not self._disturbed:  # rule 10
+            for what in self._arbiter.unlatched():
+                self._object("latched", what)
         if since is not None and tool.at - since > self._longest_unlock_us:
             self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
         if self._unwound_by is not None and tool.at > self._unwound_by:
@@ -204,7 +193,7 @@ class Judge:
         status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
         if "grip" not in self._tool.living:
             return
-        if self._unwound_by is not None and "arbiter" in self._tool.living:
+        if self._unwound_by is not None and self._arbiter.lives:
             self._unwound()  # the program that began again could not before that was over
         if not still:
             self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
@@ -217,7 +206,7 @@ class Judge:
 
     def _cannot_deactivate(self, status: Status) -> bool:
         """Whether no arbiter is there that could, which has been told; a sensor may lie that nothing is held."""
-        return "arbiter" not in self._tool.living and bool(status.alarms)
+        return not self._arbiter.lives and bool(status.alarms)
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         if len(active) < len(self._sequence):
@@ -237,7 +226,7 @@ class Judge:
             stood = edge.at - self._changed_at.get(edge.line, edge.at - SETTLE_US)
             # of a register the pause is between two commands
             on_bus = edge.line in self._description.register_outputs
-            cut = not edge.level and edge.at == self._arbiter_until and edge.line in self._pulsed_coils
+            cut = not edge.level and edge.at == self._arbiter.until and edge.line in self._pulsed_coils
             if stood < SETTLE_US and not (on_bus or cut):
                 self._object("switching", f"{edge.line} was switched after {stood / 1000:g} ms (IL-10)")
             self._changed_at[edge.line] = edge.at
@@ -269,7 +258,7 @@ class Judge:
         if self._attempts[name] > allowed:
             self._object("activation", f"{name} was activated more often than {allowed} times")
         self._let_go.pop(name, None)
-        if (ended := self._ended.get(name)) is not None and self._has_lived():
+        if (ended := self._ended.get(name)) is not None and self._arbiter.has_lived_since(self._grip_since):
             pause_us = each.at - ended
             if pause_us < to_us(self._description.actuators[name].reset_s) - NEAR_US:
                 self._object("activation", f"{name} was tried again after {pause_us / 1e6:.3f} s")
@@ -310,14 +299,10 @@ class Judge:
         tool = self._tool
         return "grip" not in tool.living or tool.statuses[-1].ee in (RELEASING, RELEASE_ERROR, STAND_BY)
 
-    def _has_lived(self) -> bool:
-        """Whether the arbiter has since the grip was accepted: else lines may be switched later than asked for."""
-        return "arbiter" in self._tool.living and self._arbiter_since <= self._grip_since
-
     def _paused(self, each: Switching, before: tuple[str, ...]) -> None:
         """The device before has the time of its release, or does not grip any more."""
         let_go = [other for other in before if other in self._let_go]
-        if not let_go or not self._has_lived() or not self._reality.is_known:
+        if not let_go or not self._arbiter.has_lived_since(self._grip_since) or not self._reality.is_known:
             return
         other = let_go[-1]
         waited_us = each.at - self._let_go[other]
@@ -352,16 +337,8 @@ class Judge:
         every = (found.cancel, found.timeout, found.abort, found.sigterm, found.process_death)
         return all(each == "release" for each in every)
 
-    def _release_was_heard(self) -> bool:
-        """Whether the arbiter has got the last will of the release; else it has the one before, which may hold."""
-        lives = "arbiter" in self._tool.living
-        until = self._tool.at if lives else self._arbiter_until
-        if self._arbiter_since <= self._released_at and (lives or self._released_at < until):
-            return True
-        return until - max(self._arbiter_since, self._released_at) > HEARD_US
-
     def _expect_unwinding(self) -> None:
-        if self._disturbed or "arbiter" not in self._tool.living:
+        if self._disturbed or not self._arbiter.lives:
             self._unwound_by = None if self._disturbed else 1 << 62
             return
         parts = self._description.actuators.values()
@@ -405,23 +382,6 @@ class Judge:
                 self._object(
                     "evidence", f"{name} has not gripped for a while, and the end-effector is GRIPPED"
                 )
-
-    # Rule 10
-
-    def _still_latched(self) -> None:
-        tool, latched = self._tool, set(self._tool.latched)
-        if tool.changes[-1].changer_fault == ChangerFault.SENSOR:
-            self._changer_is_reset = False
-        gone = self._latched - latched - ({SENSOR_FAULT} if self._changer_is_reset else set())
-        if gone:
-            self._object("latched", f"{', '.join(sorted(gone))} is latched no more, without a reset")
-        self._latched = latched
-        self._sensor_fault = self._sensor_fault or self._reality.lasts("sensor fault")
-        changer = tool.changes[-1].changer if "tool_change" in tool.living else ChangerState.UNKNOWN
-        if self._sensor_fault and changer in (ChangerState.LOCKED, ChangerState.UNLOCKED):
-            self._object(
-                "latched", f"the tool changer is {changer.name} after a sensor fault, without a reset (IL-04)"
-            )
 
     def _object(self, rule: str, what: str, at: int | None = None) -> None:
         seconds = ((self._tool.at if at is None else at) - self._begun) / 1e6

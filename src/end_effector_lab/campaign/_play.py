@@ -20,9 +20,9 @@ from ._judge import Judge
 
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000
-ALARMS_US = 15_000_000
 LONGEST_END_US = 20_000_000
 """An arbiter that is asked to end has done so by then: its last wills take 10 s, or what the description needs."""
+ALARMS_US = 15_000_000
 """An alarm that nobody need acknowledge ends by itself by then: a reboot of a device is told for 10 s."""
 SOON_S, KNOWN_S = 0.3, 3.0
 """Waits before the tool is used again: where nothing is wrong; where links, filters and faults must notice it."""
@@ -264,7 +264,7 @@ class _CaseRun:
         self._judge.at_rest(still=self._is_still())
 
     def _use_again(self) -> None:
-        """Rule 10: with everything put right the tool can be used: a reset, a lock, a drop; a grip and a drop."""
+        """With everything put right the tool can be used: a reset, a lock, a drop; a grip and a drop."""
         self._said.append((self.tool.at, "everything is put right, and the tool is used again:"))
         disks = [getattr(self.tool.memories, store) for store in STORES]
         well = self.tool.bench.scenario.text == "nominal" and len(self.tool.living) == 3

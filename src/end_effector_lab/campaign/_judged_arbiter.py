@@ -1,0 +1,87 @@
+"""What the judge knows of the line arbiter: when it lives, and what it has latched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.control import Answer
+from end_effector_hal.runtime import SENSOR_FAULT
+from end_effector_hal.vocabulary import ChangerFault, ChangerState
+from end_effector_lab.virtual import VirtualTool
+
+from ._reality import Reality
+
+HEARD_US = 1_000_000
+"""By then a program has told an arbiter that was started again what it wants."""
+
+
+class JudgedArbiter:
+    """The line arbiters of a tool, one after the other, as the judge sees them.
+
+    Attributes:
+        since: µs, when the one that lives, or the last one, has begun.
+        until: µs, when the last one that does not live any more has ended.
+    """
+
+    def __init__(self, tool: VirtualTool, reality: Reality) -> None:
+        self._tool, self._reality = tool, reality
+        self._life: int | None = tool.arbiters
+        self.since = self.until = tool.at
+        self._latched: set[str] = set()
+        self._sensor_fault = False
+        self._changer_is_reset = False
+
+    # When it lives
+
+    @property
+    def lives(self) -> bool:
+        """Whether there is one now."""
+        return "arbiter" in self._tool.living
+
+    def look(self) -> tuple[bool, bool]:
+        """Whether one has gone, and whether one has come, since the last look."""
+        before, self._life = self._life, self._tool.arbiters if self.lives else None
+        if self._life == before:
+            return False, False
+        if before is not None:
+            self.until = self._tool.at
+        if self._life is not None:
+            self.since = self._tool.at
+        return before is not None, self._life is not None
+
+    def has_lived_since(self, at: int) -> bool:
+        """Whether it has since ``at`` (µs): else lines may be switched later than asked for."""
+        return self.lives and self.since <= at
+
+    def has_heard_of(self, release: int) -> bool:
+        """Whether it has got the last will of a release of that time (µs); else it has the one before."""
+        until = self._tool.at if self.lives else self.until
+        if self.since <= release and (self.lives or release < until):
+            return True
+        return until - max(self.since, release) > HEARD_US
+
+    # What it has latched
+
+    def reset(self, answer: Answer) -> None:
+        """A reset was given; one that is refused clears all but the faults that persist."""
+        self._latched = set(self._tool.latched)
+        if answer.accepted or (answer.decided and "tool_change" not in self._tool.living):
+            self._sensor_fault, self._changer_is_reset = False, True
+
+    def forget(self) -> None:
+        """What it keeps may be gone."""
+        self._latched, self._sensor_fault = set(), False
+
+    def unlatched(self) -> Iterator[str]:
+        """What is latched no more, although nobody has reset it: sentences."""
+        tool, latched = self._tool, set(self._tool.latched)
+        if tool.changes[-1].changer_fault == ChangerFault.SENSOR:
+            self._changer_is_reset = False
+        gone = self._latched - latched - ({SENSOR_FAULT} if self._changer_is_reset else set())
+        if gone:
+            yield f"{', '.join(sorted(gone))} is latched no more, without a reset"
+        self._latched = latched
+        self._sensor_fault = self._sensor_fault or self._reality.lasts("sensor fault")
+        changer = tool.changes[-1].changer if "tool_change" in tool.living else ChangerState.UNKNOWN
+        if self._sensor_fault and changer in (ChangerState.LOCKED, ChangerState.UNLOCKED):
+            yield f"the tool changer is {changer.name} after a sensor fault, without a reset (IL-04)"
