@@ -36,8 +36,7 @@ from end_effector_hal.vocabulary import (
     EndEffectorState,
     to_us,
 )
-from end_effector_lab.matrix import Switching, switchings
-from end_effector_lab.virtual import Edge, VirtualTool
+from end_effector_lab.virtual import Edge, Switching, VirtualTool, switchings
 
 from ._judged_arbiter import JudgedArbiter
 from ._reality import FRAMES_US, Reality

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
-from end_effector_lab.matrix import Monitors, Switching, is_still, switchings
+from end_effector_lab.matrix import Monitors, is_still
 from end_effector_lab.testbench import TOOL_CHANGER
-from end_effector_lab.virtual import VirtualTool
+from end_effector_lab.virtual import Switching, VirtualTool, switchings
 from timed_automata.execute import Observation
 
 from ._case import ALL, ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, STORES, Case
@@ -51,7 +51,7 @@ class CaseEnd(NamedTuple):
         return cls(
             state,
             tuple(name for name in description.sequence if active.get(name)),
-            tuple(f"{each.name} {'on' if each.active else 'off'}" for each in moved),
+            tuple(map(str, moved)),
         )
 
     def __str__(self) -> str:

@@ -20,9 +20,9 @@ from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires.lines import ChipLog
 from end_effector_hal.wires.lines import Edge as LineEdge
 from end_effector_lab.demo import World
-from end_effector_lab.matrix import AT_REST, switchings
+from end_effector_lab.matrix import AT_REST
 from end_effector_lab.processes import EEHAL, Child
-from end_effector_lab.virtual import Edge
+from end_effector_lab.virtual import Edge, switchings
 
 from ._case import ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, Case
 from ._play import CaseEnd, processes

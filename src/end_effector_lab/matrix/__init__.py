@@ -9,5 +9,4 @@ from ._play import outcome_of, play
 from ._report import let_go, page, summary
 from ._run import FIGURES, FMEA, PAGE, matrix_folder, no_log, play_all
 from ._script import GRIP, HELD, RELEASE, REST, Moment, moments
-from ._switching import Switching, switchings
 from ._timeline import cell_folder, disturbances, record

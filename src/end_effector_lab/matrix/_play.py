@@ -11,13 +11,13 @@ from pydantic import ConfigDict
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.virtual import switchings
 
 from ._cells import BOTH, NOTHING, Cell
 from ._expected import LYING, expected, lets_go
 from ._judging import Monitors, is_still, not_gripping
 from ._outcome import Outcome
 from ._script import GRIP, RELEASE, REST, Script, prepared
-from ._switching import switchings
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000

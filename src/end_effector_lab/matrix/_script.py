@@ -11,9 +11,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.virtual import VirtualTool, Watch
-
-from ._switching import switchings
+from end_effector_lab.virtual import VirtualTool, Watch, switchings
 
 REST_US, HOLD_US, LONGEST_US = 1_000_000, 1_000_000, 600_000_000
 NEAR_US = 1_000

@@ -10,5 +10,6 @@ True
 """
 
 from ._outputs import Edge
+from ._switching import Switching, switchings
 from ._tool import VirtualTool
 from ._watching import Watch

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from end_effector_hal.description import Description
-from end_effector_lab.virtual import Edge
+
+from ._outputs import Edge
 
 
 class Switching(NamedTuple):
@@ -15,6 +16,9 @@ class Switching(NamedTuple):
     at: int
     name: str
     active: bool
+
+    def __str__(self) -> str:
+        return f"{self.name} {'on' if self.active else 'off'}"
 
 
 def switchings(description: Description, edges: Iterable[Edge]) -> Iterator[Switching]:
