@@ -3,8 +3,7 @@
 from ._files import append_whole, lock
 from ._limits import RecordingLimits
 from ._of_model import COUNTEREXAMPLE, MODEL_RUN, check_replaceable
-from ._recording import (
-    Recording,
+from ._of_tool import (
     content_hash,
     hash_of,
     pressure_channels,
@@ -12,6 +11,7 @@ from ._recording import (
     run_info,
     switch_channels,
 )
+from ._recording import Recording
 from ._run import RunInfo, read_run
 from ._run_table import write_run_table
 from ._watched import Watched

@@ -1,26 +1,22 @@
-"""The recording of a run: its three files, written as it happens."""
+"""The recording of a run: its files, written as it happens."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import logging
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.description import Description, measures_of, used_channels
+from end_effector_hal.description import Description, measures_of
 from end_effector_hal.errors import ReportedError, os_errors
-from end_effector_hal.kinds import kind_of, switch_meanings
-from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording._losses import Losses
+from end_effector_hal.recording._of_tool import pressure_channels, run_info, switch_channels
 from end_effector_hal.recording._run import RunInfo, read_run
 from end_effector_hal.recording.tables import (
     AlarmsWriter,
@@ -30,69 +26,11 @@ from end_effector_hal.recording.tables import (
     SwitchesWriter,
 )
 from end_effector_hal.sensing import Readings
-from end_effector_hal.signals import Frame, Kind, Value
+from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.wires import now_us
 
-
-class Losses:
-    """Of one folder; not thread-safe.
-
-    Attributes:
-        failing: files that could not be written at the last attempt, with the reason.
-        gaps: what is missing, a sentence for each time, for run.json.
-        info_due: run.json is to be written.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self.failing: dict[str, str] = {}
-        self.gaps: list[str] = []
-        self.info_due = False
-        self._since_s: float | None = None
-        self._rows = 0
-        self._why = ""
-
-    def write(self, name: str, time_s: float, write: Callable[[], bool], *, again: bool = False) -> bool:
-        """Write a row that is offered for ``time_s``; False: it was not needed, or cannot be written.
-
-        ``write`` says whether it has proven that the file can be written; ``again``: the row was lost before.
-        """
-        try:
-            written = write()
-        except (ReportedError, OSError) as error:
-            self._rows += not again
-            self.fail(name, time_s, error)
-            return False
-        if written:
-            self.failing.pop(name, None)
-        return written
-
-    def fail(self, name: str, time_s: float, error: Exception) -> None:
-        """A file could not be written."""
-        self._why = self._why or (error.what if isinstance(error, ReportedError) else str(error))
-        self._since_s = time_s if self._since_s is None else self._since_s
-        self.failing[name] = str(error)
-
-    def over(self, time_s: float) -> bool:
-        """Whether something was lost since this was asked last; then it stands in :attr:`gaps`."""
-        if self._since_s is None:
-            return False
-        if self._rows:
-            span = f"From {self._since_s:.3f} s to {time_s:.3f} s"
-            self.gaps.append(f"{span} {self._rows} rows of this recording could not be written. {self._why}")
-        self._since_s, self._rows, self._why = None, 0, ""
-        return True
-
-    def complain(self) -> None:
-        """Raise ReportedError, in the words of the first failure, while something cannot be written."""
-        if self.failing:
-            what = f"The recording lacks rows, and is tried again: {self._why}"
-            raise ReportedError(what, where=str(self._folder))
-
-
 _log = logging.getLogger("end_effector_hal.runtime")
-DISTRIBUTION = "end-effector-hal"
 MOST_GAPS = 100
 """So many are kept in run.json, the newest."""
 
@@ -319,92 +257,9 @@ class Recording(Closing):
         replace(self._info, start_us=self._start, gaps=gaps).write(self.folder)
 
 
-def run_info(
-    description: Description, *, scenario: str = "", seed: int | None = None, ros: int = 0
-) -> RunInfo:
-    """What a recording says of the tool that made it; ``ros``: the generation that carries its states, 0: none."""
-    return RunInfo(
-        scenario=scenario,
-        description=description.name,
-        hash=content_hash(description),
-        version=product_version(),
-        ros=bool(ros),
-        ros_generation=ros or None,
-        actuators={name: actuator.kind for name, actuator in description.ordered},
-        limits={name: _limits(description, actuator) for name, actuator in description.ordered},
-        switches=_switches(description),
-        simulated=description.lines.backend == "virtual",
-        seed=seed,
-    )
-
-
-def content_hash(description: Description) -> str:
-    """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
-    content = description.model_dump(mode="json", by_alias=True)
-    return hash_of(content, description.automata_path.read_bytes())
-
-
-def hash_of(content: Mapping[str, Any], model: bytes) -> str:
-    """The same of a description as JSON, every default written out, and of its UPPAAL file."""
-    kept: dict[str, Any] = json.loads(json.dumps(content))
-    kept.pop("lines", None)
-    for link in (kept.get("link"), *(kept.get("links") or {}).values()):
-        if link is not None:
-            link.pop("port", None)
-    if inputs := kept.get("inputs"):
-        inputs.pop("iio", None)
-    kept["automata"]["file"] = hashlib.sha256(model).hexdigest()
-    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:12]
-
-
-def pressure_channels(description: Description) -> tuple[str, ...]:
-    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply.
-
-    After them the quantities, such as a distance, that the evidence of an actuator looks at.
-    """
-    carried = carrier_of(description).channels
-    wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
-    pressures = [name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE]
-    quantities = [name for name in used_channels(description) if carried.get(name) is Kind.QUANTITY]
-    return (*pressures, *quantities)
-
-
-def switch_channels(description: Description) -> tuple[str, ...]:
-    """Bits that are carried and asked for: those of the actuators in sequence order, then of the other devices."""
-    carried = carrier_of(description).channels
-    return tuple(name for name in used_channels(description) if carried.get(name) is Kind.BIT)
-
-
-def _switches(description: Description) -> dict[str, dict[str, Any]]:
-    """Of those that prove something of an actuator: of which, and what."""
-    fitted, found = switch_channels(description), dict[str, dict[str, Any]]()
-    for name, part in description.ordered:
-        for channel, meaning in switch_meanings(part).items():
-            if channel in fitted:
-                found.setdefault(channel, {"actuator": name, "on": meaning.on, "off": meaning.off})
-    return found
-
-
-def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:
-    return {
-        "channel": actuator.channel,
-        "kind": actuator.kind,
-        "attempts": actuator.attempts,
-        **kind_of(actuator).limits(actuator, description.supply),
-    }
-
-
 def _begun(folder: Path) -> datetime | None:
     """When the recording in a folder was begun; None: there is none."""
     try:
         return datetime.fromisoformat(read_run(folder).started) if (folder / "states.csv").exists() else None
     except (ValueError, TypeError):
         return None
-
-
-def product_version() -> str:
-    """Of the installed distribution; empty if it is not installed."""
-    try:
-        return version(DISTRIBUTION)
-    except PackageNotFoundError:
-        return ""

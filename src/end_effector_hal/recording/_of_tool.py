@@ -1,0 +1,101 @@
+"""What a recording says of the tool that made it, and which of its channels it has."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.description import Description, used_channels
+from end_effector_hal.kinds import kind_of, switch_meanings
+from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.recording._run import RunInfo
+from end_effector_hal.signals import Kind
+
+DISTRIBUTION = "end-effector-hal"
+
+
+def run_info(
+    description: Description, *, scenario: str = "", seed: int | None = None, ros: int = 0
+) -> RunInfo:
+    """What a recording says of the tool that made it; ``ros``: the generation that carries its states, 0: none."""
+    return RunInfo(
+        scenario=scenario,
+        description=description.name,
+        hash=content_hash(description),
+        version=product_version(),
+        ros=bool(ros),
+        ros_generation=ros or None,
+        actuators={name: actuator.kind for name, actuator in description.ordered},
+        limits={name: _limits(description, actuator) for name, actuator in description.ordered},
+        switches=_switches(description),
+        simulated=description.lines.backend == "virtual",
+        seed=seed,
+    )
+
+
+def content_hash(description: Description) -> str:
+    """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
+    content = description.model_dump(mode="json", by_alias=True)
+    return hash_of(content, description.automata_path.read_bytes())
+
+
+def hash_of(content: Mapping[str, Any], model: bytes) -> str:
+    """The same of a description as JSON, every default written out, and of its UPPAAL file."""
+    kept: dict[str, Any] = json.loads(json.dumps(content))
+    kept.pop("lines", None)
+    for link in (kept.get("link"), *(kept.get("links") or {}).values()):
+        if link is not None:
+            link.pop("port", None)
+    if inputs := kept.get("inputs"):
+        inputs.pop("iio", None)
+    kept["automata"]["file"] = hashlib.sha256(model).hexdigest()
+    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def pressure_channels(description: Description) -> tuple[str, ...]:
+    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply.
+
+    After them the quantities, such as a distance, that the evidence of an actuator looks at.
+    """
+    carried = carrier_of(description).channels
+    wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
+    pressures = [name for name in dict.fromkeys(wanted) if carried.get(name) is Kind.PRESSURE]
+    quantities = [name for name in used_channels(description) if carried.get(name) is Kind.QUANTITY]
+    return (*pressures, *quantities)
+
+
+def switch_channels(description: Description) -> tuple[str, ...]:
+    """Bits that are carried and asked for: those of the actuators in sequence order, then of the other devices."""
+    carried = carrier_of(description).channels
+    return tuple(name for name in used_channels(description) if carried.get(name) is Kind.BIT)
+
+
+def _switches(description: Description) -> dict[str, dict[str, Any]]:
+    """Of those that prove something of an actuator: of which, and what."""
+    fitted, found = switch_channels(description), dict[str, dict[str, Any]]()
+    for name, part in description.ordered:
+        for channel, meaning in switch_meanings(part).items():
+            if channel in fitted:
+                found.setdefault(channel, {"actuator": name, "on": meaning.on, "off": meaning.off})
+    return found
+
+
+def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:
+    return {
+        "channel": actuator.channel,
+        "kind": actuator.kind,
+        "attempts": actuator.attempts,
+        **kind_of(actuator).limits(actuator, description.supply),
+    }
+
+
+def product_version() -> str:
+    """Of the installed distribution; empty if it is not installed."""
+    try:
+        return version(DISTRIBUTION)
+    except PackageNotFoundError:
+        return ""
