@@ -181,20 +181,20 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
     from difflib import get_close_matches
 
     from end_effector_hal.cli import figures
-    from end_effector_lab.figures import RecordedRun, save
+    from end_effector_lab.figures import RecordedRun
     from end_effector_lab.matrix import cell_folder, disturbances, record
 
     cell = next((each for each in cells if each.id == name), None)
     if cell is None:
         close = get_close_matches(name, [each.id for each in cells], n=1, cutoff=0.3)
         raise UsageError(f"There is no cell {name!r}.", todo=f"Did you mean {close[0]!r}?" if close else "")
-    figures()  # without what draws them nothing is played
+    drawing = figures()  # without what draws them nothing is played
     folder = output / "cell"
     with cell_folder(folder) as new:
         played = record(description, cell, new)
         run = RecordedRun.read(new / "states.csv")
         run = replace(run, marks=disturbances(cell))
-        figure = save(run.figure("timeline"), new / "timeline.png")
+        figure = drawing.save(run.figure("timeline"), new / "timeline.png")
     figure = folder / figure.name
     if as_json:
         print_document(played.as_json() | {"figure": str(figure)})

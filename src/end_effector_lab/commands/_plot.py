@@ -32,9 +32,9 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
     Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
     figure is written beside the recording, as PNG and as SVG.
     """
-    from end_effector_lab.figures import RecordedRun, save
+    from end_effector_lab.figures import RecordedRun
 
-    figures()  # without what draws them nothing is read or written
+    drawing = figures()  # without what draws them nothing is read or written
     states = recording / "states.csv" if recording.is_dir() else recording
     if recording.is_dir() and not states.exists():
         if any(recording.glob("*.mcap")):
@@ -55,7 +55,7 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
         for name, paths in targets.items():
             progress(f"Drawing the {name}")
             figure = run.figure(name)
-            files += [save(figure, path) for path in paths]
+            files += [drawing.save(figure, path) for path in paths]
         if csv:
             files += run.write_table(files[0].parent)
     _report(run, files, as_json)

@@ -14,7 +14,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import run_info
 from end_effector_hal.wires.lines import Edge
-from end_effector_lab.figures import STYLES, RecordedRun, save
+from end_effector_lab.figures import STYLES, RecordedRun
 
 from ._drive import Drive
 from ._judge import judge
@@ -81,6 +81,8 @@ def report_on(
     """The report on a recording and its traces, which is drawn if ``figures``; see `judge`."""
     run = RecordedRun.read(folder / "states.csv")
     if run.log.rows and figures:
+        from end_effector_lab.figures import save  # with matplotlib
+
         for style in STYLES:
             figure = run.figure(style)
             for suffix in ("png", "svg"):

@@ -15,13 +15,19 @@ _WORD = 14
 """Letters that fit into a cell."""
 
 
-def draw(
+def heat_map(
     title: str,
     x: tuple[str, Sequence[str]],
     y: tuple[str, Sequence[str]],
     cells: Mapping[tuple[str, str], HeatMapCell],
 ) -> Figure:
-    """See `heat_map`."""
+    """Cells as colours with their numbers; what does not hold has a frame and says what fails.
+
+    Args:
+        title: above it.
+        x, y: the name of the axis and its values.
+        cells: by the values of x and y.
+    """
     (along, columns), (up, rows) = x, y
     numbers = [cell.value for cell in cells.values() if cell.value is not None]
     low, high = min(numbers, default=0.0), max(numbers, default=1.0)

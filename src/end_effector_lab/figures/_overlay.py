@@ -34,6 +34,7 @@ from .parts import (
     draw_panel,
     draw_plots,
     labels_width,
+    need_rows,
     page_of,
     panels_of,
     place_events,
@@ -48,10 +49,15 @@ _MOST_MARKED = 24
 """Further differences are in the list only."""
 
 
-def draw(
+def overlay(
     first: RunTables, second: RunTables, differences: Sequence[RunDifference], names: tuple[str, str]
 ) -> Figure:
-    """Measure everything, then draw it; see `end_effector_lab.figures.overlay`."""
+    """Two runs over each other, on the clock of the first one: each line twice, each pressure solid and dashed.
+
+    ``differences``: are marked; ``names``: of both. Raises UsageError for a recording without a row.
+    """
+    need_rows(first.log)
+    need_rows(second.log)
     with drawing():
         shift_s = first.first_command_s - second.first_command_s
         second = second.later(shift_s)

@@ -17,7 +17,7 @@ from end_effector_hal.recording import RunInfo, StatesLog
 from ._labels import Box, Point, Sheet, height_of, width_of
 from ._save import DPI
 from ._style import INK, drawing
-from .parts import WIDTH_IN, Lane, Segment, lanes_of, span_of
+from .parts import WIDTH_IN, Lane, Segment, lanes_of, need_rows, span_of
 
 UNIT_IN = 0.2
 TEXT = 8.5
@@ -141,12 +141,16 @@ _LEGEND, _LEGEND_IN = 9.5, 0.26
 _DOT_IN = 0.03
 
 
-def draw(log: StatesLog, info: RunInfo) -> Figure:
-    """See `end_effector_lab.figures.paper`."""
+def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
+    """Offset step curves with the state names at the transitions, as in Figs. 7 to 9 of the paper.
+
+    Raises UsageError for a recording without a row.
+    """
+    need_rows(log)
     with drawing():
         start, last = span_of(log)
         end = last + max(0.06 * (last - start), 0.1)
-        curves, units = curves_of(lanes_of(log, info, end))
+        curves, units = curves_of(lanes_of(log, info or RunInfo(), end))
         width, depth = WIDTH_IN - _LEFT - _RIGHT, units * UNIT_IN
         columns = _columns(curves, width)
         height = _TOP + ceil(len(curves) / columns) * _LEGEND_IN + depth + _BOTTOM

@@ -26,8 +26,6 @@ from end_effector_hal.recording import (
 )
 from end_effector_hal.verification.replay import missed_moments
 
-from ._draw import paper, timeline
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -84,7 +82,11 @@ class RecordedRun:
     def figure(self, style: str) -> Figure:
         """In one of `STYLES`; raises UsageError for a recording without a row."""
         if style == "paper":
+            from ._paper import paper
+
             return paper(self.log, self.info)
+        from ._timeline import timeline
+
         marks = (*self.missed, *self.marks)
         return timeline(self.log, self.pressures, self.info, self.alarms, marks, self.changer, self.switches)
 

@@ -16,8 +16,12 @@ from ._style import drawing
 DPI = 120
 
 
-def write(figure: Figure, path: Path) -> Path:
-    """Write whole or not at all."""
+def save(figure: Figure, path: str | Path) -> Path:
+    """Save as PNG or SVG, by the suffix, whole or not at all; the same figure gives the same bytes.
+
+    Raises UsageError.
+    """
+    path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in (".png", ".svg"):
         raise UsageError(

@@ -38,6 +38,7 @@ from .parts import (
     draw_plots,
     heading_of,
     labels_width,
+    need_rows,
     page_of,
     panels_of,
     place_events,
@@ -48,16 +49,24 @@ from .parts import (
 )
 
 
-def draw(
+def timeline(
     log: StatesLog,
-    pressures: PressuresLog | None,
-    info: RunInfo,
+    pressures: PressuresLog | None = None,
+    info: RunInfo | None = None,
     alarms: Sequence[AlarmRow] = (),
     moments: Sequence[Moment] = (),
     changer: Sequence[ChangerRow] = (),
     switches: SwitchesLog | None = None,
 ) -> Figure:
-    """Measure everything, then draw it; see `end_effector_lab.figures.timeline`."""
+    """States as lanes with their names inside, events on top, switches and pressures with their thresholds below.
+
+    ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer; ``switches``: a
+    lane for each that the run says what it proves.
+
+    Raises UsageError for a recording without a row.
+    """
+    need_rows(log)
+    info = info or RunInfo()
     with drawing():
         story = read_story(log, info, alarms)
         panels = panels_of(pressures, info, log.actuators, alarms)

@@ -28,8 +28,11 @@ _LOG = 8.0
 """Values of which the greatest is this many times the least are drawn in equal ratios."""
 
 
-def draw(found: Tuning) -> Figure:
-    """See `end_effector_lab.figures.tuning`."""
+def tuning(found: Tuning) -> Figure:
+    """How many recorded grips would have gone otherwise, over the value of each number that changes anything.
+
+    Raises UsageError where none does.
+    """
     changing = [each for each in found.tried if each.changes]
     if not changing:
         raise UsageError(

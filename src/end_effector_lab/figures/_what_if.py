@@ -67,8 +67,11 @@ class _Block:
         return self.lanes_at + FOOT_IN + sum(lane.height_in for lane in self.lanes)
 
 
-def draw(told: WhatIf) -> Figure:
-    """Measure everything, then draw it; see `end_effector_lab.figures.what_if`."""
+def what_if(told: WhatIf) -> Figure:
+    """A recorded run and what another description would have made of it: lanes above each other, one axis of time.
+
+    Raises UsageError where one of them holds no state.
+    """
     ours, theirs = told.recorded, told.other
     if not ours.rows or not theirs.rows:
         raise UsageError("One of the two runs holds no state, so there is nothing to draw.")

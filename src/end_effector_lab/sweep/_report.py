@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from end_effector_lab.figures import HeatMapCell, heat_map, save
+from end_effector_lab.figures import HeatMapCell
 
 from ._axis import Axis
 from ._sweep import Proven
@@ -40,6 +40,8 @@ def heat_maps(axes: Sequence[Axis], found: Sequence[Proven], output: Path) -> li
         found: of all combinations.
         output: a folder, or a .png or .svg file.
     """
+    from end_effector_lab.figures import heat_map, save  # with matplotlib
+
     up, along = axes
     names = [*dict.fromkeys(name for each in found for name in each.worst)]
     names.sort(key=lambda name: name != GRIP)

@@ -240,6 +240,7 @@ def test_what_cannot_be_saved_is_refused(tmp_path):
 def test_matplotlib_is_loaded_only_for_a_figure_and_never_pyplot():
     code = (
         "import sys; import end_effector_lab.figures as t; import end_effector_lab.commands._plot;"
+        "assert {*t.__all__} <= {*dir(t)};"  # the documentation lists it
         "assert 'matplotlib' not in sys.modules;"
         "from end_effector_hal.recording import *; from end_effector_hal.vocabulary import *;"
         "t.timeline(StatesLog((), (StatesRow(0.0, EndEffectorState.OFF, Command.NONE, ()),)));"

@@ -1,3 +1,3 @@
 """Templates drawn as in Fig. 5 of the paper."""
 
-from ._figure import draw
+from ._figure import draw_template

@@ -25,10 +25,18 @@ _LONGEST_PX, _MOST_PX = 25_000, 60_000_000  # matplotlib has limits, and so has 
 _FILL, _LINE = "#e6e9f5", "#414b58"
 
 
-def draw(template: Template, constants: Mapping[str, object]) -> Figure:
-    """See `end_effector_lab.figures.draw_template`."""
+def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:
+    """A template where its file says: locations, edges through their nails, labels in UPPAAL's colours.
+
+    Args:
+        template: of a document.
+        constants: by name; those that the template mentions are told under its name.
+
+    Raises:
+        UsageError: it would be too large to be drawn.
+    """
     with drawing():
-        return _draw(template, constants)
+        return _draw(template, constants or {})
 
 
 def _draw(template: Template, constants: Mapping[str, object]) -> Figure:

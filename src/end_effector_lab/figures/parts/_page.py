@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import PressuresLog, StatesLog
 from end_effector_lab.figures._labels import width_of, wrapped
 from end_effector_lab.figures._style import plain
@@ -31,6 +32,12 @@ class Page:
 
     def seconds(self, x: float) -> float:
         return self.start_s + x / self.width * (self.end_s - self.start_s)
+
+
+def need_rows(log: StatesLog) -> None:
+    """Raises UsageError for a recording without a row."""
+    if not log.rows:
+        raise UsageError("This recording holds no row, so there is nothing to draw.", where=log.source)
 
 
 def span_of(log: StatesLog) -> tuple[float, float]:
