@@ -89,6 +89,15 @@ def is_figure(output: Path) -> bool:
     return output.suffix.lstrip(".").lower() in FORMATS and not output.is_dir()
 
 
+def need_figure(output: Path) -> None:
+    """Raise UsageError unless ``-o`` names a figure, MissingExtraError where nothing draws it: before work is done."""
+    if not is_figure(output):
+        raise UsageError(
+            f"{output.name!r} is neither .png nor .svg.", where=str(output), todo="Choose one of these."
+        )
+    figures()
+
+
 def draw_run(log: StatesLog, info: RunInfo, file: Path) -> Path:
     """Write the timeline of a run into one file; raises MissingExtraError, UsageError."""
     return figures().save(figures().timeline(log, None, info), file)

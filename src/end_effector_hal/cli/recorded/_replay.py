@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import figures, is_figure
+from end_effector_hal.cli._figures import need_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli._table_output import print_table
 from end_effector_hal.errors import UsageError
 
 from ._what_if import draw_what_if, play_other, print_what_if
@@ -140,11 +141,7 @@ def _one_figure(folders: tuple[Path, ...], output: Path) -> None:
             where=str(output),
             todo="Name one of them.",
         )
-    if not is_figure(output):
-        raise UsageError(
-            f"{output.name!r} is neither .png nor .svg.", where=str(output), todo="Choose one of these."
-        )
-    figures()  # without what draws them nothing is read
+    need_figure(output)
 
 
 def _judged(
@@ -171,7 +168,6 @@ def _judged(
 
 
 def _print_table(runs: list[_Run]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table("run", box=None, pad_edge=False)
@@ -185,11 +181,7 @@ def _print_table(runs: list[_Run]) -> None:
             str(sum(each.replay.inputs for each in run.reviews)),
             str(sum(each.replay.compared for each in run.reviews)), run.verdict,
         )  # fmt: skip
-    # names are the user's: no markup; where it is no terminal a row stays in one line
-    console = Console(highlight=False, markup=False, emoji=False)
-    if not console.is_terminal:
-        console.width = max(120, console.measure(table).maximum)
-    console.print(table)
+    print_table(table)
     same = sum(run.verdict == "the same" for run in runs)
     click.echo(f"{len(runs)} runs: {same} identical, {len(runs) - same} not identical or unreadable")
 

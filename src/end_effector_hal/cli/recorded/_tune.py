@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import figures, is_figure
+from end_effector_hal.cli._figures import figures, need_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli._table_output import print_table
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from end_effector_hal.verification.tune import GripCollector, Tried, Tuning
 
 MOST_RECORDINGS = 2000
-_WIDEST = 400
 
 
 @click.command("tune")
@@ -64,11 +64,7 @@ def command(
     from end_effector_hal.verification.tune import tune
 
     if output is not None:
-        if not is_figure(output):
-            raise UsageError(
-                f"{output.name!r} is neither .png nor .svg.", where=str(output), todo="Choose one of these."
-            )
-        figures()  # without what draws them nothing is read
+        need_figure(output)
     with Progress("Reading", shown=not as_json) as progress:
         read = _read(recordings, description, progress)
     if not read.collector.grips:
@@ -182,7 +178,6 @@ def _foreign(recorded: Description, tool: Description) -> str:
 
 
 def _print(found: Tuning, read: _Read, *, every: bool) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     recordings = "1 recording" if len(read.names) == 1 else f"{len(read.names)} recordings"
@@ -204,13 +199,8 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
             f"{_end(each.same_from, each.ends_below)} to {_end(each.same_to, each.ends_above)}",
             str(each.today), *(_told(some, every=every) for some in (below, above)),
         )  # fmt: skip
-    console = Console(highlight=False, markup=False, emoji=False)
-    if not console.is_terminal:
-        console.width = max(
-            120, console.measure(table, options=console.options.update(width=_WIDEST)).maximum
-        )
     if table.row_count:
-        console.print(table)
+        print_table(table)
         click.echo("*: no farther value was tried, or makes sense alone.")
     if same := [each for each in found.tried if not each.changes]:
         click.echo("Nothing changes for any value that was tried:")
