@@ -1,3 +1,3 @@
 """``eehal init``: a folder with a description to start from."""
 
-from ._new_tool import LINKS
+from ._wanted import LINKS

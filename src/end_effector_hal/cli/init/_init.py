@@ -93,7 +93,8 @@ def _described(
     virtual: bool,
     asking: bool,
 ) -> str:
-    from ._new_tool import BOARD, LINKS, new_description, wanted_actuators, wanted_links
+    from ._new_tool import new_description
+    from ._wanted import BOARD, LINKS, wanted_actuators, wanted_links
 
     wanted = wanted_actuators(actuators)
     if not links and all(each.link == BOARD for each in wanted):
