@@ -1,4 +1,4 @@
-"""Says on a terminal that something takes its time, and how long already."""
+"""Says that something takes its time, and how long already."""
 
 from __future__ import annotations
 
@@ -9,21 +9,22 @@ from typing import Self
 
 import click
 
-FIRST_S = 1.0
-"""What takes less is not mentioned."""
-EVERY_S = 0.2
+FIRST_S, EVERY_S = 1.0, 0.2
+"""On a terminal: what takes less is not mentioned."""
+LINE_S = 30.0
+"""Elsewhere, in the log of a build: a line each."""
 
 
 class Progress:
-    """A line on stderr that is overwritten, from one second on; gone when it is left. Nothing where nobody looks.
+    """A line on stderr that is overwritten, from one second on; gone when it is left. No terminal: a line now and then.
 
     Args:
         what: is being done.
-        shown: whether the command prints for a person, no JSON; it must be a terminal as well.
+        shown: whether the command prints for a person, no JSON.
     """
 
     def __init__(self, what: str, *, shown: bool = True) -> None:
-        self._what, self._shown = what, shown and sys.stderr.isatty()
+        self._what, self._shown, self._overwrites = what, shown, sys.stderr.isatty()
         self._begun = time.monotonic()
         self._lock, self._left, self._visible = threading.Lock(), threading.Event(), False
         self._thread = threading.Thread(target=self._run, name="progress", daemon=True)
@@ -51,10 +52,10 @@ class Progress:
         self.clear()
 
     def _run(self) -> None:
-        wait = FIRST_S
+        wait = FIRST_S if self._overwrites else LINE_S
         while not self._left.wait(wait):
             with self._lock:
-                seconds = time.monotonic() - self._begun
-                click.echo(f"\r\x1b[K{self._what}, {seconds:.0f} s", err=True, nl=False)
-                self._visible = True
-            wait = EVERY_S
+                said = f"{self._what}, {time.monotonic() - self._begun:.0f} s"
+                click.echo(f"\r\x1b[K{said}" if self._overwrites else said, err=True, nl=not self._overwrites)
+                self._visible = self._overwrites
+            wait = EVERY_S if self._overwrites else LINE_S

@@ -1,4 +1,4 @@
-"""What takes long says so: on a terminal, on stderr, never with JSON."""
+"""What takes long says so: on stderr, never with JSON."""
 
 from __future__ import annotations
 
@@ -34,6 +34,21 @@ def test_with_json_there_is_none() -> None:
     assert on_a_terminal([sys.executable, "-c", SLOW, "json"]) == (0, "found\n")
 
 
-def test_where_nobody_looks_there_is_none() -> None:
-    done = subprocess.run([sys.executable, "-c", SLOW, "words"], capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == ("found\n", "")
+def piped(program: str) -> tuple[str, str]:
+    done = subprocess.run(
+        [sys.executable, "-c", program, "words"], capture_output=True, text=True, check=True
+    )
+    return done.stdout, done.stderr
+
+
+def test_in_a_log_there_is_none_of_what_is_done_within_half_a_minute() -> None:
+    assert piped(SLOW) == ("found\n", "")
+
+
+def test_in_a_log_what_takes_longer_is_a_line_now_and_then() -> None:
+    short = "from end_effector_hal.cli import _progress\n_progress.LINE_S = 0.6\n"
+    found, said = piped(short + SLOW)
+    assert found == "found\n"
+    assert said.splitlines()[0] == "Working, 1 s"
+    assert "\x1b" not in said
+    assert "\r" not in said
