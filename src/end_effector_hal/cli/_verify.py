@@ -143,7 +143,8 @@ def command(
         check_replaceable(output)
     most_bytes = None if most_gib is None else round(most_gib * 2**30)
     if not as_json:
-        click.secho(f"Proving {source.name}", bold=True)  # at once: the first progress may be half a minute off
+        # at once: in a log the first progress comes after half a minute
+        click.secho(f"Proving {source.name}", bold=True)
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:

@@ -24,9 +24,9 @@ class FrameJudge:
 
     Those who share one are in the same state as long as all of them see the same frames. Between two frames each of
     them also looks at the sensors when something is due for itself, and so at times of its own; what that shows is its
-    own, too. The next frame leads them together again, once their states are equal: after a silence of the link not
-    before what the programs then began to count anew has ended. So nobody waits for anybody, and each decides as if it
-    were alone: as a replay of its recording does.
+    own, too. The next frame leads them together again, once their states are equal: after a silence of the link at
+    once; where one has refused a frame for its age and another has not, when what they count since then has ended. So
+    nobody waits for anybody, and each decides as if it were alone: as a replay of its recording does.
 
     Thread-safe. All who share one have the same description and codec.
     """

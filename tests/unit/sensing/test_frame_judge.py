@@ -157,7 +157,7 @@ def test_a_clone_goes_its_own_way(description: Description) -> None:
     assert same_memory(again, after)
 
 
-def test_after_a_silence_the_programs_still_share_what_they_judge(
+def test_after_a_silence_all_still_share_what_they_judge(
     description: Description, network: Network, judged: list[int]
 ) -> None:
     process = Process(description, network, FrameJudge())
@@ -165,6 +165,21 @@ def test_after_a_silence_the_programs_still_share_what_they_judge(
     process.frame(2_000_000)
     judged.clear()
     process.frames(50)
-    assert len(judged) <= 100  # the predicates have counted on, the programs anew
+    assert len(judged) == 50
     grip, change = process.programs
-    assert grip._senses.now is change._senses.now
+    assert grip._senses.now is change._senses.now is process.predicates._senses.now
+
+
+def test_after_a_silence_nothing_is_proven_by_what_was_so_before_it(
+    description: Description, network: Network
+) -> None:
+    process = Process(description, network, FrameJudge())
+    process.frames(60)
+    assert process.predicates.holding["nothing_gripped"]
+    assert process.predicates.holding["locked"]
+    process.frame(2_000_000)
+    assert not process.predicates.holding["nothing_gripped"]  # not vented for 0.5 s yet
+    assert not process.predicates.holding["locked"]
+    process.frames(30)
+    assert process.predicates.holding["nothing_gripped"]
+    assert process.predicates.holding["locked"]
