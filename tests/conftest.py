@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, settings
 from xdist.scheduler import LoadFileScheduling
 
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description.reading import _yaml
 from timed_automata.language._parser import _lark
 
 # how long an example takes says something of the machine only
@@ -53,11 +54,14 @@ _LONGEST = (
 """These groups begin first, so that no worker is left alone with one of them in the end."""
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _texts_are_read_once() -> None:
-    """Tests compile the same UPPAAL files with other constants, or with one edge changed, again and again."""
+def pytest_configure() -> None:
+    """Tests read the same texts again and again, also while they are collected.
+
+    They compile the same UPPAAL files with other constants, or with one edge changed, and load the same descriptions.
+    """
     parser = _lark()
     parser.parse = lru_cache(maxsize=2000)(parser.parse)  # type: ignore[method-assign]
+    _yaml._composed = lru_cache(maxsize=300)(_yaml._composed)
 
 
 @pytest.fixture(scope="session")

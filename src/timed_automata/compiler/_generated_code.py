@@ -7,6 +7,8 @@ of the file reaches the compiler, only what was rebuilt from the checked syntax 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
+from types import CodeType
 from typing import Any, NoReturn
 
 from timed_automata.document import Span
@@ -24,6 +26,12 @@ def divide(left: int, right: int) -> int:
 def remainder(left: int, right: int) -> int:
     """C's remainder: the sign of the dividend."""
     return left - right * divide(left, right)
+
+
+@lru_cache(maxsize=4000)
+def _compiled(code: str, mode: str) -> CodeType:
+    """Networks that differ in one edge, or in one constant, have nearly all of their code in common."""
+    return compile(code, "<network>", mode)
 
 
 class GeneratedCode:
@@ -64,13 +72,13 @@ class GeneratedCode:
         """A function of one expression; equal code gives the same function."""
         code = f"lambda {arguments}: {source}"
         if code not in self._cache:
-            self._cache[code] = eval(compile(code, "<network>", "eval"), self.names)  # noqa: S307 - see module
+            self._cache[code] = eval(_compiled(code, "eval"), self.names)  # noqa: S307 - see module
         return self._cache[code]
 
     def function(self, name: str, arguments: str, lines: list[str]) -> Callable[..., Any]:
         """A function of statements; its name is known to all code generated from now on."""
         code = "\n".join([f"def {name}({arguments}):", *(f" {line}" for line in lines or ["pass"])])
-        exec(compile(code, "<network>", "exec"), self.names)  # noqa: S102 - see module
+        exec(_compiled(code, "exec"), self.names)  # noqa: S102 - see module
         function: Callable[..., Any] = self.names[name]
         return function
 

@@ -64,6 +64,16 @@ class CountingComposer(Composer):
         return super().compose_node(parent, index)
 
 
+def _composed(text: str) -> Node | None:
+    """The nodes of a text; None: it has none."""
+    yaml = YAML(typ="safe", pure=True)
+    yaml.max_depth = DEPTH
+    yaml.Composer = CountingComposer
+    yaml.composer.warn_double_anchors = False
+    root: Node | None = yaml.compose(text)
+    return root
+
+
 TAGS = {f"tag:yaml.org,2002:{name}" for name in ("map", "seq", "str", "int", "float", "bool", "null")}
 SHOWN = 400
 """Characters of a value that are looked at to show it."""
@@ -90,12 +100,8 @@ class Reader:
         return None if root is None else self._value(root, ())
 
     def _compose(self) -> Node | None:
-        yaml = YAML(typ="safe", pure=True)
-        yaml.max_depth = DEPTH
-        yaml.Composer = CountingComposer
-        yaml.composer.warn_double_anchors = False
         try:
-            root: Node | None = yaml.compose(self.text)
+            return _composed(self.text)
         except TooManyValuesError as error:
             place = Place(*self._lines.position(error.index))
             self.faults.append(
@@ -105,8 +111,6 @@ class Reader:
             self.faults.append(syntax_fault(error, self.text))
         except (YAMLError, RecursionError):
             self.faults.append(Fault(1, 1, "EE-202", "not YAML: nested too deep", "", "a few levels"))
-        else:
-            return root
         return None
 
     def _value(self, node: Node, path: Keys) -> object:
