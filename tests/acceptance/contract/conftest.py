@@ -37,6 +37,7 @@ def running(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         hal.start_all()
         hal.connect()
         yield hal
+        hal.end_all()
         driver.close()
 
 

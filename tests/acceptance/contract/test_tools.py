@@ -33,6 +33,7 @@ def left(running: Hal, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Hal
             if GENERATION == 1:
                 running.driver.ask("set_parameter", node="", name="use_sim_time", value=False)
         yield hal
+        hal.end_all()
 
 
 @pytest.fixture

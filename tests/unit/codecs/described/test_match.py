@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -150,6 +152,7 @@ def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) ->
         raise LinkBusyError("the port is used by a test.")
 
     monkeypatch.setattr(_reader, "open_port", open_port)
+    monkeypatch.setattr(_reader, "now_us", partial(next, count(step=2_000_000)))  # nobody waits for the port
     for link in (
         "frame: {text: {}}",
         "frame: {text: {}}, baudrate: 9600, parity: E",
