@@ -20,6 +20,8 @@ from end_effector_hal.wires.link import PtyPair, open_port
 from end_effector_lab.processes import EEHAL
 from tests.unit.cli.doctor.parts import Machine, Sender, frame
 
+pytestmark = pytest.mark.wall
+
 
 @pytest.fixture
 def machine(tmp_path: Path) -> Machine:
