@@ -212,6 +212,7 @@ class RosNode:
             rospy.signal_shutdown(str(error))
 
     def _close(self) -> None:
+        self._end.bound()  # rospy calls this in its handler of the signal: nothing waits for the end yet
         self._closing = True
         self._watch.close()
         for ticker in self._tickers:

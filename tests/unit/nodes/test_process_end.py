@@ -84,6 +84,10 @@ end = ProcessEnd(1000.0)
 end.begin()
 end.wait()
 """
+IN_A_HANDLER = """
+_process_end.LONGEST_S = 0.2
+ProcessEnd(1000.0).bound()
+"""
 
 
 def hung(left: str) -> tuple[int, str]:
@@ -93,8 +97,9 @@ def hung(left: str) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-def test_what_hangs_at_its_end_is_left_by_force_and_says_where() -> None:
-    code, said = hung(LEFT)
+@pytest.mark.parametrize("left", [LEFT, IN_A_HANDLER])
+def test_what_hangs_at_its_end_is_left_by_force_and_says_where(left: str) -> None:
+    code, said = hung(left)
     assert code == 1
     assert "hangs_with_the_lock_of_the_interpreter" in said
 

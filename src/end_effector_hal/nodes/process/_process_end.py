@@ -27,7 +27,7 @@ class ProcessEnd:
     def __init__(self, longest_s: float) -> None:
         self._longest_s = longest_s
         self._failed: ReportedError | None = None
-        self._begun = False
+        self._begun = self._bounded = False
         # no Event: its lock may be held by the very thread in which a signal handler runs
         self._wake: SimpleQueue[None] = SimpleQueue()
 
@@ -59,11 +59,17 @@ class ProcessEnd:
         while not self._begun:
             with suppress(Empty):  # a signal may reach another thread: its handler runs when this one looks
                 self._wake.get(timeout=LOOK_S)
-        # no thread of Python: what hangs may hold its lock, or be its end
-        faulthandler.dump_traceback_later(LONGEST_S, exit=True, file=STDERR)
+        self.bound()
         if self._failed is not None:
             raise self._failed
         return 0
+
+    def bound(self) -> None:
+        """What is done from now on belongs to the end: the process is left when it takes longer than `LONGEST_S`."""
+        if not self._bounded:
+            self._bounded = True
+            # no thread of Python: what hangs may hold its lock, or be its end
+            faulthandler.dump_traceback_later(LONGEST_S, exit=True, file=STDERR)
 
     def _leave_by_force(self, error: ReportedError) -> None:
         time.sleep(self._longest_s)
