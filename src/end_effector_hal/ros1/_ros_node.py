@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Any, Self
 
 import rospy
@@ -68,8 +69,11 @@ class RosNode:
         self._tool = tool_named(argv, private_parameter(full)) if needs_tool else None
         refuse_taken_name(full, str(self._tool or ""))
         send_directly()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
         try:
-            rospy.init_node(name, argv=list(argv))
+            # its handler would close the node amid whatever it interrupts, with the locks of that
+            rospy.init_node(name, argv=list(argv), disable_signals=True)
         except rospy.ROSInitException as error:
             raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
         self.name = rospy.get_name().lstrip("/")
@@ -186,8 +190,8 @@ class RosNode:
 
     @property
     def ending(self) -> bool:
-        """Whether rospy has begun to end."""
-        return bool(rospy.is_shutdown())
+        """Whether the end has begun."""
+        return self._end.begun or bool(rospy.is_shutdown())
 
     def __enter__(self) -> Self:
         return self
@@ -198,21 +202,27 @@ class RosNode:
         self._at_end.close()
 
     def end(self) -> None:
-        """End the node, for its work is done."""
+        """End the node, for its work is done or a signal came; in the main thread."""
+        self._end.bound()
         rospy.signal_shutdown("quit")
 
     def spin(self) -> int:
         """Work until the end; the exit code. Raises what :meth:`fail` was given."""
         self._starters.start()
-        return self._end.wait()
+        try:
+            return self._end.wait()
+        finally:
+            self.end()
 
     def fail(self, error: ReportedError) -> None:
         """End the node with an error, so that roslaunch starts it again; may be called in any thread."""
         if self._end.fail(error):
             rospy.signal_shutdown(str(error))
 
+    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
+        self._end.begin()
+
     def _close(self) -> None:
-        self._end.bound()  # rospy calls this in its handler of the signal: nothing waits for the end yet
         self._closing = True
         self._watch.close()
         for ticker in self._tickers:

@@ -1,4 +1,4 @@
-"""How a node ends when what it has to do at its end hangs."""
+"""How a node ends: a signal interrupts nothing, and what hangs is left."""
 
 from __future__ import annotations
 
@@ -10,18 +10,39 @@ from typing import Any
 import pytest
 
 pytestmark = pytest.mark.ros
-HANGS = """
-import time
+MADE = """
+import os, signal, threading, time
 from end_effector_hal.nodes.process import _process_end
 from end_effector_hal.ros1._ros_node import RosNode
-_process_end.LONGEST_S = 1.0
+_process_end.LONGEST_S = 3.0
+lock = threading.Lock()
+def needs_the_lock():
+    with lock:
+        print("closed", flush=True)
 def hangs_at_its_end():
     time.sleep(600)
+"""
+INTERRUPTED = f"""{MADE}
+with RosNode("data_logger", ["interrupted", "__name:=interrupted"]) as node:
+    node.on_close(needs_the_lock)
+    with lock:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.2)
+    print("made", flush=True)
+    node.spin()
+"""
+HANGS = f"""{MADE}
 with RosNode("data_logger", ["hangs", "__name:=hangs"]) as node:
     node.on_close(hangs_at_its_end)
     print("ready", flush=True)
     node.spin()
 """
+
+
+def test_a_signal_while_a_node_is_made_closes_it_only_once_it_is_made(system: Any) -> None:
+    child = system.start("interrupted", sys.executable, "-c", INTERRUPTED)
+    assert child.wait_for_end(timeout_s=20.0) == 0
+    assert child.text().splitlines() == ["made", "closed"]
 
 
 def test_a_node_that_hangs_as_it_closes_is_left_by_force_and_says_where(system: Any) -> None:

@@ -84,9 +84,9 @@ end = ProcessEnd(1000.0)
 end.begin()
 end.wait()
 """
-IN_A_HANDLER = """
+SIGNALLED = """
 _process_end.LONGEST_S = 0.2
-ProcessEnd(1000.0).bound()
+ProcessEnd(1000.0).begin()
 """
 
 
@@ -97,7 +97,7 @@ def hung(left: str) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("left", [LEFT, IN_A_HANDLER])
+@pytest.mark.parametrize("left", [LEFT, SIGNALLED])
 def test_what_hangs_at_its_end_is_left_by_force_and_says_where(left: str) -> None:
     code, said = hung(left)
     assert code == 1

@@ -43,6 +43,7 @@ class ProcessEnd:
 
     def begin(self) -> None:
         """The process shall end; once more does no harm."""
+        self.bound()
         self._begun = True
         self._wake.put(None)
 
@@ -59,7 +60,6 @@ class ProcessEnd:
         while not self._begun:
             with suppress(Empty):  # a signal may reach another thread: its handler runs when this one looks
                 self._wake.get(timeout=LOOK_S)
-        self.bound()
         if self._failed is not None:
             raise self._failed
         return 0
