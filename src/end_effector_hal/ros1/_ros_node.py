@@ -72,7 +72,7 @@ class RosNode:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
         try:
-            # its handler would close the node amid whatever it interrupts, with the locks of that
+            # rospy's handler closes the node within what it interrupts, which may hold a lock that the close needs
             rospy.init_node(name, argv=list(argv), disable_signals=True)
         except rospy.ROSInitException as error:
             raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None

@@ -65,7 +65,7 @@ class ProcessEnd:
         return 0
 
     def bound(self) -> None:
-        """What is done from now on belongs to the end: the process is left when it takes longer than `LONGEST_S`."""
+        """From now on the process has `LONGEST_S` to end; then it is left by force, and says where it hangs."""
         if not self._bounded:
             self._bounded = True
             # no thread of Python: what hangs may hold its lock, or be its end
