@@ -39,9 +39,9 @@ class StreamReader:
         self._rest = b""
 
     @property
-    def behind(self) -> bool:
-        """Whether something waits for it."""
-        return bool(self._out)
+    def behind(self) -> int:
+        """Bytes that wait for it."""
+        return len(self._out)
 
     def put(self, data: bytes) -> bool:
         """Send it as soon as it can be; False: too much waits already."""
@@ -100,12 +100,18 @@ class StreamReaders:
         return len(self._open)
 
     def accept(self, acceptor: Acceptor) -> None:
-        """Accept one who waits; who is too many is closed at once."""
+        """Accept one who waits, in the place of the one who is furthest behind if all are taken.
+
+        Nobody who reads loses his place: where all keep up, who is too many is closed at once.
+        """
         if (sock := acceptor.accept()) is None:
             return
         if len(self._open) >= MOST_READERS:
-            sock.close()
-            return
+            last = max(self._open, key=lambda reader: reader.behind)
+            if not last.behind:
+                sock.close()
+                return
+            self.drop(last)
         reader = StreamReader(sock, self._longest)
         self._open[reader] = None
         self._selector.register(sock, selectors.EVENT_READ, reader)
@@ -129,7 +135,7 @@ class StreamReaders:
         if not goes_on:
             self.drop(reader)
             return
-        if reader.behind is not reader.watched:
-            reader.watched = reader.behind
-            events = selectors.EVENT_READ | (selectors.EVENT_WRITE if reader.behind else 0)
+        if (is_behind := bool(reader.behind)) is not reader.watched:
+            reader.watched = is_behind
+            events = selectors.EVENT_READ | (selectors.EVENT_WRITE if is_behind else 0)
             self._selector.modify(reader.sock, events, reader)

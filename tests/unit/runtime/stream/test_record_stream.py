@@ -259,6 +259,25 @@ def test_there_is_room_for_so_many_readers_and_an_overlong_message_ends_one(serv
         each.close()
 
 
+def test_one_who_does_not_read_loses_his_place_to_one_who_comes(served: Served) -> None:
+    silent = [served.reader() for _ in range(MOST_READERS - 1)]
+    reads = served.reader()
+    assert [reads.next()["kind"], reads.next()["kind"]] == ["header", "state"]
+    for number in range(12):  # more than the system keeps for a reader, less than the stream does
+        served.stream.put([("frame", number, {"values": "x" * 1000})] * 50)
+        for _ in range(50):
+            assert reads.next()["at"] == number
+    newcomers = [served.reader() for _ in silent]
+    for each in newcomers:
+        assert each.next()["kind"] == "header"
+    served.stream.put([("frame", 12, {})])
+    assert reads.next()["at"] == 12
+    surplus = served.reader()
+    assert surplus.next()["kind"] == "end"
+    for each in (*silent, *newcomers, reads, surplus):
+        each.close()
+
+
 def test_the_socket_has_the_rights_of_the_line_arbiter(served: Served) -> None:
     found = served.path.stat()
     assert found.st_mode & 0o777 == 0o660
