@@ -34,8 +34,11 @@ THINNED = $(shell grep -rlE 'mark\.thinned\b|first_of' tests --include='test_*.p
 # Real processes mostly wait: more workers than processors. All run nodes of ROS at first, see tests/conftest.py
 SHARED := --dist loadfile --no-loadscope-reorder
 
+# Neighbours need the same networks and texts: each worker begins with a half of its own, which is made in it only
+HALVES := --dist worksteal
+
 test: setup ## all tests: of logic, of real processes, then those that measure times
-	@$(ROS_ENV) && pytest -q -n 2 -m "not (wall or ros or thinned or nightly)"
+	@$(ROS_ENV) && pytest -q -n 2 $(HALVES) -m "not (wall or ros or thinned or nightly)"
 	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)
 	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)
 

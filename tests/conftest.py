@@ -35,7 +35,10 @@ _TCP_LEFT_OPEN = (
 """rospy leaves TCP sockets to the garbage collector, also while later tests of a worker run; ours are Unix sockets."""
 
 _FAST_S = 0.05
-"""On a machine that adds a million squares in this time, two processors keep up with four workers."""
+"""On a machine that adds a million squares in this time, two processors keep up with five workers."""
+
+_COLLECT_AFTER = (100_000, 50, 100)
+"""Objects, then rounds: texts that are kept fill a worker, and looking at them often takes a tenth of its time."""
 
 _LONGEST = (
     "ros 0",
@@ -99,7 +102,11 @@ def pytest_collection_finish() -> None:
     """What was collected stays: the garbage collector would look at all of it again and again, a sixth of the time."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(20_000, 20, 20)
+
+
+def pytest_runtest_setup() -> None:
+    """Before each test, for a program that runs within a test sets its own, lower thresholds for the whole worker."""
+    gc.set_threshold(*_COLLECT_AFTER)
 
 
 def _group(name: str) -> str:
@@ -125,7 +132,7 @@ class Groups(LoadFileScheduling):
 def pytest_xdist_auto_num_workers() -> int:
     """Of tests with real processes, which mostly wait."""
     took_s = min(timeit.repeat("sum(i * i for i in range(1_000_000))", number=1, repeat=3))
-    return 4 if took_s < _FAST_S else 3 if took_s < 1.5 * _FAST_S else 2
+    return 5 if took_s < _FAST_S else 3 if took_s < 1.5 * _FAST_S else 2
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.recording import read_run, read_states
 from end_effector_hal.verification.replay import load_trace, traces_of
 from end_effector_hal.vocabulary import EndEffectorState
@@ -114,9 +114,16 @@ def disk(tmp_path: Path) -> Iterator[SmallDisk]:
         yield made
 
 
+def quick() -> Description:
+    """The shipped tool, whose top vacuum fails earlier."""
+    tool = load(profile_path())
+    short = tool.actuators["top_vacuum"].model_copy(update={"timeout_s": 2.0})
+    return tool.model_copy(update={"actuators": {**tool.actuators, "top_vacuum": short}})
+
+
 @pytest.fixture
 def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "fails-once:top_vacuum", tmp_path) as running:
+    with World(quick(), "fails-once:top_vacuum", tmp_path) as running:
         yield running
 
 
