@@ -125,7 +125,7 @@ def test_a_full_disk_loses_what_it_cannot_take_and_says_how_much(
     disk.error = errno.ENOSPC
     with caplog.at_level(logging.WARNING):
         recording.say()
-        wait_until("trouble", lambda: recording.writer.trouble)
+        wait_until("trouble", lambda: recording.told)
         recording.say(6)
     trouble = f"The trace of grip is not recorded: No space left on device ({tmp_path})."
     assert recording.told == [trouble]
