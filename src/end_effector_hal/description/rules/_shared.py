@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
@@ -12,6 +13,11 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 from end_effector_hal.signals import Kind
 
 ROS = {"service": "Set", "topic": "Pressure"}
+_CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+_MAY_BE_ONE = {("tool_changer", "locked_bit"), ("tool_changer", "present_bit")}
+"""One sensor may say both: what is locked is there."""
+_READ_BY_ACTUATORS = ("channel", "on", "verify", "ready", "taken")
+"""Keys within an actuator whose channel may have a second reader, for example a sensor that two cups share."""
 
 
 def shared_faults(facts: Facts) -> Iterator[Fault]:
@@ -20,9 +26,11 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     actuators: list[Keys] = [("actuators", name) for name, _ in facts.actuators()]
     kinds = [(name, get_kind(kind)) for name, kind in facts.actuators()]
     supply: list[Keys] = [("supply",)]
-    bits = [*_claims(changer, "locked_bit", "unlocked_bit")]
+    e_stop: list[Keys] = [("e_stop",)] if isinstance(facts.get("e_stop"), dict) else []
+    bits = [*_claims(changer, *_CHANGER), *_claims(supply, "channel"), *_claims(e_stop, "channel")]
     for name, kind in kinds:
-        bits += _claims([("actuators", name)], *(k.key for k in kind.channels if k.carries is Kind.BIT))
+        keys = [each.key for each in kind.channels if each.carries is Kind.BIT]
+        bits += _claims([("actuators", name)], *(key for key in keys if _is_asked(facts, name, key)))
     opposing: list[Keys] = [("actuators", name, kind.opposing) for name, kind in kinds if kind.opposing]
     opposing += [(*stanza, "opposite") for stanza in (*changer, *actuators)]
     opposing = [each for each in opposing if facts.written(*each)]
@@ -34,6 +42,8 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     yield from _second(facts, "line", _claims([*changer, *actuators, *opposing, *outputs, *digital], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
     yield from _second(facts, "bit", tuple(bits))
+    if e_stop:
+        yield from _reads_the_e_stop(facts)
     yield from _second(facts, "service", _claims([*changer, *actuators], "service"))
     yield from _second(facts, "topic", _claims(actuators, "topic"))
 
@@ -48,6 +58,40 @@ def _called_like_an_actuator(facts: Facts) -> Iterator[Fault]:
             )
 
 
+def _is_asked(facts: Facts, name: str, key: str) -> bool:
+    """Whether a bit counts: what evidence replaces is not asked for by default."""
+    return facts.get("actuators", name, "evidence") is None or facts.written("actuators", name, key)
+
+
+def _reads_the_e_stop(facts: Facts) -> Iterator[Fault]:
+    """The first actuator that reads the input of the e-stop: what it shows would stop the tool, or the reverse."""
+    e_stop: Keys = ("e_stop", "channel")
+    channel = facts.get(*e_stop)
+    if channel is None or channel == NO_CHANNEL:
+        return
+    readers = [
+        path
+        for path in facts.places.values
+        if path[0:1] == ("actuators",) and path[-1] in _READ_BY_ACTUATORS and _raw(facts, path) == channel
+    ]
+    if readers:
+        reader = min(readers, key=lambda each: facts.places.value(*each).order)
+        yield from _second(facts, "bit", (reader, e_stop))
+
+
+def _raw(facts: Facts, path: Keys) -> object:
+    """What stands at a path, which may lead through lists; None where a part of it has a fault."""
+    if any(path[:length] in facts.broken for length in range(1, len(path) + 1)):
+        return None
+    value: Any = facts.tree
+    for key in path:
+        try:
+            value = value[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return value
+
+
 def _claims(stanzas: list[Keys], *keys: str) -> tuple[Keys, ...]:
     return tuple((*stanza, key) for stanza in stanzas for key in keys)
 
@@ -55,17 +99,20 @@ def _claims(stanzas: list[Keys], *keys: str) -> tuple[Keys, ...]:
 def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault]:
     owners: dict[object, Keys] = {}
     for path in sorted(claims, key=lambda each: facts.places.value(*each).order):
-        value = facts.get(*path) or _ros_default(facts, path)
+        value = _raw(facts, path) or facts.get(*path) or _ros_default(facts, path)
         if value is None or (value == NO_CHANNEL and what in ("channel", "bit")):
             continue
         if value not in owners:
             owners[value] = path
             continue
         owner = owners[value]
+        if {owner, path} == _MAY_BE_ONE:
+            continue
         device = owner[1] if owner[0] in ("actuators", "channels", "outputs") else owner[0]
         written = f"{path[-1]}: {value}" + ("" if facts.written(*path) else " (default)")
         place, sentence = facts.places.value(*path), f"{what} {value!r} already belongs to {str(device)!r}"
-        yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own")
+        hint = "an e-stop has an input of its own" if "e_stop" in (owner[0], path[0]) else ""
+        yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own", hint=hint)
 
 
 def _ros_default(facts: Facts, path: Keys) -> str | None:

@@ -57,7 +57,9 @@ def _unproven(
             meant += codec.of(Kind.BIT)
         hint = did_you_mean(getattr(actuator, proof.key), meant)
         yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name), hint=hint)
-    if codec.channels.get(actuator.channel) is Kind.BIT and actuator.channel in position_bits(description):
+    e_stop = description.e_stop.channel if description.e_stop else ""  # told by the rules of ownership
+    is_switch = codec.channels.get(actuator.channel) is Kind.BIT and actuator.channel != e_stop
+    if is_switch and actuator.channel in position_bits(description):
         place = description.place("actuators", name, "channel")
         what = f"{actuator.channel!r} is a position bit and no pressure"
         yield Fault.at(place, "EE-225", what, expected=provers(description, codec, name))
