@@ -6,7 +6,7 @@ from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenanc
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport
-from .words import StatusLines, alarm_changes, refused, transition, unanswered, word_of
+from .words import StatusLines, alarm_changes, refused, transition, unanswered, unread_e_stop, word_of
 
 __all__ = [
     "LATER_CONSTANTS",
@@ -27,5 +27,6 @@ __all__ = [
     "refused",
     "transition",
     "unanswered",
+    "unread_e_stop",
     "word_of",
 ]

@@ -6,8 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.sensing import LOCKED, predicates_fitted
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from end_effector_lab.matrix import Monitors, is_still
 from end_effector_lab.testbench import TOOL_CHANGER
@@ -281,6 +283,11 @@ class _CaseRun:
             said = f"{status.ee.name}, {status.changer.name}, {status.reason or '; '.join(status.alarms)}"
             self._judge.objections.setdefault("usable", f"usable: {why} ({said})")
 
+    @property
+    def _lock_can_be_proven(self) -> bool:
+        """Whether both bits of the tool changer are fitted: with one of them it is never LOCKED."""
+        return LOCKED in predicates_fitted(self._description, carrier_of(self._description))
+
     def _not_usable(self, known_s: float) -> str:
         """Why it cannot be used, a clause; empty: it can. After ``known_s`` everybody knows that all is well."""
         tool, durations = self.tool, self._description.durations
@@ -290,7 +297,7 @@ class _CaseRun:
         self._go(tool.at + round(known_s * 1e6))
         reset = self._reset()
         self._go(tool.at + 500_000)
-        if self._changer_wants_lock() and not self._locks():
+        if self._lock_can_be_proven and self._changer_wants_lock() and not self._locks():
             return "it does not lock"
         for _ in range(2):
             if tool.status.ee == STAND_BY:

@@ -39,6 +39,14 @@ def played(words: str, seed: int = 0) -> dict[str, str]:
     return play_case(SHIPPED, case_from_words(words, SHIPPED, seed=seed), KNOWN).failures
 
 
+def test_a_changer_with_one_bit_need_not_lock_to_be_usable() -> None:
+    """One bit of the two never proves LOCKED, which is no fault of the tool."""
+    changer = SHIPPED.tool_changer
+    assert changer is not None
+    tool = SHIPPED.model_copy(update={"tool_changer": changer.model_copy(update={"unlocked_bit": "none"})})
+    assert play_case(tool, case_from_words("grip; wait 2; drop", tool), CoverageMap(tool)).failures == {}
+
+
 THINNED = pytest.mark.thinned
 
 

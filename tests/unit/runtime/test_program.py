@@ -14,7 +14,7 @@ import pytest
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control._status_builder import StatusBuilder
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
@@ -347,6 +347,58 @@ def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
         assert tool.command("drop").accepted
         tool.run(100)
     assert prepared.statuses == other.statuses
+
+
+def with_e_stop() -> Tool:
+    shipped = load(profile_path())
+    tool = Tool(shipped.model_copy(update={"e_stop": EStop()}))
+    tool.run(60)
+    return tool
+
+
+UNREAD = Answer(
+    False,
+    "IL-13: the e-stop has no valid reading (estop_ok, sensor link /dev/verdin-uart1): "
+    "nothing is activated until it has one.",
+)
+
+
+def without_e_stop(tool: Tool, frames: int) -> None:
+    """Frames in which the channel of the e-stop has no valid value."""
+    for _ in range(frames):
+        frame = tool.frame()
+        values = {**frame.values, "estop_ok": None}
+        tool.program.frame(Frame(frame.at, tool._number, tool._number * 20, values))
+        tool.idle()
+
+
+def test_an_e_stop_that_is_not_read_refuses_a_grip_at_once_and_never_a_drop() -> None:
+    tool = with_e_stop()
+    without_e_stop(tool, 7)
+    assert tool.program._obstacle("grip") == "", "the last reading still counts"
+    without_e_stop(tool, 1)
+    before = len(tool.statuses)
+    assert tool.command("grip") == UNREAD
+    without_e_stop(tool, 20)
+    assert not any(tool.lines.active.values())
+    assert {status.ee for status in tool.statuses[before:]} <= {EndEffectorState.STAND_BY}
+    # what the automata decide is as recorded: a grip that was accepted before this rule is accepted in a replay
+    assert tool.program._adoption.controller.refusal("grip") == ""
+    tool.run(1)
+    assert tool.command("grip").accepted, "at once"
+    tool.run(60)
+    assert tool.program.status.ee is EndEffectorState.GRIPPED
+    without_e_stop(tool, 20)
+    assert tool.program.status.ee is EndEffectorState.GRIPPED
+    assert tool.command("drop").accepted, "only activations are refused"
+
+
+def test_a_silent_link_of_an_e_stop_refuses_a_grip_at_once() -> None:
+    tool = with_e_stop()
+    tool.at += 150_000
+    tool.idle()
+    assert tool.command("grip") == UNREAD
+    assert tool.program.status.ee is EndEffectorState.STAND_BY
 
 
 STOP = f"IL-13: {STOPPED} (pid 7, eehal stop): nothing is activated until a reset."

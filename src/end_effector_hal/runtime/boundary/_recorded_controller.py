@@ -8,7 +8,7 @@ from typing import Any
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.stream import Entry
-from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.sensing import FrameJudge, SensorSet
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
@@ -40,6 +40,11 @@ class RecordedController:
     def deadline(self) -> int | None:
         """µs of the next thing that happens by itself, or None."""
         return self._controller.deadline
+
+    @property
+    def senses(self) -> SensorSet:
+        """See `Controller.senses`."""
+        return self._controller.senses
 
     @property
     def discrete_state(self) -> object:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
-from end_effector_hal.control import Answer, Status, network_of
+from end_effector_hal.control import Answer, Status, network_of, unread_e_stop
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime._reload import reload_answer
@@ -224,7 +224,10 @@ class Program(ABC):
                 return "Nothing can be activated while the line arbiter is lost."
             if self._still_until > self._clock():
                 return RELOADING
-            return self._refused
+            # here and not in the controller: what an older recording accepted is accepted when it is replayed
+            return self._refused or unread_e_stop(
+                self._description, adoption.controller.senses.now.readings, self._clock()
+            )
         return ""
 
     def _unrest(self) -> str:
