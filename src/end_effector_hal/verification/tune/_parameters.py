@@ -8,9 +8,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator, Supply
+from end_effector_hal.signals import Kind
 
 WAITS = ("timeout_s", "release_s", "attempts")
 """Keys of every actuator that bound a wait, and change nothing of what the sensors prove."""
@@ -22,6 +24,8 @@ LEAST_WAIT = 0.02
 _WARNS = "it only warns: no grip succeeds or fails by it"
 _OTHER_PAUSE = "what another pause would have changed is in no recording"
 _FROZEN = "it says which readings count, and no grip was decided by it alone"
+_NO_PRESSURE = "no pressure of it is measured, so that its thresholds are off"
+_OF_PRESSURES = ("_kpa", "_fraction")
 _NOT_BY_GRIPS = "no recorded grip was decided by it"
 
 Path = tuple[str | int, ...]
@@ -96,7 +100,7 @@ def parameters_of(description: Description) -> Iterator[TunableKey]:
                 yield TunableKey(name, ("evidence", *path), float(value), isinstance(value, int))
             continue
         for key, value in _own(part):
-            if not key.startswith("secure"):
+            if not key.startswith("secure") and not _is_idle(description, part, key):
                 yield TunableKey(name, (key,), float(value), isinstance(value, int))
 
 
@@ -109,11 +113,21 @@ def not_tried(description: Description) -> Iterator[tuple[str, str]]:
         for key, _ in _own(part):
             if key.startswith("secure"):
                 yield f"actuators.{name}.{key}", _WARNS
+            elif part.evidence is None and _is_idle(description, part, key):
+                yield f"actuators.{name}.{key}", _NO_PRESSURE
     yield "hold.*", _WARNS
     yield "supply.*", _NOT_BY_GRIPS
     yield "link.*", _FROZEN
     if description.tool_changer is not None:
         yield "tool_changer.*", _NOT_BY_GRIPS
+
+
+def _is_idle(description: Description, part: Actuator, key: str) -> bool:
+    """Whether it is the threshold of a pressure that no wire carries: a switch alone proves the actuator."""
+    return (
+        key.endswith(_OF_PRESSURES)
+        and carrier_of(description).channels.get(part.channel) is not Kind.PRESSURE
+    )
 
 
 def _own(part: Actuator) -> Iterator[tuple[str, float]]:

@@ -25,6 +25,7 @@ from end_effector_hal.verification.tune import (
     tune,
 )
 from end_effector_hal.verification.tune import _attempts as attempts_module
+from end_effector_hal.verification.tune._parameters import not_tried, parameters_of
 from tests.support.recorded_tool import recorded
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.verification.replay.test_command import run as replayed
@@ -228,3 +229,14 @@ def test_a_recording_without_a_grip_is_refused(tmp_path: Path) -> None:
     for words in ((folder,), (tmp_path / "none",), (folder, "-o", tmp_path / "x.gif")):
         assert isinstance(command(*words).exception, UsageError), words
     assert replayed(folder).exit_code == 0
+
+
+def test_thresholds_of_a_pressure_that_no_wire_carries_are_not_tried() -> None:
+    shipped = load(profile_path())
+    assert "actuators.cylinder.retracted_kpa" in {each.key for each in parameters_of(shipped)}
+    cylinder = shipped.actuators["cylinder"].model_copy(update={"channel": "none"})
+    tool = shipped.model_copy(update={"actuators": {**shipped.actuators, "cylinder": cylinder}})
+    idle = {"actuators.cylinder.extended_fraction", "actuators.cylinder.retracted_kpa"}
+    assert not idle & {each.key for each in parameters_of(tool)}
+    said = dict(not_tried(tool))
+    assert {said[key] for key in idle} == {"no pressure of it is measured, so that its thresholds are off"}
