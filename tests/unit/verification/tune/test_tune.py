@@ -25,7 +25,7 @@ from end_effector_hal.verification.tune import (
     tune,
 )
 from end_effector_hal.verification.tune import _attempts as attempts_module
-from end_effector_hal.verification.tune._parameters import not_tried, parameters_of
+from end_effector_hal.verification.tune._parameters import not_tried
 from tests.support.recorded_tool import recorded
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.verification.replay.test_command import run as replayed
