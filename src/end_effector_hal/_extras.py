@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from importlib.metadata import PackageNotFoundError, requires
 
 from end_effector_hal.errors import MissingExtraError
 
@@ -13,6 +12,8 @@ _ADDED = re.compile(r"""(?P<package>[\w.-]+).*;.*\bextra == ['"](?P<extra>[\w-]+
 
 def extras() -> dict[str, tuple[str, ...]]:
     """The packages that each extra adds; nothing where the package was copied without its metadata."""
+    from importlib.metadata import PackageNotFoundError, requires
+
     found: dict[str, tuple[str, ...]] = {}
     try:
         needed = requires(DISTRIBUTION) or ()

@@ -3,5 +3,4 @@
 A transport (``ros1``) starts them and moves their messages; ``transport`` says what it has to offer.
 """
 
-from ._lifecycle import require_proof, what_is_missing
 from ._start import PROGRAMS, start_node

@@ -12,7 +12,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from end_effector_hal.description import Description, tool_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.nodes import require_proof, start_node, what_is_missing
+from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
     END_EFFECTOR_STATE,
@@ -23,6 +23,7 @@ from end_effector_hal.nodes.interface import (
     READY_S,
     load_for_nodes,
 )
+from end_effector_hal.nodes.lifecycle import require_proof, what_is_missing
 from end_effector_hal.nodes.process import node_log
 from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import content_hash
