@@ -18,8 +18,8 @@ from figures import Figures, figures
 from usage import Meter, Usage
 
 from end_effector_hal.arbiter import ArbiterClient, PredicateSender
+from end_effector_hal.arbitration import output_lines, program_lines
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import output_lines, program_lines
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines

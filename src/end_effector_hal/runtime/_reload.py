@@ -12,12 +12,11 @@ from __future__ import annotations
 from dataclasses import fields
 
 from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError
-
-from .arbiter import arbiter_policy
 
 _OF_POLICY = {
     "lines": "the output lines",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from end_effector_hal.arbitration import SENSOR_FAULT
 from end_effector_hal.control import Answer
-from end_effector_hal.runtime import SENSOR_FAULT
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 from end_effector_lab.virtual import VirtualTool
 

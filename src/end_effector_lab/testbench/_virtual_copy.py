@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
+from end_effector_hal.arbitration import wired_lines
 from end_effector_hal.description import Description
 from end_effector_hal.errors import os_errors
-from end_effector_hal.runtime import wired_lines
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_hal.wires.lines import VirtualChip
 

@@ -8,6 +8,7 @@ from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
+from end_effector_hal.arbitration import PredicatePublisher, program_lines, wired_lines
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
@@ -16,12 +17,9 @@ from end_effector_hal.runtime import (
     ChangerProgram,
     GripProgram,
     InlineWorker,
-    PredicatePublisher,
     Program,
     longest_release_s,
-    program_lines,
     release_is_decided,
-    wired_lines,
 )
 from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import FrameJudge

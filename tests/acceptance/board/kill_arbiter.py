@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from end_effector_hal.arbitration import output_lines
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import output_lines
 from tests.acceptance.gpiochip.inside.owned import Arbiter
 
 LINES = sorted(output_lines(load(profile_path())))

@@ -9,9 +9,9 @@ import time
 from itertools import pairwise
 
 from end_effector_hal.arbiter import ArbiterClient, PredicateSender
+from end_effector_hal.arbitration import program_lines
 from end_effector_hal.description import load
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import program_lines
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 

@@ -10,22 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
+from end_effector_hal.arbitration import PredicatePublisher, arbiter_policy, output_lines
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds.stanza import BlowOff
 from end_effector_hal.kinds.vacuum import VacuumActuator
-from end_effector_hal.runtime import (
-    ChangerProgram,
-    GoalRunner,
-    GripProgram,
-    PredicatePublisher,
-    Program,
-    arbiter_policy,
-    open_program,
-    output_lines,
-)
+from end_effector_hal.runtime import ChangerProgram, GoalRunner, GripProgram, Program, open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.vocabulary import EndEffectorState as State

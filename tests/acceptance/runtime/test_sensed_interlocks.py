@@ -10,9 +10,10 @@ from collections.abc import Iterator
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.arbitration import PredicatePublisher
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.runtime import EndEffector, PredicatePublisher
+from end_effector_hal.runtime import EndEffector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import arbiter_policy
 from tests.support.blown import TOP_AIR, blown
 from tests.support.declared import declared
 from tests.support.nightly import first_of

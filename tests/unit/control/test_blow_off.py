@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.control import GripLastWill, StatusLines, ending_in_words, model_constants, network_of
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import arbiter_policy
 from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.support.blown import BOTTOM_AIR, TOP_AIR, BlownTool, blown

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status, network_of
 from end_effector_hal.description import Description, examine_text
-from end_effector_hal.runtime.arbiter import arbiter_policy
 from end_effector_hal.sensing import Predicates
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import EndEffectorState, Evidence

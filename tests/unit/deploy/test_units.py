@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import arbiter_policy
 from tests.support.places import DEPLOY
 
 UNITS = sorted((DEPLOY / "systemd").glob("*.service"))

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.arbitration import run_arbiter
 from end_effector_hal.description import _paths, load, profile_path, run_directory
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import run_arbiter
 
 VICTIM, OTHER = 65_534, 65_533
 

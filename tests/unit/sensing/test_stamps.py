@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.arbitration import PredicatePublisher
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, examine_text, load, profile_path
-from end_effector_hal.runtime import PredicatePublisher
 from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value, memory_of, recall
 from tests.support.nightly import first_of

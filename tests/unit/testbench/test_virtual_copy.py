@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from end_effector_hal.arbitration import output_lines
 from end_effector_hal.cli.doctor._lines import look_at_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import output_lines
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import write_virtual_copy
 

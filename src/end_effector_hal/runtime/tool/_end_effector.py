@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Self
 
 from end_effector_hal._closing import Closing
+from end_effector_hal.arbitration import PredicatePublisher
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer, Status, ending_in_words
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
-from end_effector_hal.runtime.arbiter import PredicatePublisher
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge

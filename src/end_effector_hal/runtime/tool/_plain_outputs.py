@@ -6,10 +6,10 @@ import logging
 from collections.abc import Mapping
 
 from end_effector_hal._closing import Closing
+from end_effector_hal.arbitration import OUTPUTS, connect_arbiter
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import WireError
-from end_effector_hal.runtime.arbiter import OUTPUTS, connect_arbiter
 from end_effector_hal.vocabulary import LastWill, LastWillStep, display_name
 
 _log = logging.getLogger("end_effector_hal.runtime")

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.description import Description
-from end_effector_hal.runtime import arbiter_policy
 from timed_automata import Network, load_network
 
 DEATHS_FILE = Path(__file__).with_name("deaths.xml")

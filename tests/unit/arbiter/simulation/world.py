@@ -14,10 +14,11 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.arbiter.client import _client, _conversation
 from end_effector_hal.arbiter.protocol._message import write_message
 from end_effector_hal.arbiter.server import _requests
+from end_effector_hal.arbitration import arbiter_policy, program_lines
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError
-from end_effector_hal.runtime import GripProgram, arbiter_policy, program_lines
+from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.arbitration import PredicatePublisher, _predicate_publisher
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.runtime import PredicatePublisher
-from end_effector_hal.runtime.arbiter import _predicate_publisher
 from end_effector_hal.signals import Frame
 
 FAULT = "no_latching_fault:cup_fault"
