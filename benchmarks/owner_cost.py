@@ -29,7 +29,7 @@ OWNER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import arbiter_policy
+from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.arbiter import serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
