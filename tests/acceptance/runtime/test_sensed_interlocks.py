@@ -139,22 +139,6 @@ def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: p
         assert tool.drop().succeeded
 
 
-def test_il_13_an_e_stop_that_is_not_read_refuses_a_grip_at_once(world: World) -> None:
-    with EndEffector.open(world.description) as tool:
-        tool.wait_ready(30.0)
-        wait_until("it", lambda: tool.lock().succeeded)
-        world.choose("silent-after:0")
-        wait_until("it", lambda: "estop_ok" in tool.status.stale)
-        result = tool.grip()
-        assert not result.succeeded
-        assert result.reason.startswith("IL-13: the e-stop has no valid reading (estop_ok, sensor link ")
-        assert tool.status.ee == STAND_BY
-        assert not active(world, BOTTOM), "nothing has begun"
-        world.choose("nominal")
-        wait_until("all is proven again", lambda: tool.grip().succeeded)
-        assert tool.drop().succeeded
-
-
 def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> None:
     with EndEffector.open(world.description) as tool, ArbiterClient(world.socket, "look") as look:
         tool.wait_ready(30.0)

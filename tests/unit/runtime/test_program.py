@@ -393,11 +393,13 @@ def test_an_e_stop_that_is_not_read_refuses_a_grip_at_once_and_never_a_drop() ->
     assert tool.command("drop").accepted, "only activations are refused"
 
 
-def test_a_silent_link_of_an_e_stop_refuses_a_grip_at_once() -> None:
+def test_a_silent_link_is_told_as_such_although_the_e_stop_is_on_it() -> None:
     tool = with_e_stop()
     tool.at += 150_000
     tool.idle()
-    assert tool.command("grip") == UNREAD
+    answer = tool.command("grip")
+    assert not answer.accepted
+    assert answer.reason.startswith("IL-07: ")
     assert tool.program.status.ee is EndEffectorState.STAND_BY
 
 

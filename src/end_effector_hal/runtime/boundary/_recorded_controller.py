@@ -33,7 +33,7 @@ class RecordedController:
         self._put = put
         self._controller = Controller(description, network, program, observe=self._observed, judge=judge)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
-        self.look_ahead = self._controller.look_ahead
+        self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
         self.snapshot, self.resume = self._controller.snapshot, self._controller.resume
 
     @property

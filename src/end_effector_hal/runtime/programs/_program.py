@@ -17,7 +17,14 @@ from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime._reload import reload_answer
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
-from end_effector_hal.runtime.stream import GO_ON, PROGRAM_WORDS, RELOAD, TOO_LATE, ProgramCommand
+from end_effector_hal.runtime.stream import (
+    GO_ON,
+    MAINTENANCE_WORDS,
+    PROGRAM_WORDS,
+    RELOAD,
+    TOO_LATE,
+    ProgramCommand,
+)
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Command, EndEffectorState, latched_il_13, latched_stop
@@ -224,11 +231,17 @@ class Program(ABC):
                 return "Nothing can be activated while the line arbiter is lost."
             if self._still_until > self._clock():
                 return RELOADING
-            # here and not in the controller: what an older recording accepted is accepted when it is replayed
-            return self._refused or unread_e_stop(
-                self._description, adoption.controller.senses.now.readings, self._clock()
-            )
+            return self._refused or self._unread(name)
         return ""
+
+    def _unread(self, name: str) -> str:
+        """That the e-stop is not read, a sentence; empty: it is, or the automata would refuse for another reason.
+
+        Here and not in the controller: what an older recording accepted is accepted when it is replayed.
+        """
+        controller = self._adoption.controller
+        why = unread_e_stop(self._description, controller.senses.now.readings, self._clock())
+        return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name) else why
 
     def _unrest(self) -> str:
         """Why the program is not at rest, a sentence; empty: it is."""
