@@ -32,6 +32,7 @@ def run_info(
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
         switches=_switches(description),
+        e_stop=_e_stop(description),
         simulated=description.lines.backend == "virtual",
         seed=seed,
     )
@@ -82,6 +83,12 @@ def _switches(description: Description) -> dict[str, dict[str, Any]]:
             if channel in fitted:
                 found.setdefault(channel, {"actuator": name, "on": meaning.on, "off": meaning.off})
     return found
+
+
+def _e_stop(description: Description) -> str:
+    """The channel of its input; empty: there is none, or nothing carries it."""
+    stop = description.e_stop
+    return stop.channel if stop and stop.channel in switch_channels(description) else ""
 
 
 def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:

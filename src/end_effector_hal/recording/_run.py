@@ -16,7 +16,9 @@ FILE_NAME = "run.json"
 SCHEMA_VERSION = 1
 """Raised when a key goes, or means something else. New keys come without."""
 KINDS = {
-    **dict.fromkeys(("scenario", "description", "hash", "version", "started", "violated", "because"), str),
+    **dict.fromkeys(
+        ("scenario", "description", "hash", "version", "started", "e_stop", "violated", "because"), str
+    ),
     **dict.fromkeys(("ros", "simulated"), bool),
     **dict.fromkeys(("actuators", "limits", "switches"), dict),
     **dict.fromkeys(("start_us", "seed", "ros_generation"), int),
@@ -45,6 +47,7 @@ class RunInfo:
             kPa below ambient, else gauge kPa); what is missing is not drawn.
         switches: channel of a switch -> its ``actuator``, and what it proves ``on`` and ``off``, in a word
             (``confirmed``, ``gone``, ``empty``); a switch of no actuator is not there.
+        e_stop: channel of the e-stop's input; empty: none is read, or not known. Without one it is not written.
         simulated: whether a testbench answered; None: when a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
         gaps: in words: rows that could not be written, and when.
@@ -70,6 +73,7 @@ class RunInfo:
     start_us: int | None = None
     gaps: tuple[str, ...] = ()
     seed: int | None = None
+    e_stop: str = ""
     violated: str = ""
     violated_s: float = 0.0
     because: str = ""
@@ -79,7 +83,8 @@ class RunInfo:
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, whole or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
-        left_out = ("note",) if self.violated else ("note", *_OF_COUNTEREXAMPLES)
+        left_out = ["note", *(() if self.e_stop else ("e_stop",))]
+        left_out += () if self.violated else _OF_COUNTEREXAMPLES
         content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
         content |= {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
         content["actuators"] = dict(self.actuators)

@@ -34,6 +34,7 @@ from .parts import (
     draw_panel,
     draw_plots,
     labels_width,
+    last_switched_s,
     need_rows,
     page_of,
     panels_of,
@@ -112,7 +113,14 @@ def _heading(
 def _page(first: RunTables, second: RunTables, words_in: float) -> Page:
     """The whole time of both."""
     pages = [
-        page_of(each.log, each.pressures, words_in, list(each.info.switches)) for each in (first, second)
+        page_of(
+            each.log,
+            each.pressures,
+            words_in,
+            list(each.info.switches),
+            last_switched_s(each.switches, each.info),
+        )
+        for each in (first, second)
     ]
     start = min(each.log.rows[0].time_s for each in (first, second))
     return Page(
@@ -124,10 +132,9 @@ def _page(first: RunTables, second: RunTables, words_in: float) -> Page:
 
 
 def _lanes(run: RunTables, page: Page) -> list[Lane]:
-    end_s = max(
-        run.log.rows[-1].time_s, run.pressures.times_s[-1] if run.pressures and run.pressures.samples else 0.0
-    )
-    end_s = min(end_s, page.end_s)
+    measured_s = run.pressures.times_s[-1] if run.pressures and run.pressures.samples else 0.0
+    last_s = max(run.log.rows[-1].time_s, measured_s, last_switched_s(run.switches, run.info))
+    end_s = min(last_s, page.end_s)
     lanes = all_lanes_of(run.log, run.info, end_s, run.pressures, run.changer)
     return [*lanes, *(replace(each, caption="") for each in switch_lanes(run.switches, run.info, end_s))]
 

@@ -81,7 +81,9 @@ _OF_CHANGER = {
     ChangerState.LOCKING: "waiting for sensor",
     ChangerState.FAULT: "error",
 }
-_OF_SWITCH = {"confirmed": "confirmed", "gone": "inactive"}
+OPEN = "open"
+"""What an e-stop says that refuses every activation."""
+_OF_SWITCH = {"confirmed": "confirmed", "gone": "inactive", OPEN: "error"}
 _OF_ACTUATOR = {INACTIVE: "inactive", PENDING: "waiting for sensor", ACTIVE: "confirmed"}
 
 
@@ -95,7 +97,7 @@ class ShownValue:
 
 @dataclass(frozen=True)
 class ShownLevel:
-    """The level of a switch, in words; None: not known. ``proven``: by it alone, in a word; empty: nothing."""
+    """The level of a switch or an e-stop, in words; None: not known. ``proven``: by it alone, in a word; or nothing."""
 
     label: str
     level: bool | None

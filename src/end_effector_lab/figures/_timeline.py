@@ -38,6 +38,7 @@ from .parts import (
     draw_plots,
     heading_of,
     labels_width,
+    last_switched_s,
     need_rows,
     page_of,
     panels_of,
@@ -61,7 +62,7 @@ def timeline(
     """States as lanes with their names inside, events on top, switches and pressures with their thresholds below.
 
     ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer; ``switches``: a
-    lane for each that the run says what it proves.
+    lane for each that the run says what it proves, and one for the e-stop.
 
     Raises UsageError for a recording without a row.
     """
@@ -77,6 +78,7 @@ def timeline(
             pressures if panels else None,
             words_in,
             [*info.switches, *(each.name for each in info.watched)],
+            last_switched_s(switches, info),
         )
         shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]
         told = sorted((*story.moments, *shown), key=lambda moment: moment.time_s)

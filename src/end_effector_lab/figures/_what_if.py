@@ -37,6 +37,7 @@ from .parts import (
     draw_panel,
     draw_plots,
     labels_width,
+    last_switched_s,
     page_of,
     panels_of,
     place_events,
@@ -129,7 +130,8 @@ def _page(told: WhatIf, words_in: float) -> Page:
     logs = [told.recorded.log, told.other.log]
     pressures = told.pressures if told.pressures.samples else None
     names = [*told.recorded.info.switches, *told.other.info.switches]
-    pages = [page_of(log, pressures, words_in, names) for log in logs]
+    switched_s = max(last_switched_s(told.switches, side.info) for side in (told.recorded, told.other))
+    pages = [page_of(log, pressures, words_in, names, switched_s) for log in logs]
     narrow = max(pages, key=lambda page: page.left)
     return replace(
         narrow, start_s=min(page.start_s for page in pages), end_s=max(page.end_s for page in pages)

@@ -40,6 +40,12 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
     assert list(content) == keys
 
 
+def test_the_channel_of_an_e_stop_is_written_where_there_is_one(tmp_path):
+    info = replace(INFO, e_stop="estop_ok")
+    assert json.loads(info.write(tmp_path).read_text())["e_stop"] == "estop_ok"
+    assert read_run(tmp_path) == info
+
+
 def test_what_is_violated_comes_back(tmp_path):
     watched = (
         Watched("ee", wrong=True, values=((0.0, "OFF"), (1.5, "GRIPPED"))),

@@ -140,7 +140,9 @@ def test_switches_are_recorded_without_a_pressure_and_what_they_prove(tmp_path: 
         ("jaw_open", "jaw_closed", "estop_ok"), ((0.0, (True, False, True)), (1.0, (None, True, True)))
     )  # fmt: skip
     assert not (tmp_path / "pressures.csv").exists()
-    assert read_run(tmp_path).switches["jaw_open"] == {"actuator": "jaw", "on": "gone", "off": ""}
+    info = read_run(tmp_path)
+    assert info.switches["jaw_open"] == {"actuator": "jaw", "on": "gone", "off": ""}
+    assert (info.e_stop, "estop_ok" in info.switches) == ("estop_ok", False)
 
 
 def test_the_tool_changer_is_recorded_where_there_is_one(tmp_path: Path) -> None:

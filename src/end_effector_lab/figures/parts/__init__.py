@@ -6,5 +6,5 @@ from ._lanes import GAP_IN, Lane, Segment, all_lanes_of, lanes_of, write_lane
 from ._page import EDGE_IN, WIDTH_IN, Page, need_rows, page_of, span_of
 from ._panels import Panel, draw_panel, labels_width, panels_of
 from ._sheet import AXIS_IN, PANEL_GAP_IN, FigureSheet, draw_lanes, draw_plots
-from ._switches import switch_lanes
+from ._switches import last_switched_s, switch_lanes
 from ._watched import CLOCK_IN, clock_labels_width, draw_clock, watched_clocks, watched_lanes

@@ -47,7 +47,11 @@ def span_of(log: StatesLog) -> tuple[float, float]:
 
 
 def page_of(
-    log: StatesLog, pressures: PressuresLog | None, words_in: float, more_names: Sequence[str] = ()
+    log: StatesLog,
+    pressures: PressuresLog | None,
+    words_in: float,
+    more_names: Sequence[str] = (),
+    switched_s: float = 0.0,
 ) -> Page:
     """The page for a recording.
 
@@ -56,12 +60,17 @@ def page_of(
         pressures: drawn below them.
         words_in: inches of the words right of the plots.
         more_names: of further lanes.
+        switched_s: the last change in the lanes of switches; an e-stop that opens may change no state.
     """
     start, last = span_of(log)
     # a counterexample may last some milliseconds
-    end = last + max(0.04 * (last - start), min(0.1, 0.3 * (last - start) or 0.1))
+    room = max(0.04 * (last - start), min(0.1, 0.3 * (last - start) or 0.1))
+    end = last + room
+    longest = end + 0.5 * (end - start)
     if pressures is not None and pressures.samples:
-        end = max(end, min(pressures.times_s[-1], end + 0.5 * (end - start)))
+        end = max(end, min(pressures.times_s[-1], longest))
+    if switched_s > end:
+        end = min(switched_s + room, longest)
     titles = [*(name.replace("_", " ") for name in (*log.actuators, "end_effector")), *more_names]
     names = [line for title in titles for line in _lane_title(title)]
     left = max(width_of(name, NAME) for name in names) + 0.35

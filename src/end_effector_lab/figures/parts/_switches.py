@@ -1,30 +1,55 @@
-"""Lanes of switches: the level as a step, and in words and colour what it proves."""
+"""Lanes of switches and of the e-stop: the level as a step, and in words and colour what it says."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from matplotlib.axes import Axes
 
 from end_effector_hal.kinds import SwitchMeaning
 from end_effector_hal.recording import RunInfo, SwitchesLog
 from end_effector_hal.vocabulary import display_name
-from end_effector_lab.figures._style import INK, ShownLevel
+from end_effector_lab.figures._style import INK, OPEN, ShownLevel
 
 from ._lanes import Lane, segments_of
 
 SWITCH_IN, _STEP_IN = 0.26, 0.04
 _MOST = 64
+_E_STOP = {level: ShownLevel(words, level, proven) for level, words, proven in (
+    (None, "not known", ""), (False, "open", OPEN), (True, "closed", ""),
+)}  # fmt: skip
 
 
 def switch_lanes(log: SwitchesLog | None, info: RunInfo, end_s: float) -> list[Lane]:
-    """Of those of which the run says what they prove, in the order of the actuators."""
-    if log is None or not log.rows:
+    """Of those of which the run says what they prove, in the order of the actuators, then the e-stop's.
+
+    What changed after ``end_s`` is left out.
+    """
+    rows = tuple(row for row in log.rows if row[0] <= end_s) if log is not None else ()
+    if log is None or not rows:
         return []
+    log = replace(log, rows=rows)
     named = [name for name in log.channels if name in info.switches]
     lanes = [_lane(log, name, info, end_s) for name in named[:_MOST]]
     if lanes:
         more = f" ({len(lanes)} of {len(named)})" if len(named) > len(lanes) else ""
         lanes[0].caption = f"switches{more}: the line is the level, the colour what it proves by itself"
+    if info.e_stop in log.channels:
+        levels = [_E_STOP[level] for level in log.levels(info.e_stop)]
+        stop = Lane("e-stop", "E-stop", segments_of(log.times_s, levels, end_s), bar_in=SWITCH_IN)
+        stop.caption = "" if lanes else "the line is the level: up while the e-stop is closed"
+        lanes.append(stop)
     return lanes
+
+
+def last_switched_s(log: SwitchesLog | None, info: RunInfo) -> float:
+    """When a level that has a lane changed for the last time, s; 0: never, or there is no lane."""
+    if log is None:
+        return 0.0
+    columns = [log.levels(name) for name in log.channels if name in info.switches or name == info.e_stop]
+    levels = list(zip(*columns, strict=True))
+    changes = (log.times_s[at] for at in range(len(levels) - 1, 0, -1) if levels[at] != levels[at - 1])
+    return next(changes, 0.0)
 
 
 def _lane(log: SwitchesLog, name: str, info: RunInfo, end_s: float) -> Lane:
