@@ -92,12 +92,32 @@ def _e_stop(description: Description) -> str:
 
 
 def _limits(description: Description, actuator: Actuator) -> dict[str, Any]:
+    measured = _measured(actuator)
     return {
         "channel": actuator.channel,
         "kind": actuator.kind,
         "attempts": actuator.attempts,
         **kind_of(actuator).limits(actuator, description.supply),
+        **({"measured": measured} if measured else {}),
     }
+
+
+_SIGNS = {"below": "<", "above": ">"}
+_WITHIN = ("≥", "≤")
+_NOT = {"<": "≥", ">": "≤", "≥": "<", "≤": ">"}
+
+
+def _measured(actuator: Actuator) -> list[dict[str, Any]]:
+    """The numbers that its conditions compare a quantity with that is no pressure, such as a distance."""
+    found = []
+    for leaf in actuator.evidence.leaves if actuator.evidence else ():
+        for index, (key, at) in enumerate(leaf.thresholds):
+            if key.endswith("_kpa"):
+                continue
+            sign = _SIGNS.get(key, _WITHIN[min(index, 1)])
+            sign = _NOT[sign] if leaf.path.count("not") % 2 else sign
+            found.append({"channel": leaf.channel, "proves": str(leaf.path[0]), "sign": sign, "at": at})
+    return found
 
 
 def product_version() -> str:

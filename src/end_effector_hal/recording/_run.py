@@ -44,7 +44,8 @@ class RunInfo:
         started: ISO 8601 time.
         actuators: name -> kind (``vacuum``, ``cylinder``).
         limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum
-            kPa below ambient, else gauge kPa); what is missing is not drawn.
+            kPa below ambient, else gauge kPa); ``measured``: with what its conditions compare a quantity that is no
+            pressure (``channel``, ``proves``, ``sign``, ``at``). What is missing is not drawn.
         switches: channel of a switch -> its ``actuator``, and what it proves ``on`` and ``off``, in a word
             (``confirmed``, ``gone``, ``empty``); a switch of no actuator is not there.
         e_stop: channel of the e-stop's input; empty: none is read, or not known. Without one it is not written.

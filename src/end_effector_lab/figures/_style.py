@@ -38,6 +38,13 @@ WATCHED = "#e4e3f2"
 BAND, BAND_INK = "#e6f3ed", "#1f7a55"
 THRESHOLDS = {"secure": (BAND_INK, (0, (1, 2))), "lost": ("#b8232f", (0, (5, 2, 1, 2)))}
 """What is drawn as a line: its colour and its dashes."""
+PROOFS = {
+    "confirmed": (BAND_INK, (0, (5, 2))),
+    "lost": THRESHOLDS["lost"],
+    "gone": (MUTED, (0, (1, 2))),
+    "empty": (MUTED, (0, (5, 2))),
+}
+"""The same of a quantity that is no pressure, by what a condition on it proves."""
 CURVES = ("#0072b2", "#d55e00", "#cc79a7", "#009e73", "#b08800", "#56b4e9")
 """Okabe and Ito's, its yellow darkened for lines on white."""
 

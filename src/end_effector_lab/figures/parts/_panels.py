@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -14,7 +15,7 @@ from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import BEGUN, AlarmRow, PressuresLog, RunInfo
 from end_effector_hal.vocabulary import display_name
 from end_effector_lab.figures._labels import height_of, width_of
-from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, SUPPLY, THRESHOLDS
+from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, PROOFS, SUPPLY, THRESHOLDS
 
 from ._beside import BESIDE_SIZE, write_beside
 
@@ -52,6 +53,18 @@ class Forecast:
 _LEAK = re.compile(r"Leak: (.+) falls by .* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
 
 
+class Compared(NamedTuple):
+    """What a condition compares a quantity with, in the unit of its panel."""
+
+    channel: str
+    proves: str
+    sign: str
+    at: float
+
+
+_MOST_COMPARED, _MOST_AT = 8, 1e6
+_COMPARED = ("<", ">", "≤", "≥")
+
 _SIGNS = {"secure": "≤≥", "lost": "><"}
 """Of a vacuum, and of a pressure above ambient."""
 
@@ -60,7 +73,8 @@ _SIGNS = {"secure": "≤≥", "lost": "><"}
 class Panel:
     """Curves that share an axis.
 
-    ``bands`` are what confirms, ``lines`` the other thresholds: gauge kPa, and whose.
+    ``bands`` are what confirms, ``lines`` the other thresholds: gauge kPa, and whose. ``compared``: those of another
+    quantity, instead of them.
     """
 
     title: str
@@ -69,6 +83,7 @@ class Panel:
     bands: dict[float, list[str]] = field(default_factory=dict)
     lines: dict[tuple[str, float], list[str]] = field(default_factory=dict)
     forecasts: list[Forecast] = field(default_factory=list)
+    compared: list[Compared] = field(default_factory=list)
 
     @property
     def height_in(self) -> float:
@@ -81,6 +96,7 @@ class Panel:
         values = [value for curve in self.curves for value in curve.kpa if not math.isnan(value)]
         values += [limit - 15 if self.below else limit * 1.12 for limit in self.bands]
         values += [limit - 5 if self.below else limit for _, limit in self.lines]
+        values += [each.at for each in self.compared]
         low, high = min(0.0, *values), max(0.0, *values)
         room = max(0.07 * (high - low), 1.0)
         return low - room, high + room
@@ -98,6 +114,10 @@ class Panel:
             alike = [each for each in self.lines if each[0] == word]
             text = f"{_named(whose, alike)}{word} {sign} {limit:g}".replace("-", "−")
             found.append((limit, text, THRESHOLDS[word][0]))
+        for each in self.compared:
+            name = f"{display_name(each.channel)}\n" if len(self.curves) > 1 else ""
+            text = f"{name}{each.proves} {each.sign} {each.at:g}".replace("-", "−")
+            found.append((each.at, text, PROOFS[each.proves][0]))
         return found
 
 
@@ -132,6 +152,7 @@ def panels_of(
             panel = others.setdefault(unit, Panel(f"measured\n[{unit}]", below=False))
             colour = CURVES[(len(actuators) + len(panel.curves)) % len(CURVES)]
             panel.curves.append(PanelCurve(display_name(channel), colour, *_broken(pressures.times_s, curve)))
+            panel.compared = (panel.compared + _compared(channel, info, actuators))[:_MOST_COMPARED]
             continue
         owner = _owner(channel, info, actuators)
         panel = below if _is_below_ambient(owner, values, info) else above
@@ -146,6 +167,21 @@ def panels_of(
                     panel.lines.setdefault((word, sign * limit), []).append(title)
             panel.forecasts += _forecasts(title, colour, sign, alarms)
     return [panel for panel in (below, above, *others.values()) if panel.curves]
+
+
+def _compared(channel: str, info: RunInfo, actuators: Sequence[str]) -> list[Compared]:
+    """Of all conditions on a channel, each once, as far as the run says it."""
+    said = [info.limits.get(name, {}).get("measured") for name in actuators]
+    listed = [each for some in said if isinstance(some, list) for each in some if isinstance(each, dict)]
+    found = [
+        Compared(channel, each["proves"], each["sign"], float(at))
+        for each in listed
+        if each.get("channel") == channel
+        and each.get("proves") in (*PROOFS,)
+        and each.get("sign") in _COMPARED
+        if isinstance(at := each.get("at"), int | float) and abs(at) <= _MOST_AT
+    ]
+    return list(dict.fromkeys(found))
 
 
 def _limit(info: RunInfo, actuator: str, word: str) -> float | None:
@@ -216,6 +252,9 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     for word, limit in panel.lines:
         colour, dashes = THRESHOLDS[word]
         axes.axhline(limit, color=colour, linestyle=dashes, linewidth=0.9, zorder=1, label=word)
+    for line in panel.compared:
+        colour, dashes = PROOFS[line.proves]
+        axes.axhline(line.at, color=colour, linestyle=dashes, linewidth=0.9, zorder=1, label=line.proves)
     for each in panel.forecasts:
         xs, ys = [each.start_s, each.lost_s], [each.start_kpa, each.lost_kpa]
         axes.plot(xs, ys, color=each.colour, linestyle=(0, (1, 1.5)), linewidth=1.3, label="forecast")
