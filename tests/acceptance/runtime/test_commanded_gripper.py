@@ -27,6 +27,7 @@ pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 TOOLS = Path(__file__).parents[3] / "examples" / "tools"
 READY_S = 30.0
 OPEN, CLOSE = (0x0900, 0, 0xFFFF), (0x0900, 0x00FF, 0xFFFF)
+EPICK_OFF = (0x0B00, 255, 0xFF28)
 
 
 class Cable:
@@ -52,11 +53,24 @@ class Cable:
                 self._pty.send(answer)
 
 
+def releasing(text: str) -> str:
+    """A description of one actuator, whose output is made inactive at a start."""
+    before, after = "    on_power_loss: release\n", "    endings: {power_up: release}\n"
+    assert before in text
+    return text.replace(before, before + after) + "\ninterlocks: {IL-09: false}\n"
+
+
 class Rig:
     """Cable and line arbiter; programs are started by the tests."""
 
-    def __init__(self, name: str, device: Gripper2F85 | SimulatedEPick, folder: Path) -> None:
-        tool = load_tool(TOOLS / name / "end_effector.yaml")
+    def __init__(
+        self, name: str, device: Gripper2F85 | SimulatedEPick, folder: Path, *, power_up: str = "hold"
+    ) -> None:
+        path = TOOLS / name / "end_effector.yaml"
+        if power_up == "release":
+            text, path = path.read_text("utf-8"), folder / "declared.yaml"
+            path.write_text(releasing(text), "utf-8")
+        tool = load_tool(path)
         self.cable, self.device = Cable(folder, device), device
         self.world = World(
             tool.with_virtual(folder / "chip", self.cable.port), "nominal", folder, own_wires=True
@@ -259,16 +273,22 @@ def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path:
         assert rig.device.written == []
 
 
-def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_and_not_told_again(
-    tmp_path: Path,
+@pytest.mark.parametrize(
+    ("power_up", "ends_in", "told"),
+    [("hold", EndEffectorState.GRIP_ERROR, []), ("release", EndEffectorState.STAND_BY, [EPICK_OFF])],
+)
+def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_or_withdrawn_as_declared(
+    power_up: str, ends_in: EndEffectorState, told: list[tuple[int, ...]], tmp_path: Path
 ) -> None:
-    with Rig("epick_commanded", SimulatedEPick(now_us()), tmp_path) as rig:
-        with rig.gripping() as tool:
-            told = len(rig.device.written)
+    """It still echoes the request: nothing else is written at the start, and no grip begins."""
+    with Rig("epick_commanded", SimulatedEPick(now_us()), tmp_path, power_up=power_up) as rig:
+        with rig.gripping():
+            before = len(rig.device.written)
             rig.kill_arbiter()
         heard = rig.device._heard_at
         wait_until("it has heard nothing for a second", lambda: now_us() - heard > 1_100_000)
         rig.arbiter_again()
         with rig.ready() as tool:
-            assert tool.status.ee == EndEffectorState.GRIP_ERROR
-            assert len(rig.device.written) == told
+            wait_until("the start is over", lambda: tool.status.ee == ends_in)
+            assert rig.device.written[before:] == told
+            assert not rig.device.holds

@@ -391,6 +391,29 @@ def test_a_device_that_hears_nothing_lets_go_and_the_loss_is_told(restarts: bool
     assert any(told in alarm for alarm in tool.status.alarms)
 
 
+@pytest.mark.parametrize(("who", "holds"), [("hal", False), ("arbiter", True)])
+def test_power_up_release_counts_for_a_start_of_a_program_alone_not_for_one_of_the_arbiter(
+    who: str, holds: bool, tmp_path: Path
+) -> None:
+    """`power_up: release` with `held.process_death: hold`; the arbiter is back before the device lets go."""
+    text = (ROOT / "examples/tools/epick_commanded/end_effector.yaml").read_text()
+    before = "    on_power_loss: release\n"
+    assert before in text
+    declared = text.replace(before, f"{before}    endings: {{power_up: release}}\n")
+    path = tmp_path / "end_effector.yaml"
+    path.write_text(f"{declared}\ninterlocks: {{IL-09: false}}\n")
+    tool = ready(load_tool(path))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    tool.kill(who)
+    tool.run(0.5)
+    assert tool.bench.devices["cup"].grips
+    tool.start(who)
+    tool.run(4.0)
+    assert tool.bench.devices["cup"].grips == holds
+    assert (tool.status.ee == GRIPPED) == holds
+
+
 @pytest.mark.parametrize("keeps", [True, False])
 def test_without_power_a_device_lets_go_or_keeps_what_it_holds(keeps: bool, tmp_path: Path) -> None:
     text = (ROOT / "examples/tools/epick_commanded/end_effector.yaml").read_text()
