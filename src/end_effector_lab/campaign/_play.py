@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.sensing import LOCKED, predicates_fitted
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from end_effector_lab.matrix import Monitors, is_still
 from end_effector_lab.testbench import TOOL_CHANGER
@@ -284,9 +283,10 @@ class _CaseRun:
             self._judge.objections.setdefault("usable", f"usable: {why} ({said})")
 
     @property
-    def _lock_can_be_proven(self) -> bool:
-        """Whether both bits of the tool changer are fitted: with one of them it is never LOCKED."""
-        return LOCKED in predicates_fitted(self._description, carrier_of(self._description))
+    def _lock_is_never_proven(self) -> bool:
+        """Whether one bit of the tool changer is fitted and the other is not: then it is never LOCKED."""
+        changer, carried = self._description.tool_changer, carrier_of(self._description).channels
+        return changer is not None and (changer.locked_bit in carried) != (changer.unlocked_bit in carried)
 
     def _not_usable(self, known_s: float) -> str:
         """Why it cannot be used, a clause; empty: it can. After ``known_s`` everybody knows that all is well."""
@@ -297,7 +297,7 @@ class _CaseRun:
         self._go(tool.at + round(known_s * 1e6))
         reset = self._reset()
         self._go(tool.at + 500_000)
-        if self._lock_can_be_proven and self._changer_wants_lock() and not self._locks():
+        if self._changer_wants_lock() and not self._lock_is_never_proven and not self._locks():
             return "it does not lock"
         for _ in range(2):
             if tool.status.ee == STAND_BY:
