@@ -266,7 +266,7 @@ def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path:
     rig = Rig("gripper_2f85", Gripper2F85(now_us()), tmp_path)
     rig.cable.cut = True
     with rig:
-        assert "modbus:9/0x03E8=1" in rig.world.arbiter.text()
+        wait_until("the levels are told", lambda: "modbus:9/0x03E8=1" in rig.world.arbiter.text())
         rig.cable.cut = False
         with ArbiterClient(rig.world.socket, "test") as observer:
             wait_until("it is known", lambda: observer.levels() == {"modbus:9/0x03E8": False})
