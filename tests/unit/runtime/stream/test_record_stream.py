@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import selectors
 import socket
 import threading
 import time
@@ -20,10 +21,11 @@ from end_effector_hal.runtime.stream import (
     MOST_WAITING,
     ProgramCommand,
     RecordStream,
+    StreamReaders,
 )
 from end_effector_hal.runtime.stream._readers import MOST_MESSAGES
 from end_effector_hal.runtime.stream._record_stream import MOST_COMMANDS, MOST_COMMANDS_OF_ALL
-from end_effector_hal.wires import now_us
+from end_effector_hal.wires import Acceptor, listen, now_us
 from tests.support.patience import wait_until
 
 pytestmark = pytest.mark.wall
@@ -291,3 +293,30 @@ def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixt
     stream.put([("frame", 0, {})])
     stream.close()
     assert "no page can show this program" in caplog.text
+
+
+def test_one_who_lost_his_place_is_passed_over_where_he_is_still_waited_for(tmp_path: Path) -> None:
+    """One look at all sockets may find a newcomer, and behind him what the one who gives way has sent."""
+    path = tmp_path / "socket"
+    acceptor = Acceptor(listen(path, None, whose="a test"), str(path), path)
+    with selectors.DefaultSelector() as selector:
+        readers = StreamReaders(selector)
+        clients = []
+        for _ in range(MOST_READERS + 1):
+            clients.append(socket.socket(socket.AF_UNIX))
+            clients[-1].connect(str(path))
+            before = list(readers)
+            readers.accept(acceptor)
+            if len(clients) == 1:
+                (slow,) = readers
+                readers.put(slow, b"x" * (MOST_BYTES // 2))
+        assert slow in before
+        assert slow not in list(readers)
+        readers.send(slow)
+        readers.put(slow, b"more")
+        assert slow.receive() == ([], False)
+        for reader in readers:
+            readers.drop(reader)
+        for client in clients:
+            client.close()
+    acceptor.close()
