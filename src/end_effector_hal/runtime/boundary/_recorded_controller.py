@@ -8,7 +8,7 @@ from typing import Any
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.stream import Entry
-from end_effector_hal.sensing import FrameJudge, SensorSet
+from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
@@ -34,17 +34,13 @@ class RecordedController:
         self._controller = Controller(description, network, program, observe=self._observed, judge=judge)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
+        self.senses = self._controller.senses
         self.snapshot, self.resume = self._controller.snapshot, self._controller.resume
 
     @property
     def deadline(self) -> int | None:
         """µs of the next thing that happens by itself, or None."""
         return self._controller.deadline
-
-    @property
-    def senses(self) -> SensorSet:
-        """See `Controller.senses`."""
-        return self._controller.senses
 
     @property
     def discrete_state(self) -> object:

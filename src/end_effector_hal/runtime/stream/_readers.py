@@ -100,9 +100,10 @@ class StreamReaders:
         return len(self._open)
 
     def accept(self, acceptor: Acceptor) -> None:
-        """Accept one who waits, in the place of the one who is furthest behind if all are taken.
+        """Accept a client that waits.
 
-        Nobody who reads loses his place: where all keep up, who is too many is closed at once.
+        Where all places are taken, it gets that of the reader that is furthest behind; where all of them keep up, it is
+        closed at once.
         """
         if (sock := acceptor.accept()) is None:
             return
