@@ -7,18 +7,20 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from heapq import heappop, heappush
-from itertools import count
-from operator import le
+from itertools import compress, count
+from operator import attrgetter, le, not_
 
 from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
 from timed_automata.explore.search._search_node import SearchNode
 from timed_automata.explore.search._stages import Stage, Stages
 from timed_automata.explore.states import Action, Form, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import Zone
+from timed_automata.explore.zones import Zone, guard_bits, packed
 
 Progress = Callable[[int], None]
 EVERY = 1000  # states between two words on progress
+MANY = 24  # zones of a discrete state: from here on it pays to pack each into one integer
+_packed = attrgetter("packed")
 _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
 
 
@@ -49,7 +51,7 @@ class Search:
     overtaken by a larger one is not expanded: sound for reachability.
 
     Args:
-        space: whose equal zones are one object: what was found out about two of them is kept.
+        space: whose equal zones are one object.
         progress: called with the number of states now and then.
     """
 
@@ -57,7 +59,6 @@ class Search:
         self.space, self._progress = space, progress
         self.states = 0
         self._waiting: deque[SearchNode] = deque()
-        self._inside: dict[Zone, dict[Zone, bool]] = {}
 
     def nodes(self) -> Iterator[SearchNode]:
         """Each symbolic state as it is found.
@@ -84,7 +85,7 @@ class Search:
                     continue
                 if move.error is not None:
                     raise OutOfRangeError(move.error, [*node.legs, Leg(move)])
-                if not target.passed or not self._covered(after, target.passed):
+                if not target.passed or not _covered(after, target.passed):
                     yield self._found(target, after, node, move.action)
 
     # The order of the search
@@ -112,31 +113,35 @@ class Search:
         return node
 
     def _overtake(self, node: SearchNode) -> None:
-        only, kept = [node], []
-        for other in node.record.passed:
-            if self._covered(other.zone, only):
+        passed = node.record.passed
+        inside = list(_inside(node))
+        if True in inside:
+            for other in compress(passed, inside):
                 other.covered = True
-            else:
-                kept.append(other)
-        kept.append(node)
-        node.record.passed = kept
+            passed = list(compress(passed, map(not_, inside)))
+        node.record.passed = [*passed, node]
 
-    def _covered(self, zone: Zone, others: Sequence[SearchNode]) -> bool:
-        """Whether a zone lies inside that of a node."""
-        for other in others:
-            if other.zone is zone:
-                return True
-        inside = self._inside.get(zone)
-        if inside is None:
-            inside = self._inside[zone] = {}
-        for other in others:
-            outer = other.zone
-            within = inside.get(outer)
-            if within is None:
-                within = inside[outer] = all(map(le, zone, outer))
-            if within:
-                return True
-        return False
+
+def _covered(zone: Zone, others: Sequence[SearchNode]) -> bool:
+    """Whether a zone lies inside that of a node."""
+    for other in others:
+        if other.zone is zone:
+            return True
+    if len(others) < MANY:
+        return any(all(map(le, zone, other.zone)) for other in others)
+    guards = guard_bits(len(zone))
+    differences = map((guards - packed(zone)).__add__, map(_packed, others))
+    return guards in map(guards.__and__, differences)  # the loop is in C: this is most of a large search
+
+
+def _inside(node: SearchNode) -> Iterator[bool]:
+    """Whether the zone of each node with the same discrete state lies inside that of this one."""
+    zone, others = node.zone, node.record.passed
+    if len(others) < MANY:
+        return (all(map(le, other.zone, zone)) for other in others)
+    guards = guard_bits(len(zone))
+    differences = map((guards + node.packed).__sub__, map(_packed, others))
+    return map(guards.__eq__, map(guards.__and__, differences))
 
 
 class WidestFirst(Search):

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from timed_automata.explore.search._concrete import Leg
 from timed_automata.explore.states import Action, Move, StateRecord
-from timed_automata.explore.zones import Zone
+from timed_automata.explore.zones import Zone, packed
 
 
 class SearchNode:
     """A symbolic state that was reached, and how."""
 
-    __slots__ = ("action", "covered", "parent", "record", "zone")
+    __slots__ = ("action", "_packed", "covered", "parent", "record", "zone")
 
     def __init__(
         self, record: StateRecord, zone: Zone, parent: SearchNode | None, action: Action | None
     ) -> None:
         self.record, self.zone, self.parent, self.action = record, zone, parent, action
-        self.covered = False
+        self.covered, self._packed = False, 0
+
+    @property
+    def packed(self) -> int:
+        """The zone as one integer, made when it is first asked for."""
+        if not self._packed:
+            self._packed = packed(self.zone)
+        return self._packed
 
     @property
     def move(self) -> Move | None:

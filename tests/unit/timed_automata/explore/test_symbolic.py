@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 from tests.unit.timed_automata.explore.classics import fischer
-from timed_automata.explore.search import Search
+from tests.unit.timed_automata.explore.models import Template, network
+from timed_automata.explore.search import Search, SearchNode
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
-from timed_automata.explore.zones import Limits, UniqueZones
+from timed_automata.explore.zones import Limits, UniqueZones, included
 from timed_automata.explore.zones._zone import INFINITY, at_most, below
 
 
@@ -34,3 +37,23 @@ def test_zones_with_one_hash_stay_apart() -> None:
     assert [tuple(zone) for zone in found] == [least, more, least, more]
     assert found[0] is found[2] is not found[1] is found[3]
     assert len(unique) == 2
+
+
+def test_many_zones_of_one_discrete_state_take_memory_for_themselves_only() -> None:
+    """Pairs that were compared are not remembered: that would take 12 kB for each state here."""
+    resets = [f"a -> a; guard: x{i} >= {1 + i}; do: x{i} = 0" for i in range(4)]
+    invariant = " && ".join(f"x{i} <= {2 + i}" for i in range(4))
+    model = network("clock x0, x1, x2, x3;", Template("P", resets, invariants={"a": invariant}))
+    tracemalloc.start()
+    search = Search(SymbolicSpace(DiscreteSpace(model), Limits(model)))
+    states = sum(1 for _ in search.nodes())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    left = search.space.initial()[0].passed
+    assert states > 400
+    assert not any(_inside(one, other) for one in left for other in left if one is not other)
+    assert peak < 4_000 * states, peak / states
+
+
+def _inside(one: SearchNode, other: SearchNode) -> bool:
+    return included(one.zone, other.zone)

@@ -22,7 +22,7 @@ from tests.unit.timed_automata.explore.valuations import (
 )
 from timed_automata.explore.states._plan import Plan, Rearrangement
 from timed_automata.explore.zones import _zone
-from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, at_most, below, negated
+from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, LARGEST, at_most, below, negated
 
 
 def test_bounds_are_ordered_by_tightness_and_add_up() -> None:
@@ -55,6 +55,17 @@ def test_the_incremental_closure_is_the_whole_one(data: st.DataObject, n: int) -
 def test_intersection_and_inclusion(left: _zone.Zone, right: _zone.Zone) -> None:
     assert members(_zone.intersection(left, right, 3)) == members(left) & members(right)
     assert _zone.included(left, right) == (members(left) <= members(right))
+
+
+@given(st.data(), st.integers(1, 5))
+def test_one_subtraction_of_packed_zones_says_whether_one_lies_inside_the_other(
+    data: st.DataObject, n: int
+) -> None:
+    bound = st.sampled_from((-2 * LARGEST, -1, 0, 1, 2, 2 * LARGEST + 1, INFINITY))
+    inner, outer = (tuple(data.draw(st.lists(bound, min_size=n * n, max_size=n * n))) for _ in range(2))
+    guards = _zone.guard_bits(n * n)
+    differences = _zone.packed(outer) + guards - _zone.packed(inner)
+    assert (differences & guards == guards) == _zone.included(inner, outer)
 
 
 def later(v: Valuation, time: int) -> Valuation:
