@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from timed_automata.network import Edge, Network
+from timed_automata.network import Network
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,18 +32,18 @@ def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
     groups: dict[str, list[int]] = {}
     for number, channel in enumerate(network.channels):
         groups.setdefault(channel.name.partition("[")[0], []).append(number)
-    sides = [
-        (edge.direction, network.processes[edge.process].template, set(edge.channels))
-        for edge in _edges(network)
-    ]
+    used: dict[str, dict[str, set[int]]] = {"!": {}, "?": {}}  # by direction and template
+    for process in network.processes:
+        for edge in process.edges:
+            if edge.channel is not None:
+                used[edge.direction].setdefault(process.template, set()).update(edge.channels)
 
     def templates(numbers: list[int], direction: str) -> tuple[str, ...]:
-        found = [name for side, name, channels in sides if side == direction and channels & set(numbers)]
-        return tuple(dict.fromkeys(found))
+        return tuple(name for name, found in used[direction].items() if not found.isdisjoint(numbers))
 
     def missing(numbers: list[int], direction: str) -> tuple[str, ...]:
-        used = {n for side, _, channels in sides if side == direction for n in channels}
-        return tuple(network.channels[n].name for n in numbers if n not in used)
+        found = set().union(*used[direction].values())
+        return tuple(network.channels[n].name for n in numbers if n not in found)
 
     return tuple(
         ChannelEnds(
@@ -57,7 +57,3 @@ def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
         )
         for name, numbers in groups.items()
     )
-
-
-def _edges(network: Network) -> list[Edge]:
-    return [edge for process in network.processes for edge in process.edges]

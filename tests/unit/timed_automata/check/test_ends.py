@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 from end_effector_hal.description import profile_path
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import load_network
@@ -29,6 +31,19 @@ def test_both_ends_are_told_by_template():
     assert (b.unsent, b.unreceived) == (("b[2]",), ())
     assert (u.name, u.broadcast, u.urgent, u.senders, u.receivers) == ("u", False, True, ("P",), ("Q",))
     assert (unused.senders, unused.receivers, unused.unsent) == ((), (), ("unused",))
+
+
+def test_many_edges_that_may_use_any_of_many_channels_take_little_memory():
+    edge = "a -> a; select: i : int[0,63]; sync: call[x][y]"
+    model = network(
+        "chan call[64][64]; int[0,63] x, y;", Template("P", [f"{edge}!"]), Template("Q", [f"{edge}?"])
+    )
+    tracemalloc.start()
+    (call,) = channel_ends(model)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (call.senders, call.receivers, call.unsent, call.unreceived) == (("P",), ("Q",), (), ())
+    assert peak < 5_000_000
 
 
 def test_every_channel_of_the_shipped_model_has_both_ends():
