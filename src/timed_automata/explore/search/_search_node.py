@@ -10,7 +10,7 @@ from timed_automata.explore.zones import Zone, packed
 class SearchNode:
     """A symbolic state that was reached, and how."""
 
-    __slots__ = ("action", "_packed", "covered", "parent", "record", "zone")
+    __slots__ = ("_packed", "action", "covered", "parent", "record", "zone")
 
     def __init__(
         self, record: StateRecord, zone: Zone, parent: SearchNode | None, action: Action | None
