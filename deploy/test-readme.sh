@@ -1,7 +1,8 @@
 #!/bin/bash
 # Runs the README's block of shell commands word for word, as somebody who reads nothing else: in a clone of what is
 # committed here, with a home folder of its own, nothing of this checkout or of ROS in the environment. Only the address
-# of the repository is put in. The caches of pip and uv are those of this user: what is known is not fetched again.
+# of the repository is put in, and `make test` is left out: CI runs it as a stage of its own. The caches of pip and uv
+# are those of this user: what is known is not fetched again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 top=$PWD
@@ -18,6 +19,8 @@ export HOME=$work/home PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/s
 unset PYTHONPATH VIRTUAL_ENV LD_LIBRARY_PATH ROS_DISTRO ROS_VERSION ROS_PACKAGE_PATH
 mkdir "$HOME"
 cd "$work"
+grep -q '^make test ' <<<"$block" || fail "The README does not say how its tests are run: make test."
+block=$(grep -v '^make test ' <<<"$block")
 printf '%s\n' "${block/git clone URL /git clone -q "$top" }" >readme.sh
 bash -euxo pipefail readme.sh
 

@@ -35,8 +35,8 @@ CALLED = [
 ]
 STAND_IN = """#!/bin/sh
 echo "$1" >>called
-case "$1 $2" in
-    "test WALL="*/.ci/once-more*) printf 'tests/a.py::b\\nit was late\\n' >>"${2##* }" ;;
+case "$* $WALL" in
+    "test "*/.ci/once-more*) printf 'tests/a.py::b\\nit was late\\n' >>"${WALL##* }" ;;
 esac
 [ "$1" != "$FAILING" ]
 """
@@ -88,6 +88,14 @@ def test_ci_leaves_nothing_out_and_ends_with_what_was_run_once_more(tmp_path: Pa
     assert (tmp_path / "called").read_text().split() == CALLED[: CALLED.index(failing or CALLED[-1]) + 1]
     assert done.returncode == bool(failing), done.stderr
     assert done.stdout.endswith("\ntests/a.py::b\nit was late\n") is (failing not in ("check", "test-dist"))
+
+
+def test_ci_runs_the_command_that_the_readme_names_for_the_tests() -> None:
+    """`make test-readme` runs the others."""
+    block = (ROOT / "README.md").read_text(encoding="utf-8").partition("```sh\n")[2].partition("```")[0]
+    commands = [line.partition("#")[0].strip() for line in block.splitlines()]
+    assert "make test" in commands
+    assert "stage make test\n" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
 def once_more(
