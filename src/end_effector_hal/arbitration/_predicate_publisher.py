@@ -117,7 +117,7 @@ class PredicatePublisher:
     def close(self) -> None:
         """Send nothing any more; the sender ends with it."""
         self._ended.set()
-        if self._thread:
+        if self._thread and self._thread.ident is not None:
             self._thread.join()
         with self._lock:
             self._sender.close()

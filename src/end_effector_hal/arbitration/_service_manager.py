@@ -59,7 +59,7 @@ class ServiceManager(Closing):
     def close(self) -> None:
         """Stop the notifications."""
         self._end.set()
-        if self._thread:
+        if self._thread and self._thread.ident is not None:
             self._thread.join()
 
     def _run(self, alive: Callable[[], object]) -> None:

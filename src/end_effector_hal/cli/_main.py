@@ -65,6 +65,9 @@ _JUDGING = (
 )  # fmt: skip
 """Commands that end by themselves, and whose exit code says what they found."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+_NO_THREAD = "can't start new thread"
+"""What Python says then."""
+_LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _ROOMS = {
     **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
     **dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded"),
@@ -137,8 +140,9 @@ def eehal() -> None:
 
 def main() -> None:
     """Entry point; every expected error is one sentence on stderr, or with ``--json`` an object on stdout."""
+    _open_closed_streams()
     stdout = sys.stdout
-    if stdout is not None and any(each in _JUDGING for each in sys.argv[1:2]):
+    if any(each in _JUDGING for each in sys.argv[1:2]):
         sys.stdout = _Pipe(stdout)
         # all of it goes with the process: to look for what nothing refers to takes a tenth of a second
         atexit.register(gc.freeze)
@@ -153,6 +157,15 @@ def main() -> None:
         sys.exit(UsageError.exit_code)
     finally:
         sys.stdout = stdout
+
+
+def _open_closed_streams() -> None:
+    """A standard stream that is closed becomes an empty one: no file that is opened later gets its number."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            os.set_inheritable(nowhere, nowhere == number)  # what this process starts has its streams as well
+            setattr(sys, name, open(nowhere, "r" if number == 0 else "w", closefd=False))  # noqa: SIM115 it is there until the end
 
 
 class _Pipe:
@@ -210,6 +223,13 @@ def _main() -> None:
             raise
         _report(missing)
         sys.exit(missing.exit_code)
+    except (MemoryError, RuntimeError) as error:
+        if not isinstance(error, MemoryError) and str(error) != _NO_THREAD:
+            raise
+        what = "memory" if isinstance(error, MemoryError) else "thread"
+        lacking = ReportedError(f"The system gives this program no more {what}.", todo=_LIMITS)
+        _report(lacking)
+        sys.exit(lacking.exit_code)
     except BrokenPipeError:
         # the reader of our output has gone; there is nobody to tell
         sys.stderr.close()

@@ -51,6 +51,9 @@ class NodeGroup:
         self.parameters, self.description = dict(parameters or {}), description
         self.executor = SingleThreadedExecutor(context=process.context)
         self.workers = ThreadPoolExecutor(WORKERS, thread_name_prefix="service")
+        together = threading.Barrier(WORKERS, timeout=LONGEST_END_S)
+        for _ in range(WORKERS):  # all threads are started now: a call needs no new one
+            self.workers.submit(together.wait)
         self.bus = LocalBus(frozenset(names), _log)
         self.frames = SharedFrames()
         self._closing = self._closed = False

@@ -172,16 +172,13 @@ def test_no_line_has_a_time_before_that_of_the_line_above(
 
 
 @pytest.mark.parametrize("as_json", [False, True])
-def test_a_reader_who_has_gone_worries_nobody(
-    as_json: bool, description: Description, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_reader_who_has_gone_worries_nobody(as_json: bool, description: Description) -> None:
     """As behind `| head -1`, or a terminal that was closed: the tool goes on, and no listener of it has failed."""
 
     def broken(*_: object, **__: object) -> None:
         raise BrokenPipeError
 
-    monkeypatch.setattr("end_effector_hal.cli.run._voices.print_line", broken)
-    voice = JsonLines() if as_json else Words(broken)
+    voice = JsonLines(write=broken) if as_json else Words(broken)
     tool = VirtualTool(description)
     Changes(description, voice).status(tool.status)
     voice.alarm(0, "A text.", over=False)

@@ -89,7 +89,7 @@ def command(
     from end_effector_hal.wires import be_steady, now_us
 
     from ._causes import Causes
-    from ._session import Prompt, RunSession
+    from ._session import CommandThread, Prompt, RunSession
     from ._simulation import simulated
     from ._voices import Changes, JsonLines, Words
 
@@ -104,7 +104,8 @@ def command(
     begun, succeeded = now_us(), True
     terminal = sys.stdout.isatty() and not as_json
     prompt = Prompt(shown=sys.stdin.isatty() and not as_json)
-    voice = JsonLines(begun) if as_json else Words(prompt.write, timed=terminal, begun=begun)
+    thread = CommandThread()
+    voice = JsonLines(begun, prompt.write) if as_json else Words(prompt.write, timed=terminal, begun=begun)
     interactive = orders is None and prompt.shown
     commands = iter(prompt.commands(voice.error) if orders is None else orders)
     if record is not None:
@@ -150,7 +151,7 @@ def command(
             except NotReadyError as error:
                 voice.error(error)  # what is held can be dropped all the same
             reload = partial(_reload, description, tool, simulate=simulate, recorded=record is not None)
-            session = RunSession(tool, voice, changes, choose, reload)
+            session = RunSession(tool, voice, changes, choose, reload, thread, prompt.end)
             succeeded = session.play(commands, interactive=interactive) and succeeded
             reloads = session.reloads
     sys.exit(0 if succeeded else 1)

@@ -2,25 +2,42 @@
 
 from __future__ import annotations
 
+import math
 import os
+import select
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
+from queue import Empty, SimpleQueue
 
 import click
 
 from end_effector_hal.control import Answer, ending_in_words
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.runtime import WORDS, EndEffector, ScriptCommand, read_command
+from end_effector_hal.runtime import (
+    WORDS,
+    EndEffector,
+    Result,
+    RunningGoal,
+    ScriptCommand,
+    error_text,
+    read_command,
+)  # fmt: skip
 from end_effector_hal.vocabulary import Command
 
 from ._voices import SCENARIO, Changes, Voice
 
 PROMPT = "> "
 MOST_REMEMBERED = 1_000
+LOOK_S = 0.02
+"""How often a running command is looked at."""
+END_S, LAST_LINES_S = 5.0, 0.5
+"""Longest waits of the end: for the ends of commands, and for who reads the output."""
 AT_ONCE = (Command.CANCEL, Command.QUIT)
 HELP = """\
 lock, unlock     the tool changer; arm: allows an unlock where no sensor shows the tool's stand
@@ -37,6 +54,27 @@ quit             leaves; what is held stays held
 Arrow keys and Ctrl-R search earlier commands, Tab completes. Ctrl-C ends as the description declares (`endings`)."""
 
 
+class CommandThread:
+    """Runs steps of commands side by side in one thread, made at the start, which survives what a step raises."""
+
+    def __init__(self) -> None:
+        self._given: SimpleQueue[Iterator[None]] = SimpleQueue()
+        self.give = self._given.put
+        thread = threading.Thread(target=self._run, name="commands", daemon=True)
+        thread.start()
+        self.alive = thread.is_alive
+
+    def _run(self) -> None:
+        running: list[Iterator[None]] = []
+        while True:
+            try:
+                with suppress(Empty):
+                    running.append(self._given.get(timeout=LOOK_S if running else None))
+                running = [steps for steps in running if next(steps, self) is not self]
+            except Exception:  # noqa: BLE001 without memory, nearly anything
+                time.sleep(LOOK_S)
+
+
 class RunSession:
     """Gives commands to a tool and says how they ended.
 
@@ -46,6 +84,8 @@ class RunSession:
         changes: has told the states that came before.
         choose: has another scenario at the testbench, or raises UsageError.
         reload: whether the description can be taken over as it is in the file now.
+        commands: the thread that gives commands.
+        ending: called when the program ends.
 
     Attributes:
         reloads: it has ended because another description is taken over; the orders that are left follow then.
@@ -58,11 +98,14 @@ class RunSession:
         changes: Changes,
         choose: Callable[[str], None],
         reload: Callable[[], Answer],
+        commands: CommandThread,
+        ending: Callable[[], None],
     ) -> None:
         self._choose, self._reload = choose, reload
+        self._commands, self._ending = commands, ending
         self.reloads = False
         self._tool, self._voice, self._changes = tool, voice, changes
-        self._running: list[threading.Thread] = []
+        self._running: list[threading.Event] = []
         self._succeeded = True
 
     def play(self, orders: Iterable[ScriptCommand], *, interactive: bool = False) -> bool:
@@ -74,24 +117,29 @@ class RunSession:
         """
         try:
             for order in orders:
-                if (
-                    interactive
-                    and order.command not in AT_ONCE
-                    and not (order.show or order.output or order.scenario or order.stop)
-                ):
-                    self._finish()
                 if order.command is Command.QUIT:
                     break
-                self._carry_out(order, wait=not (order.background or interactive))
+                try:
+                    if (
+                        interactive
+                        and order.command not in AT_ONCE
+                        and not (order.show or order.output or order.scenario or order.stop)
+                    ):
+                        self._finish()
+                    self._carry_out(order, wait=not (order.background or interactive))
+                except Exception as error:  # noqa: BLE001 no memory, no thread: nothing ends while a part is held
+                    self._failed(order.command, error)
                 if self.reloads:
                     break
             self._finish()
         finally:  # Ctrl-C and SIGTERM as well: each command gets its end, in words
+            if not self.reloads:
+                self._ending()
             said = ending_in_words(self._tool.description, self._tool.status, on="sigterm")
-            if said and not any(thread.is_alive() for thread in self._running):  # else its end says so
+            if said and all(ended.is_set() for ended in self._running):  # else its end says so
                 self._voice.ending(said)
             self._tool.close()
-            self._finish()
+            self._finish(time.monotonic() + END_S)
         return self._succeeded
 
     def _carry_out(self, order: ScriptCommand, *, wait: bool) -> None:
@@ -118,11 +166,11 @@ class RunSession:
             time.sleep(order.wait_s)
         else:
             # not in this thread: a signal must not interrupt the program of the tool in the middle of a step
-            thread = threading.Thread(target=self._run, args=(order.command,), daemon=True)
-            thread.start()
-            self._running.append(thread)
+            ended = threading.Event()
+            self._running.append(ended)
+            self._commands.give(self._run(order.command, ended))
             if wait:
-                thread.join()
+                self._wait(ended)
 
     def _switched(self, order: ScriptCommand) -> Answer:
         try:
@@ -137,24 +185,46 @@ class RunSession:
             return Answer(False, str(error))
         return Answer(True, scenario)
 
-    def _finish(self) -> None:
-        for thread in self._running:
-            thread.join()
+    def _finish(self, until_s: float = math.inf) -> None:
+        """Wait for the ends of all commands, until ``until_s`` on the monotonic clock at the latest."""
+        for ended in self._running:
+            self._wait(ended, until_s)
         self._running.clear()
+
+    def _wait(self, ended: threading.Event, until_s: float = math.inf) -> None:
+        while not ended.wait(min(1.0, max(0.0, until_s - time.monotonic()))) and time.monotonic() < until_s:
+            if not self._commands.alive():
+                why = "The thread of commands has ended: start this program again. `stop` still works."
+                self._answered("COMMAND", Answer(False, why, decided=False))
+                return
 
     def _answered(self, name: str, answer: Answer) -> None:
         self._succeeded = self._succeeded and answer.accepted
         self._voice.answer(name, answer)
 
-    def _run(self, command: Command) -> None:
-        if command is Command.CANCEL:
-            self._answered(command.name, self._tool.cancel())
-            return
-        result = self._tool.begin(command).wait()
-        self._succeeded = self._succeeded and result.succeeded
-        if result.outcome is not Outcome.UNREACHABLE:
-            self._changes.catch_up(self._tool.status)
-        self._voice.result(command, result)
+    def _failed(self, command: Command | None, error: Exception) -> None:
+        why = f"It was not carried out to its end: {error_text(error)}. `status` shows the state."
+        self._answered(command.name if command is not None else "COMMAND", Answer(False, why, decided=False))
+
+    def _run(self, command: Command, ended: threading.Event) -> Iterator[None]:
+        try:
+            if command is Command.CANCEL:
+                self._answered(command.name, self._tool.cancel())
+                return
+            result: Result | RunningGoal = self._tool.begin(command)
+            while isinstance(result, RunningGoal):
+                try:
+                    result = result.wait(0.0)
+                except TimeoutError:
+                    yield
+            self._succeeded = self._succeeded and result.succeeded
+            if result.outcome is not Outcome.UNREACHABLE:
+                self._changes.catch_up(self._tool.status)
+            self._voice.result(command, result)
+        except Exception as error:  # noqa: BLE001 no memory, perhaps: the next command may succeed
+            self._failed(command, error)
+        finally:
+            ended.set()
 
 
 class Prompt:
@@ -166,26 +236,49 @@ class Prompt:
 
     def __init__(self, *, shown: bool) -> None:
         self.shown = shown
-        self._lock, self._reading = threading.Lock(), False
+        self._reading, self._until_s = False, math.inf
         self._typed: Callable[[], str] = str
 
+    def end(self) -> None:
+        """The program ends: from now on nothing waits for more than half a second until somebody reads the output."""
+        self._until_s = time.monotonic() + LAST_LINES_S
+
     def write(self, text: str, *, err: bool = False) -> None:
-        """Print a line; while somebody types, above what is typed."""
-        with self._lock:
-            if self._reading:
-                text = f"\r\x1b[K{text}\n{PROMPT}{self._typed()}"
-            click.echo(text, err=err, nl=not self._reading)
+        """Print a line, in one thread at a time; while somebody types, above what is typed. Raises OSError."""
+        end = "\n"
+        if self._reading:
+            text, end = f"\r\x1b[K{text}\n{PROMPT}{self._typed()}", ""
+        stream = sys.stderr if err else sys.stdout
+        left = ((text if stream.isatty() else click.unstyle(text)) + end).encode(stream.encoding, "replace")
+        number = stream.fileno()
+        # without a buffer: the end of the interpreter would wait for what is in it
+        while left:
+            while not select.select([], [number], [], LAST_LINES_S / 5)[1]:
+                if time.monotonic() > self._until_s:
+                    raise TimeoutError("nobody reads the output")
+            left = left[os.write(number, left[: select.PIPE_BUF]) :]
 
     def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:
         """Each command that is typed, until the end of the input."""
         if self.shown:
             self._with_history()
-        while (text := self._line()) is not None:
+        if isinstance(sys.stdin, TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")  # what is no text is an unknown command
+        read = False
+        while True:
             try:
+                if (text := self._line()) is None:
+                    break
+                read = True
                 if text:
                     yield read_command(text)
             except UsageError as error:
                 refuse(error)
+            except MemoryError:
+                refuse(UsageError("A command could not be read: there is not enough memory."))
+                time.sleep(1.0)
+        if not read and not self.shown:
+            refuse(UsageError("Standard input has ended before a command came. See also --script."))
 
     def _line(self) -> str | None:
         try:
@@ -194,8 +287,7 @@ class Prompt:
         except (EOFError, OSError):  # the terminal has gone
             return None
         finally:
-            with self._lock:
-                self._reading = False
+            self._reading = False
 
     def _with_history(self) -> None:
         try:

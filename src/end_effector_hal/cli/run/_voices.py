@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import click
 
-from end_effector_hal.cli._json_output import print_line
+from end_effector_hal.cli._json_output import json_text
 from end_effector_hal.control import Answer, Status, StatusLines, alarm_changes, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
@@ -37,7 +37,7 @@ def outlives(write: Callable[..., None]) -> Callable[..., None]:
     """What prints, and raises nothing: who reads it, or the terminal, may go, and no tool ends or is worse for it."""
 
     def written(*args: Any, **options: Any) -> None:
-        with suppress(OSError):
+        with suppress(OSError, MemoryError):
             write(*args, **options)
 
     return written
@@ -186,8 +186,8 @@ class Words:
 class JsonLines:
     """An object a line on stdout; ``event`` says what it is, ``at_s`` when: seconds since the start."""
 
-    def __init__(self, begun: int | None = None) -> None:
-        self._clock = _Clock(begun)
+    def __init__(self, begun: int | None = None, write: Callable[..., None] = click.echo) -> None:
+        self._write, self._clock = write, _Clock(begun)
 
     def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
         """The same labels."""
@@ -254,7 +254,7 @@ class JsonLines:
 
     def _print(self, event: str, at: int | None, **content: Any) -> None:
         with self._clock as clock:
-            outlives(print_line)(event=event, at_s=round(clock.seconds(at), 6), **content)
+            outlives(self._write)(json_text({"event": event, "at_s": round(clock.seconds(at), 6), **content}))
 
 
 Voice = Words | JsonLines

@@ -52,7 +52,8 @@ class ProcessEnd:
         if self._failed is not None:
             return False
         self._failed = error
-        threading.Thread(target=self._leave_by_force, args=(error,), daemon=True).start()
+        with suppress(RuntimeError):  # no thread
+            threading.Thread(target=self._leave_by_force, args=(error,), daemon=True).start()
         return True
 
     def wait(self) -> int:

@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+from contextlib import suppress
 from types import FrameType
 
 from end_effector_hal.errors import UsageError
@@ -114,7 +115,8 @@ class Supervisor:
         if wait and not order.background:
             self._goals.wait(goal)
         else:
-            threading.Thread(target=self._goals.wait, args=(goal,), daemon=True).start()
+            with suppress(RuntimeError):  # without a thread only a HALMain that is silent is not reported
+                threading.Thread(target=self._goals.wait, args=(goal,), daemon=True).start()
         return True
 
     def _call(self, word: str, service: Service) -> str:

@@ -96,9 +96,15 @@ class RecordStream:
             return
         self._wake.setblocking(False)
         self._command, self._alive, self._nudge = command, alive, nudge
-        for name, run in (("stream", self._run), ("stream commands", self._ask)):
-            self._threads.append(threading.Thread(target=run, name=name, daemon=True))
-            self._threads[-1].start()
+        try:
+            for name, run in (("stream commands", self._ask), ("stream", self._run)):
+                thread = threading.Thread(target=run, name=name, daemon=True)
+                thread.start()
+                self._threads.append(thread)
+        except RuntimeError as error:  # the system gives no thread
+            _log.warning("no page can show this program: %s", error)
+            self._acceptor.close()
+            self.close()
 
     def put(self, batch: Sequence[Entry]) -> None:
         """Have records sent; returns at once."""

@@ -167,7 +167,8 @@ class BusLines:
             self._cycle.clear()
         self._ended = True
         os.write(self._wake, b"x")
-        thread.join(CLOSE_S)
+        if thread.ident is not None:
+            thread.join(CLOSE_S)
         self._relay.close()
         for end in (self._wake, self._news, self._news_read):
             os.close(end)

@@ -142,7 +142,7 @@ class InputsReader:
         if thread is None:
             return
         os.close(self._wake)
-        if thread is threading.current_thread():
+        if thread is threading.current_thread() or thread.ident is None:  # it could not be started
             return
         thread.join(CLOSE_S)
         if thread.is_alive():

@@ -83,7 +83,7 @@ class RelayedInputs:
             return
         self._ended.set()
         os.close(self._wake)
-        if thread is not threading.current_thread():
+        if thread is not threading.current_thread() and thread.ident is not None:
             thread.join(CLOSE_S)
 
     @property

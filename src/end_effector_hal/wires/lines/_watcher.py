@@ -70,7 +70,7 @@ class ChipWatcher:
         if thread is None:
             return
         os.write(self._wake, b"x")
-        if thread is not threading.current_thread():
+        if thread is not threading.current_thread() and thread.ident is not None:
             thread.join()
 
     def __enter__(self) -> ChipWatcher:

@@ -146,7 +146,7 @@ class LinkReader:
         if thread is None:
             return
         os.close(self._wake)  # wakes the thread, which may have seen its end already and closes the other end
-        if thread is threading.current_thread():
+        if thread is threading.current_thread() or thread.ident is None:  # it could not be started
             return
         thread.join(CLOSE_S)
         if thread.is_alive():
