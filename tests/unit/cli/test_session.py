@@ -26,7 +26,7 @@ def test_a_step_that_fails_ends_itself_only() -> None:
     commands = CommandThread()
     for steps in (works(), fails(), fails()):
         commands.give(steps)
-    commands.give(iter([ended.set()]))
+    ended.set()
     assert worked.wait(10.0)
     assert commands.alive()
 
