@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli.check._check import command as check
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, load
+from end_effector_hal.errors import LinkError
 from end_effector_hal.wires.bus import BusLink
 from end_effector_hal.wires.bus._lines import BusLines
 from end_effector_hal.wires.link import LinkReader, open_port
@@ -87,3 +88,19 @@ def test_by_default_it_is_one(port: str) -> None:
         assert two_stop_bits(port)
     with open_port(port, 9600):
         assert not two_stop_bits(port)
+
+
+@pytest.mark.parametrize("parity", ["E", "O"])
+def test_a_pseudo_terminal_is_opened_again_with_a_parity_that_it_cannot_have(port: str, parity: str) -> None:
+    for _ in range(3):
+        open_port(port, 115_200, parity=parity).close()
+
+
+def test_a_port_that_refuses_its_settings_is_one_sentence(port: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise termios.error(22, "Invalid argument")
+
+    monkeypatch.setattr("serial.Serial", refuse)
+    with pytest.raises(LinkError) as refused:
+        open_port(port, 115_200, parity="E")
+    assert refused.value.what == "the port refuses 115200 baud, parity E, 1 stop bits: Invalid argument."

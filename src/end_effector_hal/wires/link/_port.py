@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import glob
+import os
 import re
 from typing import TYPE_CHECKING
 
@@ -25,19 +26,28 @@ def open_port(
         LinkBusyError: somebody else has it; says who.
         LinkError: it is missing, not permitted, or no serial port.
     """
+    from termios import error as refused
+
     import serial  # what needs no port needs no POSIX
 
     try:
         return serial.Serial(
             path,
             baudrate,
-            parity=parity,
+            # a pseudo-terminal has no parity: the kernel takes it out, and a second setting of it alone is an error
+            parity="N" if os.path.realpath(path).startswith("/dev/pts/") else parity,
             stopbits=stopbits,
             timeout=0,
             write_timeout=write_timeout_s,
             exclusive=True,
             inter_byte_timeout=None,
         )
+    except refused as error:
+        raise LinkError(
+            f"the port refuses {baudrate} baud, parity {parity}, {stopbits} stop bits: {error.args[-1]}.",
+            where=path,
+            todo="Does the port support this? The keys are link.baudrate, link.parity and link.stopbits.",
+        ) from error
     except (OSError, ValueError) as error:
         raise _explained(path, baudrate, error) from error
 
