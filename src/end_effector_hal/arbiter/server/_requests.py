@@ -162,6 +162,7 @@ def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
     """Which client writes which lines, what the sensors were said to prove, and what is latched, at ``at`` µs."""
     needs = (need for needs in arbiter.policy.needs.values() for need in needs)
     return {
+        "lines": list(arbiter.policy.lines),
         "clients": [
             {
                 "client": session.client,

@@ -36,16 +36,21 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     except ReportedError as error:
         yield _unreachable(path, error)
         return
-    if set(levels) != set(lines):
+    # an output whose position is not known has no level
+    owned = status.get("lines", list(levels))
+    if set(owned) != set(lines):
         yield _say.missing(
-            f"pid {status.get('pid')} at {path} owns other lines: {', '.join(levels)}",
+            f"pid {status.get('pid')} at {path} owns other lines: {', '.join(owned)}",
             "It was started with another description: stop it and start it with this one.",
         )
         return
     yield _say.ok(f"pid {status.get('pid')} serves {path}; {_clients(status)}")
     labels = {actuator.line: name for name, actuator in description.ordered}
-    active = [f"{line} ({labels.get(line, 'unlock')})" for line, level in levels.items() if level]
-    yield _say.ok(f"active: {', '.join(active) or 'no line'}")
+    named = {line: f"{line} ({labels.get(line, 'unlock')})" for line in owned}
+    active = [named[line] for line, level in levels.items() if level]
+    unknown = [named[line] for line in owned if line not in levels]
+    more = f"; position not known: {', '.join(unknown)}" if unknown else ""
+    yield _say.ok(f"active: {', '.join(active) or 'no line'}{more}")
     yield from _sensed(status)
     if trips := status.get("trips"):
         yield _say.warning(

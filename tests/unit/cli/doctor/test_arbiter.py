@@ -14,9 +14,12 @@ from click.testing import CliRunner
 from end_effector_hal.arbiter import ArbiterServer
 from end_effector_hal.cli.check import _check
 from end_effector_hal.cli.doctor import _arbiter
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.errors import LineBusyError
 from end_effector_hal.wires.link import PtyPair
 from end_effector_lab.processes import EEHAL
+from end_effector_lab.testbench import write_virtual_copy
+from tests.support.places import ROOT
 from tests.support.proving import proving
 from tests.support.stopped import stop
 from tests.support.stranger import as_nobody
@@ -86,6 +89,19 @@ def test_the_arbiter_of_another_tool(machine: Machine, arbiter: ArbiterServer) -
         f"pid {os.getpid()} at {machine.socket} owns other lines: {', '.join(LINES)}",
     )
     assert "another description" in todo
+
+
+def test_an_output_whose_position_is_not_known_is_one_of_the_tool(
+    machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jaw = load_tool(ROOT / "examples/tools/double_acting_jaw/end_effector.yaml")
+    machine.path = write_virtual_copy(jaw, tmp_path)
+    machine.socket = tmp_path / "arbiter.sock"
+    monkeypatch.setattr(machine, "make_chip", lambda: None)
+    with serving(machine):
+        first, active, *_ = machine.findings("arbiter")
+    assert first[:2] == ("ok", f"pid {os.getpid()} serves {machine.socket}; no program writes")
+    assert active[:2] == ("ok", "active: no line; position not known: GPIO5 (jaw)")
 
 
 @pytest.mark.wall
