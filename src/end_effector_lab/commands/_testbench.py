@@ -101,7 +101,7 @@ def command(
         return
     run_testbench(
         loaded,
-        open_inputs(lines, loaded, power_cycle=power_cycle),
+        open_inputs(lines, loaded, power_cycle=power_cycle, scenario=scenario),
         open_ports(port, loaded, lines),
         open_sensors(lines, loaded),
         scenario=scenario,

@@ -64,18 +64,22 @@ class BoardSensors:
             values: channel -> gauge Pa, bit, or None: invalid (of `Bench.sample`).
             silent: nothing reaches the board.
         """
-        shown = carried(values, self._kinds, self._description)
-        levels: dict[str, bool] = {}
-        for name, value in shown.items():
-            channel = self._channels[name]
-            if channel.analog:
+        for name, value in carried(values, self._kinds, self._description).items():
+            if (channel := self._channels[name]).analog:
                 self._show(channel, None if silent or value is None else round(channel.raw(value) / SCALE_MV))
-            elif channel.digital and not silent:
-                line = channel.digital.line
-                levels[line] = self._pulls[line] == "up" if value is None else bool(channel.raw(value))
+        levels = {} if silent else self.levels(values)
         if levels != self._levels and levels:
             self._pins.drive(levels)
             self._levels = levels
+
+    def levels(self, values: Mapping[str, Value]) -> dict[str, bool]:
+        """The level of each input line while the sensors show this."""
+        levels: dict[str, bool] = {}
+        for name, value in carried(values, self._kinds, self._description).items():
+            if digital := (channel := self._channels[name]).digital:
+                line = digital.line
+                levels[line] = self._pulls[line] == "up" if value is None else bool(channel.raw(value))
+        return levels
 
     def close(self) -> None:
         """Play no more; the board keeps what was shown last."""

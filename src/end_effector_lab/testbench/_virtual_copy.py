@@ -6,11 +6,11 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-from end_effector_hal.arbitration import wired_lines
 from end_effector_hal.description import Description
 from end_effector_hal.errors import os_errors
-from end_effector_hal.wires.inputs import input_lines, pulls_of
-from end_effector_hal.wires.lines import VirtualChip
+
+from .inputs import VirtualInputs
+from .program import open_inputs
 
 NAME = "end_effector.yaml"
 
@@ -29,8 +29,9 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
     write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
-    pulls = pulls_of(input_lines(virtual))
-    VirtualChip.create(folder / "chip", [*wired_lines(virtual), *pulls], pulls, exist_ok=True)
+    chip = open_inputs(None, virtual)
+    assert isinstance(chip, VirtualInputs)
+    chip.make_chip()
     return folder / NAME
 
 

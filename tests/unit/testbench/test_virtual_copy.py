@@ -9,10 +9,16 @@ from click.testing import CliRunner
 
 from end_effector_hal.arbitration import output_lines
 from end_effector_hal.cli.doctor._lines import look_at_lines
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.commands._testbench import command
-from end_effector_lab.testbench import write_virtual_copy
+from end_effector_lab.testbench import open_inputs, write_virtual_copy
+from end_effector_lab.testbench.inputs import VirtualInputs
+from tests.support.places import ROOT
+
+TOOLS = ROOT / "examples/tools"
 
 
 def test_the_copy_is_the_same_tool_with_its_own_wires_beside_it(tmp_path: Path) -> None:
@@ -33,3 +39,23 @@ def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="Cannot be made: Not a directory"):
         write_virtual_copy(load(profile_path()), tmp_path / "file" / "folder")
+
+
+@pytest.mark.parametrize("name", ["gripper_2f85", "double_acting_jaw", "diy_vacuum", "two_epick"])
+def test_the_chip_of_the_copy_is_the_one_that_the_testbench_wants(name: str, tmp_path: Path) -> None:
+    copy = load_tool(write_virtual_copy(load_tool(TOOLS / name / "end_effector.yaml"), tmp_path))
+    inputs = open_inputs(None, copy)
+    levels = inputs.start(lambda line, level, at: None)
+    inputs.close()
+    assert not any(levels.values())
+
+
+def test_the_sensors_show_their_levels_before_the_testbench_plays(tmp_path: Path) -> None:
+    """An e-stop that is active low: whoever reads the chip first must not find it open."""
+    copy = load_tool(write_virtual_copy(load_tool(TOOLS / "double_acting_jaw/end_effector.yaml"), tmp_path))
+    levels = {"GPIO17": False, "GPIO27": True, "GPIO22": False}  # open, not closed, no stop; inverted
+    chip = read_chip(tmp_path / "chip").lines
+    assert {line: chip[line] for line in levels} == {line: ("in", each) for line, each in levels.items()}
+    opened = open_inputs(None, copy, power_cycle=True, scenario="estop-open")
+    assert isinstance(opened, VirtualInputs)
+    assert opened.make_chip().read().lines["GPIO22"].level

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -36,16 +36,18 @@ class VirtualChip:
         path: str | Path,
         names: Sequence[str],
         pulls: Mapping[str, Pull] | None = None,
+        levels: Mapping[str, bool] | None = None,
         *,
         label: str = "virtual",
         exist_ok: bool = False,
     ) -> VirtualChip:
-        """Power a chip up: all lines are inputs, at the level of their pull (default: down).
+        """Power a chip up: all lines are inputs, at the level of their pull (default: down), or driven from outside.
 
         Args:
             path: its file; replaced in one step, watchers see the change.
             names: its lines.
             pulls: by line.
+            levels: of lines that something outside drives from the beginning.
             label: its name, for people.
             exist_ok: a chip that exists stays as it is.
 
@@ -60,7 +62,9 @@ class VirtualChip:
         fresh = chip.path.with_name(f".{chip.path.name}.{os.getpid()}")
         try:
             pull_of = {name: (pulls or {}).get(name, "down") for name in names}
-            fresh.write_bytes(header(label, pull_of, now_us()))
+            at, pid = now_us(), os.getpid()
+            driven = [record(Edge(at, *each, pid)) for each in _inputs(names, levels or {})]
+            fresh.write_bytes(header(label, pull_of, at) + b"".join(driven))
             fresh.replace(chip.path)
         except OSError as error:
             raise WireError(
@@ -102,13 +106,18 @@ class VirtualChip:
                 where=str(self.path),
                 todo="Start `eehal testbench` with the same description: it makes the chip.",
             ) from error
-        if not log.state.lines:
+        if not log.state.label:  # one without lines is a chip as well
             raise WireError(
                 "this file is not that of a virtual chip.",
                 where=str(self.path),
                 todo="Give another path, or delete the file.",
             )
         return log.state
+
+
+def _inputs(names: Sequence[str], levels: Mapping[str, bool]) -> Iterator[tuple[str, Direction, bool]]:
+    """The lines of a chip that are driven from outside."""
+    return ((name, "in", level) for name, level in levels.items() if name in names)
 
 
 def _same(fd: int, path: Path) -> bool:

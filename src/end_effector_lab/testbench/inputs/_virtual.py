@@ -21,6 +21,7 @@ class VirtualInputs:
         names: the lines.
         power_cycle: make a new chip even if there is one.
         pulled: further lines of it which the chip reads, and how it holds them.
+        levels: what the sensors show on those lines of a chip that is made.
     """
 
     def __init__(
@@ -30,9 +31,10 @@ class VirtualInputs:
         *,
         power_cycle: bool = False,
         pulled: Mapping[str, Pull] | None = None,
+        levels: Mapping[str, bool] | None = None,
     ) -> None:
         self._path, self._names, self._power_cycle = Path(path), tuple(names), power_cycle
-        self._pulled = dict(pulled or {})
+        self._pulled, self._levels = dict(pulled or {}), dict(levels or {})
         self._watcher: ChipWatcher | None = None
         self._pins = VirtualPins(self._path)
 
@@ -40,7 +42,8 @@ class VirtualInputs:
     def text(self) -> str:
         return f"virtual:{self._path}"
 
-    def start(self, on_edge: OnEdge) -> dict[str, bool]:
+    def make_chip(self) -> VirtualChip:
+        """The chip, made if there is none; raises WireError."""
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -49,13 +52,16 @@ class VirtualInputs:
                 where=str(self._path),
                 todo="Give another path.",
             ) from error
-        chip = VirtualChip.create(
+        return VirtualChip.create(
             self._path,
             [*self._names, *self._pulled],
             self._pulled,
+            self._levels,
             exist_ok=not self._power_cycle,
         )
-        lines = chip.read().lines
+
+    def start(self, on_edge: OnEdge) -> dict[str, bool]:
+        lines = self.make_chip().read().lines
         if missing := [name for name in (*self._names, *self._pulled) if name not in lines]:
             raise LineNotFoundError(
                 f"the virtual chip has no line {', '.join(missing)}, only {', '.join(lines)}.",

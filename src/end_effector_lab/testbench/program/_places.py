@@ -8,6 +8,7 @@ from end_effector_hal.codecs import board_inputs, codec_of, line_of
 from end_effector_hal.description import Description, Inputs
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires.inputs import input_lines, pulls_of
+from end_effector_lab.testbench._bench import Bench
 from end_effector_lab.testbench._board_sensors import BoardSensors
 from end_effector_lab.testbench._ports import Port, PtyPort, SerialPort
 from end_effector_lab.testbench._scenario import TOOL_CHANGER
@@ -30,7 +31,9 @@ _CHOICES = (
 )
 
 
-def open_inputs(text: str | None, description: Description, *, power_cycle: bool = False) -> LineInputs:
+def open_inputs(
+    text: str | None, description: Description, *, power_cycle: bool = False, scenario: str = "nominal"
+) -> LineInputs:
     """The lines that a text names; nothing is opened yet.
 
     Args:
@@ -40,9 +43,10 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
             None: the description's virtual chip.
         description: whose lines are to be seen.
         power_cycle: of a virtual chip.
+        scenario: what a virtual chip shows from its beginning.
 
     Raises:
-        UsageError: it cannot be used with this description.
+        UsageError: it, or the scenario, cannot be used with this description.
     """
     lines = _lines(description)
     pulled = pulls_of(input_lines(description))
@@ -60,7 +64,10 @@ def open_inputs(text: str | None, description: Description, *, power_cycle: bool
         others = [*description.register_outputs, *description.blow_off_lines.values()]
         plain = [each.line for each in description.outputs.values()]
         lines = [*dict.fromkeys([*lines, *others, *plain])]
-        return VirtualInputs(rest, lines, power_cycle=power_cycle, pulled=pulled)
+        # from its beginning: the line arbiter may read it before the testbench plays
+        shown = Bench(description, scenario).sample(0) if pulled else {}
+        levels = BoardSensors(description, rest).levels(shown)
+        return VirtualInputs(rest, lines, power_cycle=power_cycle, pulled=pulled, levels=levels)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
