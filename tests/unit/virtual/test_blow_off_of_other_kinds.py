@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import network_of
+from end_effector_hal.control import StatusLines, network_of
 from end_effector_hal.verification.coils import prove_tool
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.support.nightly import first_of
@@ -123,3 +123,23 @@ def test_such_a_tool_is_proven(kind: str, tmp_path: Path) -> None:
     description = load_tool(described(tmp_path, kind))
     proof = prove_tool(description, network_of(description))
     assert proof.holds, [each.id for each in proof.findings if not each.holds]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_with_an_open_e_stop_nothing_is_told_to_be_blown_off(kind: str, tmp_path: Path) -> None:
+    path = described(tmp_path, kind)
+    stop = "  estop: {digital: {line: STOP}}\n"
+    text = path.read_text().replace("sequence:", f"{stop}sequence:") + "e_stop: {channel: estop}\n"
+    path.write_text(text)
+    tool = ready(load_tool(path))
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)
+    tool.choose("estop-open")
+    tool.run(0.5)
+    assert tool.command("drop").accepted
+    tool.run(6.0)
+    lines = StatusLines(tool.description, "grip")
+    told = " ".join(line for status in tool.statuses for line in lines.of(status))
+    assert "blow-off of holder) is not activated: the emergency stop is open" in told
+    assert "is blown off" not in told
+    assert not tool.levels["AIR"]

@@ -90,6 +90,11 @@ class GripProgram(Program):
 
     def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
         completed = super()._completed(status, notices)
+        written = self._adoption.outputs
+        if completed.blowing and written.refused:  # an output that was not activated blows nothing off
+            lines, names = self._description.blow_off_lines, self._description.sequence
+            blown = tuple(each for each in completed.blowing if lines[names[each]] in written.activated)
+            completed = replace(completed, blowing=blown)
         if not self._maintenance.active:
             return completed
         lines = self._maintenance.lines
