@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.check import _check
 from end_effector_hal.cli.init import _new_tool, _wanted
+from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ReportedError
@@ -54,6 +55,14 @@ def written(actuators: str, options: tuple[str, ...]) -> Description:
     )
     assert result.exit_code == 0
     return load(Path("My 2nd Tool/end_effector.yaml"))
+
+
+@pytest.mark.parametrize("link", ["text", "binary", "modbus", "modbus-rtu-epick", "legacy-nibble"])
+def test_the_baud_rate_that_it_writes_is_the_one_without_the_key(link: str) -> None:
+    tool = written("cup:vacuum", ("--link", link, "--no-tool-changer"))
+    assert tool.link is not None
+    without = tool.model_copy(update={"link": tool.link.model_copy(update={"baudrate": None})})
+    assert tool.link.baudrate == line_of(without.links[""], codec_of(without, ""))[0]
 
 
 @pytest.mark.parametrize("number", first_of(range(len(TOOLS)), 6, 4))

@@ -247,7 +247,8 @@ def _link(
     made = "made by the testbench" if virtual else "yours: the serial device of the sensors"
     yield _key("port", port, made, indent=indent)
     if link.what in LINKS:
-        yield _key("baudrate", "115200", "yours: bits per second", indent=indent)
+        usual = "9600" if link.what == "modbus" else "115200"
+        yield _key("baudrate", usual, "yours: bits per second", indent=indent)
         yield from (" " * (indent - 2) + line for line in frame_lines(link.what, channels))
     else:
         yield _key("codec", link.what, "docs/reference/codecs.md has the others", indent=indent)
