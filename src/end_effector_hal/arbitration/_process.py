@@ -53,7 +53,8 @@ def run_arbiter(
 
     def ready(server: ArbiterServer) -> None:
         levels = ", ".join(f"{line}={int(level)}" for line, level in server.levels().items())
-        print(f"ready: {description.name} on {where}: {levels}", flush=True)  # noqa: T201 it is the program's output
+        latched = "".join(f"; latched: {why.rstrip('.')}" for why in server.faults())
+        print(f"ready: {description.name} on {where}: {levels}{latched}", flush=True)  # noqa: T201 its output
         manager.store(backend.descriptors() if isinstance(backend, LineHandover) else {})
         manager.ready(f"{description.name} on {where}", _Probe(where))
         be_steady()

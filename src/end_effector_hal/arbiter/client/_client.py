@@ -93,11 +93,13 @@ class ArbiterClient:
         Args:
             alive: called before each renewal; while it returns False, the lease runs out and the last will is executed.
             on_lost: called when that thread finds the connection lost.
-            on_faults: called with the latched faults, sentences, when they change; at first there are none.
+            on_faults: called with the latched faults, sentences, now and when they change; at first there are none.
         """
         with self._lock:
             self._alive, self._faults = alive, ()
             self._on_lost, self._on_faults = on_lost, on_faults
+        if on_faults and (lost := self._renew()) and on_lost:
+            on_lost(lost)
 
     def levels(self) -> dict[str, bool]:
         """Levels of all lines of the arbiter, read back: they prove the claim, not the actuator."""

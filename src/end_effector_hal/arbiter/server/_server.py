@@ -122,6 +122,10 @@ class ArbiterServer(Closing):
         """All lines, as written last."""
         return dict(self._arbiter.levels)
 
+    def faults(self) -> tuple[str, ...]:
+        """What is latched, sentences."""
+        return tuple(self._arbiter.predicates.faults.values())
+
     def run(self) -> None:
         """Serve until `stop`; a last will that runs is executed to its end, then the lines stay as they are."""
         while not self._is_over():

@@ -135,6 +135,11 @@ class Program(ABC):
         """The latest status."""
         return self._latest.status
 
+    @property
+    def latched_interlocks(self) -> tuple[str, ...]:
+        """What the line arbiter has latched for an interlock, sentences."""
+        return tuple(fault for fault in self._faults if fault.startswith("IL-"))
+
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
         return self._latest.wait(until, timeout_s)

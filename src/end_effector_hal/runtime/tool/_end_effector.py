@@ -21,7 +21,7 @@ from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command, latched_il_13
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, latched_il_13
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -168,11 +168,24 @@ class EndEffector(Closing):
         every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited for.
 
         Raises:
-            NotReadyError: that took longer; it says what is missing. The tool goes on all the same: what its
+            NotReadyError: that took longer, or the line arbiter has latched what has a grip in STAND_BY refused
+                (IL-13, a sensor fault); it says what is missing. The tool goes on all the same: what its
                 sensors do not prove is refused with a reason, and what is held stays held.
         """
+
+        def latched(status: Status) -> str:
+            return " ".join(self._grip.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
+
         until = now_us() + round(timeout_s * 1e6)
-        ready = self._grip.wait(partial(gripper_ready, self.description), timeout_s) and self._change.wait(
+        ready = self._grip.wait(
+            lambda status: bool(latched(status)) or gripper_ready(self.description, status), timeout_s
+        )
+        if why := latched(self._grip.status):
+            raise NotReadyError(
+                f"{self.description.name} is not ready: latched: {why}",
+                todo="Remove the cause, then reset the faults: `reset` at the prompt, or eehal reset DESCRIPTION.",
+            )
+        ready = ready and self._change.wait(
             lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
         )
         if not ready:
