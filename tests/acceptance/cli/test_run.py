@@ -101,3 +101,19 @@ def test_a_folder_that_cannot_be_written_is_told_once(tmp_path: Path) -> None:
     assert result.stderr == (
         f"{tmp_path}/file/x: The recording cannot be written: Not a directory. Name another folder.\n"
     )
+
+
+def test_a_second_run_never_writes_into_the_recording_of_the_first(world: World, tmp_path: Path) -> None:
+    folder, told = tmp_path / "recorded", []
+    for script in ("lock", "lock; grip; drop", "lock"):
+        command = [*EEHAL, "run", str(world.description_path), "--script", script, "--record", str(folder)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONG_S, check=False)
+        told.append(done.stderr)
+        if len(told) == 1:
+            first = {each.name: each.read_bytes() for each in folder.iterdir()}
+    assert {each.name: each.read_bytes() for each in folder.iterdir()} == first
+    for number in (2, 3):
+        own = tmp_path / f"recorded-{number}"
+        assert f"{folder} holds a recording already: this run is recorded into {own}.\n" in told[number - 1]
+        assert (own / "run.json").exists()
+        assert (own / "states.csv").read_text().count("\n") > 1

@@ -109,6 +109,7 @@ def command(
     interactive = orders is None and prompt.shown
     commands = iter(prompt.commands(voice.error) if orders is None else orders)
     if record is not None:
+        record = _own_folder(record)
         _try_to_write(record)
     end_in_order()
     reloads = True
@@ -196,6 +197,18 @@ def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:
 
 def _refuse_scenario(_: str) -> None:
     raise UsageError(NOT_SIMULATED, todo="Start it with --simulate.")
+
+
+def _own_folder(folder: Path) -> Path:
+    """The folder, or one beside it if it holds a recording: that is of one run, and no run is refused for it."""
+    own, number = folder, 1
+    with os_errors("The recording cannot be written", folder, todo="Name another folder."):
+        while any(next(own.glob(files), None) for files in ("states*.csv", "*.mcap")):
+            number += 1
+            own = folder.with_name(f"{folder.name}-{number}")
+    if own != folder:
+        click.echo(f"{folder} holds a recording already: this run is recorded into {own}.", err=True)
+    return own
 
 
 def _try_to_write(folder: Path) -> None:
