@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -64,9 +64,17 @@ def top_mappings() -> dict[str, list[type[Part]]]:
     }
 
 
-def homes_of(key: str) -> list[str]:
-    """Stanzas that have this key, as ``link`` or ``actuators.<name>`` (with the kind, if only one has it)."""
-    homes = [stanza for stanza, model in stanzas().items() if key in fields_of(model)]
+def homes_of(key: str, value: Any) -> list[str]:
+    """Stanzas that have this key, as ``link`` or ``actuators.<name>`` (with the kind, if only one has it).
+
+    A number is not meant for a key that takes one of a few words.
+    """
+    found = {stanza: fields_of(model).get(key) for stanza, model in stanzas().items()}
+    homes = [
+        stanza
+        for stanza, each in found.items()
+        if each and not (isinstance(value, int | float) and get_origin(each.annotation) is Literal)
+    ]
     return list(dict.fromkeys(of_any_kind(each) if is_common(each, homes) else each for each in homes))
 
 

@@ -185,7 +185,10 @@ def _hints(description: Description) -> Iterator[str]:
         )
     for name, channel in description.channels.items():
         place = channel.modbus
-        if place and (table := MODICON.get(place.address // 10_000)) and place.address % 10_000 > 0:
+        written = description.place("channels", name, "modbus", "address").text.lower()
+        if place is None or not written.isdecimal():  # a manual counts 40001 in decimal digits
+            continue
+        if (table := MODICON.get(place.address // 10_000)) and place.address % 10_000 > 0:
             yield (
                 f"{description.where('channels', name, 'modbus', 'address')}: is {place.address} the number in a "
                 f"manual? On the wire that is address: {place.address % 10_000 - 1}, register_type: {table}"

@@ -70,12 +70,19 @@ def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:
             expected=WORDS.get(split(other[0])[1], ""),
             hint=f"write {other[1]}",
         )
-    hint = key_hint(key, path, known) or did_you_mean(key, known)
-    if not hint and (homes := homes_of(key)):
+    around = next((path[:end] for end in range(len(path) - 2, 0, -1) if _has(path[:end], kind, key)), ())
+    hint = key_hint(key, path, known)
+    hint = hint or (f"it belongs to {'.'.join(map(str, around))}" if around else did_you_mean(key, known))
+    if not hint and (homes := homes_of(key, value)):
         hint = f"it belongs to {' or '.join(each or 'the top' for each in homes)}"
     inside = ".".join(map(str, path[:-1])) or "the description"
     expected = f"a key of {inside}" if hint else f"one of {', '.join(known)}"
     return Fault.at(place, "EE-205", f"unknown key {key!r}", found=found, expected=expected, hint=hint)
+
+
+def _has(path: Keys, kind: str, key: str) -> bool:
+    """Whether the stanza at a path has this key."""
+    return (stanza := stanza_at(path, kind)) is not None and key in fields_of(stanza)
 
 
 def _missing_key(path: Keys, kind: str, places: Places) -> Fault:

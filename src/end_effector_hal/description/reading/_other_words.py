@@ -14,7 +14,13 @@ _KEYS = {
     "slave_id": "unit",
     "stop_bits": "stopbits",
     "swap": "word_order",
+    "unit_of_measurement": "unit",
 }
+_ELSEWHERE = {
+    "timeout": "write timeout_ms under frame.modbus of the link, in milliseconds",
+    "scan_interval": "write period_ms under the link, in milliseconds",
+}
+"""Keys of Home Assistant whose place here is another stanza of the link."""
 _OF_THE_CHANNEL = ("invert", "on")
 _WORDS = {
     "even": "E",
@@ -33,6 +39,8 @@ def key_hint(key: str, path: Keys, known: list[str]) -> str:
     other = _KEYS.get(key, "")
     if other in known:
         return f"write {other}"
+    if key in _ELSEWHERE and (path[0] in ("link", "links") or "modbus" in path):
+        return _ELSEWHERE[key]
     in_a_source = len(path) == 4 and path[0] == "channels"
     return f"write {other}, beside {path[2]}" if other in _OF_THE_CHANNEL and in_a_source else ""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.cli.check import _check
@@ -110,3 +111,54 @@ def test_a_threshold_that_alarms_and_the_page_do_not_show_is_told(tmp_path: Path
     (said,) = _check.check(path).hints
     assert said.startswith(f"{path}:6:")
     assert "a threshold finer than 0.1 kPa" in said
+
+
+PASTED = """\
+schema: 2
+name: pasted
+link: {port: /dev/ttyUSB0, LINK, frame: {modbus: {FRAME}}}
+channels:
+  v: {modbus: {unit: 1, address: 0x9005}, unit: kPa}
+supply: {channel: none}
+actuators:
+  cup:
+    kind: vacuum
+    channel: v
+    modbus: {address: 5, command_on: [1], command_off: [0], COMMAND, on_link_loss: hold}
+sequence: [cup]
+"""
+
+
+@pytest.mark.parametrize(
+    ("where", "key", "hint"),
+    [
+        ("LINK", "timeout: 5", "; write timeout_ms under frame.modbus of the link, in milliseconds"),
+        ("COMMAND", "timeout: 5", "; write timeout_ms under frame.modbus of the link, in milliseconds"),
+        ("FRAME", "timeout: 5", "; write timeout_ms"),
+        ("LINK", "scan_interval: 1", "; write period_ms under the link, in milliseconds"),
+        ("LINK", "delay: 2", ""),
+        ("FRAME", "message_wait_milliseconds: 30", ""),
+        ("COMMAND", "on_power_loss: hold", "; it belongs to actuators.cup"),
+        ("FRAME", "on_power_loss: hold", "; it belongs to actuators.<name>"),
+    ],
+)
+def test_a_pasted_key_is_sent_to_its_place_or_nowhere(
+    where: str, key: str, hint: str, tmp_path: Path
+) -> None:
+    text = PASTED.replace(where, key)
+    for other in ("LINK, ", "COMMAND, ", "FRAME"):
+        text = text.replace(other, "")
+    path = tmp_path / "tool.yaml"
+    path.write_text(text, "utf-8")
+    faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
+    (said,) = (each["message"] for each in faults if key.partition(":")[0] in each["message"])
+    assert said.partition(";")[1] + said.partition(";")[2] == hint
+
+
+def test_a_hexadecimal_address_is_no_number_of_a_manual(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = PASTED.replace("LINK, ", "").replace("COMMAND, ", "").replace("FRAME", "")
+    for written, told in (("0x9005", False), ("0x9C41", False), ("40001", True)):
+        path.write_text(text.replace("0x9005", written), "utf-8")
+        hints = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["hints"]
+        assert any("manual" in each for each in hints) is told, written
