@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from posixpath import normpath
 
@@ -15,6 +16,8 @@ FORMATS, OVER_LINK = LinkFrame.FORMATS, Channel.OVER_LINK
 ENDS = set("\r\n")
 """Of a line."""
 _NUMERIC = set("0123456789+-.eE")
+_ADDRESS = re.compile(r"[^/]*:.*|(\d+\.){3}\d+.*|[^/]+\.(local|lan|home|internal)", re.IGNORECASE)
+"""A URL, a host with the number of a port, an IP address, or a host's name, and no path."""
 
 
 def frame_faults(facts: Facts) -> Iterator[Fault]:
@@ -89,7 +92,11 @@ def declared_format(facts: Facts, link: Keys) -> str:
 
 
 def _link(facts: Facts, link: Keys) -> Iterator[Fault]:
-    frame = (*link, "frame")
+    frame, port = (*link, "frame"), facts.get(*link, "port")
+    if port is not None and _ADDRESS.fullmatch(port):
+        what, place = "'port' is an address in a network", facts.places.value(*link, "port")
+        hint = "buses and serial ports over a network (TCP, UDP) are not supported"
+        yield Fault.at(place, "EE-211", what, expected="a serial device, such as /dev/ttyUSB0", hint=hint)
     if not facts.says(*frame):
         if facts.says(*link, "period_ms"):
             hint = "a codec has a period of its own"
