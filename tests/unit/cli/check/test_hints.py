@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -162,3 +163,56 @@ def test_a_hexadecimal_address_is_no_number_of_a_manual(tmp_path: Path) -> None:
         path.write_text(text.replace("0x9005", written), "utf-8")
         hints = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["hints"]
         assert any("manual" in each for each in hints) is told, written
+
+
+@pytest.mark.parametrize(
+    ("contact", "told"),
+    [
+        ("bias: pull_up}", "wire a normally closed contact to ground and write invert: true"),
+        ("bias: pull_up}, on: [1]", "write invert: true"),
+        ("bias: pull_up}, invert: true", ""),
+        ("bias: pull_up}, on: [0]", ""),
+        (
+            "bias: pull_down}, invert: true",
+            "wire a normally closed contact to the supply and write invert: false",
+        ),
+        ("bias: pull_down}", ""),
+        ("bias: as_is}", ""),
+    ],
+)
+def test_an_e_stop_whose_cut_wire_reads_as_closed_is_warned_of(
+    contact: str, told: str, tmp_path: Path
+) -> None:
+    jaw = ROOT / "examples/tools/double_acting_jaw/end_effector.yaml"
+    text = re.sub(r"(estop_ok: \{digital: \{line: \w+).*", rf"\1, {contact}}}", jaw.read_text("utf-8"))
+    path = tmp_path / "tool.yaml"
+    path.write_text(text, "utf-8")
+    result = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)
+    warned = [each for each in result["warnings"] if each.startswith("e_stop: estop_ok: a cut wire")]
+    assert result["ok"], result
+    assert (told in warned[0] and len(warned) == 1) if told else not warned
+
+
+@pytest.mark.parametrize(
+    ("port", "refused"),
+    [
+        ("tcp://192.168.1.20:502", True),
+        ("socket://127.0.0.1:5502", True),
+        ("RFC2217://plc:4000", True),
+        ("192.168.1.20:502", True),
+        ("192.168.1.20", True),
+        ("plc.local", True),
+        ("plc:502", True),
+        ("[fe80::1]:502", True),
+        ("/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", False),
+        ("/tmp/192.168.1.20", False),
+        ("uart.pty", False),
+    ],
+)
+def test_an_address_is_no_port(port: str, refused: bool, tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = PASTED.replace("LINK, ", "").replace("COMMAND, ", "").replace("FRAME", "")
+    path.write_text(text.replace("/dev/ttyUSB0", f'"{port}"'), "utf-8")
+    faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
+    assert len(faults) is int(refused), faults
+    assert all(each["message"].startswith("'port' is an address in a network (") for each in faults)

@@ -163,7 +163,21 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
     itself.
     """
     early, twice = _ends_too_early(description, codec), _read_twice(description, codec)
-    return [*early, *twice, *overlapping_evidence(description)]
+    return [*early, *twice, *overlapping_evidence(description), *_cut_e_stop(description)]
+
+
+def _cut_e_stop(description: Description) -> Iterator[str]:
+    """An e-stop input whose resistor pulls it to the level that means closed."""
+    channel = description.e_stop.channel if description.e_stop else ""
+    contact = description.channels.get(channel)
+    digital = contact.digital if contact else None
+    rests_at = {"pull_up": (1, "ground"), "pull_down": (0, "the supply")}.get(digital.bias if digital else "")
+    if contact and digital and rests_at and contact.value(rests_at[0]) is True:
+        yield (
+            f"e_stop: {channel}: a cut wire reads as a closed e-stop, because of bias: {digital.bias} "
+            f"({description.where('channels', channel, 'digital')}): wire a normally closed contact to "
+            f"{rests_at[1]} and write invert: {str(not contact.invert).lower()}"
+        )
 
 
 def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[str]:
