@@ -163,3 +163,23 @@ def test_a_recording_that_is_none(machine: Machine, tmp_path: Path) -> None:
     error = listen(machine, "--suggest", str(tmp_path)).exception
     assert isinstance(error, UsageError)
     assert str(error).startswith(f"{tmp_path}: There is no states.csv here. Record a grip and a drop: ")
+
+
+def test_an_adapter_that_goes_away_and_comes_back_is_read_again(machine: Machine) -> None:
+    process = None
+    try:
+        for life in range(2):
+            with PtyPair(machine.port) as wire, Sender(wire, frame):
+                process = process or subprocess.Popen(
+                    [*EEHAL, "listen", str(machine.path)], stdout=subprocess.PIPE, text=True
+                )
+                assert process.stdout is not None
+                assert any("bottom_vacuum is CONFIRMED" in line for line in process.stdout), f"life {life}"
+            if not life:
+                lost = next(line for line in process.stdout if "alarm: " in line)
+                assert f"{machine.port}: the port was lost" in lost
+                assert "It is opened again as soon as it is back." in lost
+    finally:
+        if process is not None:
+            process.terminate()
+            process.communicate()

@@ -50,7 +50,7 @@ class ChannelChanges:
                 self._tell(
                     {"event": "evidence", "time_s": seconds, "actuator": actuator, "evidence": evidence}
                 )
-        stood, self._alarms = self._alarms, heard.alarms(now)
+        stood, self._alarms = self._alarms, (*heard.alarms(now), *heard.lost())
         for alarm in dict.fromkeys((*stood, *self._alarms)):
             if (alarm in stood) is not (alarm in self._alarms):
                 self._tell(

@@ -86,7 +86,7 @@ class ChannelView:
         self._reader.close()
 
     def hear(self, longest_s: float) -> None:
-        """Take what comes within a time; raises LinkError when no source is left that could bring anything."""
+        """Take what comes within a time; raises LinkError when no source could be opened, not when one was lost."""
         from end_effector_hal.wires import now_us
 
         with suppress(Empty):
@@ -104,7 +104,7 @@ class ChannelView:
         ):  # some of them may come while others, which the line arbiter reads, do not
             heard = inputs.last_frame is not None and now - inputs.last_frame < LOST_US
             errors.append("" if heard else inputs.error)
-        if all(errors):
+        if all(errors) and not any(each.opened for each in (*health.links.values(), health.inputs) if each):
             raise LinkError(errors[0])
 
     def need_frames(self) -> None:
@@ -190,6 +190,11 @@ class ChannelView:
         """What devices say is wrong with them now, in words."""
         sensed = self.sensors.now
         return tuple([fault.text for fault in sensed.faults.standing(sensed.readings, now)])
+
+    def lost(self) -> tuple[str, ...]:
+        """Why links that were open are not, in words; each is opened again as soon as it is back."""
+        links = self._reader.health.links.values()
+        return tuple([link.error for link in links if link.error and link.opened])
 
     def table(self, now: int) -> RenderableType:
         """For a terminal."""
