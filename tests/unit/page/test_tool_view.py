@@ -11,6 +11,7 @@ import pytest
 from pydantic import TypeAdapter
 from pydantic_core import to_json
 
+from end_effector_hal.codecs import carrier_of, load_tool, sources_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -21,7 +22,9 @@ from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of
 from end_effector_hal.verification.mutation import kept_record
+from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState as State
+from tests.support.places import ROOT
 from tests.support.virtual_tool import VirtualTool
 
 
@@ -75,7 +78,9 @@ def test_a_grip_is_shown_as_it_goes(verdin: Description) -> None:
         "LOCKED",
     )
     assert ready["news"]["fresh"]
-    assert 45 <= ready["rate_hz"] <= 51
+    (rate,) = ready["rates_hz"]
+    assert 45 <= rate <= 51
+    assert watched.view.drawn()["sources"] == [{"name": "", "hz": 50.0}]
     assert ready["buttons"]["grip"] == ""
     assert watched.tool.command("grip").accepted
     watched.tool.run(0.2)
@@ -328,3 +333,29 @@ def test_the_log_is_in_the_order_of_time(verdin: Description) -> None:
     log.add(59_590_000, "transition", "of one program", "grip")
     log.add(59_420_000, "transition", "of the other", "tool_change")
     assert [entry["text"] for entry in log.since(number)] == ["of the other", "of one program"]
+
+
+def test_each_of_several_sources_has_a_rate_of_its_own() -> None:
+    """Two links and the inputs of a board were shown as one rate, against the period of the slowest."""
+    tool = load_tool(ROOT / "examples/tools/two_links/end_effector.yaml")
+    view = ToolView(tool, 0)
+    view.take("grip", "header", 0, header_of(tool, "grip", 0), 0)
+
+    def put(entry: tuple[str, int, object]) -> None:
+        view.take("grip", *entry, entry[1])
+
+    controller = RecordedController(tool, load_automata(tool), "grip", put)
+    controller.start({}, 0)
+    frames = [
+        Frame(at, None, None, dict.fromkeys(source.channels))
+        for source in sources_of(carrier_of(tool))
+        for at in range(source.period_us, 3_000_000, source.period_us)
+    ]
+    for frame in sorted(frames, key=lambda frame: frame.at):
+        controller.frame(frame)
+    assert view.drawn()["sources"] == [
+        {"name": "cups", "hz": 25.0},
+        {"name": "jaws", "hz": 50.0},
+        {"name": "inputs", "hz": 50.0},
+    ]
+    assert view.now(3_000_000)["rates_hz"] == pytest.approx([25.0, 50.0, 50.0], rel=0.1)

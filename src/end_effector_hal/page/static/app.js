@@ -103,7 +103,10 @@ setInterval(() => {
 
 function facts(view) {
   const state = view.state;
-  const rate = `${view.rate_hz.toFixed(view.rate_hz < 10 ? 1 : 0)} of ${drawn.expected_hz.toFixed(drawn.expected_hz < 10 ? 1 : 0)} Hz`;
+  const hertz = (value, of) => value.toFixed(of < 10 ? 1 : 0);
+  const rate = drawn.sources
+    .map(({ name, hz }, i) => `${name} ${hertz(view.rates_hz[i], view.rates_hz[i])} of ${hertz(hz, hz)} Hz`.trim())
+    .join(", ");
   put("fact-rate", state ? `${state.link_up ? "up" : "DOWN"}, ${rate}` : rate);
   lateness(state);
   const mark = view.verdict.holds === null ? "○" : view.verdict.holds ? "●" : "■";

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-from end_effector_hal.codecs import carrier_of
+from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import PROGRAMS, Status, network_of
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
@@ -50,14 +50,15 @@ class ToolView:
         self.description, self.begun_at = description, at
         network, carrier = network_of(description), carrier_of(description)
         self._hash = content or content_hash(description)
-        self._period_us = carrier.period_us
+        self._sources = sources_of(carrier)
+        self._source_of = {name: i for i, each in enumerate(self._sources) for name in each.channels}
         self._replicas = {name: Replica(description, network, name, self._hash) for name in PROGRAMS}
         self.cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
         self.timeline = TimeLine(description, self.cards.curves, self.cards.switches)
         self._automata = AutomataView(network, description)
-        self._frames: deque[int] = deque(maxlen=400)
+        self._frames = [deque[int](maxlen=400) for _ in self._sources]
         self._command: tuple[Command, int] = (Command.NONE, at)
         self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
         self._kept: Verdict | None = None
@@ -88,7 +89,7 @@ class ToolView:
             self._heard[program] = True
             self.log.add(at, "page", f"The {program} program is heard.", program)
         if program == "grip" and kind == "frame":
-            self._frames.append(at)
+            self._frames[self._source_of.get(next(iter(record.values), ""), 0)].append(at)
             self.timeline.frame(at, record.values)
         if kind == "step":
             self._automata.step(record)
@@ -147,7 +148,10 @@ class ToolView:
             "buttons": list(self.buttons),
             "sensors": tool.sensors,
             "lease_s": tool.maintenance.lease_s,
-            "expected_hz": 1e6 / self._period_us,
+            "sources": [
+                {"name": self._source_name(source.channels, source.link), "hz": 1e6 / source.period_us}
+                for source in self._sources
+            ],
             "stale_s": STALE_US / 1e6,
             "automata": self._automata.drawn(),
         }
@@ -157,7 +161,7 @@ class ToolView:
         return {
             "at": at,
             "news": self._news(at),
-            "rate_hz": self._rate_hz(at),
+            "rates_hz": self._rates_hz(at),
             "buttons": {word: self.refusal(word) for word in self.buttons},
             "cancel": self._cancel_words(self.status()),
             "stop": self._stop_words(self.status()),
@@ -177,9 +181,19 @@ class ToolView:
             "automata": self._automata.now({name: each.controller for name, each in self._replicas.items()}),
         }
 
-    def _rate_hz(self, at: int) -> float:
+    def _rates_hz(self, at: int) -> list[float]:
+        """Of each source, in the order in which they are drawn."""
         window_us = max(_RATE_US // 4, min(_RATE_US, at - self.begun_at))
-        return sum(each > at - window_us for each in self._frames) / (window_us / 1e6)
+        counts = [sum(each > at - window_us for each in frames) for frames in self._frames]
+        return [count / (window_us / 1e6) for count in counts]
+
+    def _source_name(self, channels: frozenset[str], link: str | None) -> str:
+        """What a source is called where there are several."""
+        if len(self._sources) == 1:
+            return ""
+        declared = self.description.channels
+        on_board = all(name in declared and declared[name].on_board for name in channels)
+        return link or ("inputs" if on_board else "link")
 
     def _news(self, at: int) -> dict[str, Any]:
         silent = {
