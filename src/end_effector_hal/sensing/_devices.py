@@ -11,6 +11,8 @@ from end_effector_hal.signals import PART, Frame
 
 SAID_US = 10_000_000
 """So long a reboot of a device is told."""
+AGAIN_US, MIXED = 1_000_000, 3
+"""So many restarts, each so soon after the one before, are those of no device: another one sends on the same wire."""
 
 
 class SendingDevice:
@@ -22,12 +24,14 @@ class SendingDevice:
         name: for a sentence.
     """
 
-    MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None}
+    MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None, "_quick": int}
+    ADDED: ClassVar = ("_quick",)
 
     def __init__(self, channels: frozenset[str], sequence: tuple[int, int], name: str) -> None:
         self._channels, self._name = channels, name
         self._sequence = sequence_of(*sequence)
         self._rebooted_at: int | None = None
+        self._quick = 0
 
     @property
     def reboots(self) -> int:
@@ -42,15 +46,29 @@ class SendingDevice:
         self._sequence.is_new(frame.seq, frame.device_ms)
         if self._sequence.reboots == before:
             return frozenset()
+        again = self._rebooted_at is not None and frame.at - self._rebooted_at < AGAIN_US
+        self._quick = self._quick + 1 if again else 1
         self._rebooted_at = frame.at
         return self._channels
+
+    def mixed(self, at: int) -> frozenset[str]:
+        """Its channels while two devices send on the link, so that no reading is known to be whose; else none."""
+        recent = self._rebooted_at is not None and at - self._rebooted_at < AGAIN_US
+        return self._channels if recent and self._quick >= MIXED else frozenset()
 
     def notices(self, at: int) -> tuple[str, ...]:
         """That it has restarted lately, in words."""
         if self._rebooted_at is None or at - self._rebooted_at >= SAID_US:
             return ()
-        times = f" ({self.reboots} times since the start)" if self.reboots > 1 else ""
-        return (f"The {self._name} restarted{times}; earlier readings were discarded.",)
+        if self._quick >= MIXED:
+            return (
+                f"Two senders on one link, or the {self._name} restarts again and again: its frames are in no order "
+                "and prove nothing. Disconnect one of the two, or see to the power of the device.",
+            )
+        # without a number: what goes on is one alarm
+        return (
+            f"The {self._name} restarted{' again' * (self.reboots > 1)}; earlier readings were discarded.",
+        )
 
     def deadline(self, at: int) -> int | None:
         """µs at which a notice ends by itself."""
@@ -80,6 +98,10 @@ class SendingDevices:
         """The channels of the one that restarted; else none."""
         link = self._links.get(next(iter(frame.values), ""))
         return self._devices[link].rebooted(frame) if link else frozenset()
+
+    def mixed(self, at: int) -> frozenset[str]:
+        """The channels of links on which two devices send."""
+        return frozenset().union(*(device.mixed(at) for device in self._devices.values()))
 
     def notices(self, at: int) -> tuple[str, ...]:
         """Which have begun anew lately, in words."""

@@ -68,6 +68,8 @@ class LinkRules:
     def judge(self, frame: Frame) -> Judged:
         """The frame as far as it is believed."""
         rebooted = self._devices.rebooted(frame)
+        if mixed := self._devices.mixed(frame.at) & frame.values.keys():
+            return Judged(replace(frame, values=dict.fromkeys(frame.values)), frozenset(mixed), rebooted)
         doubts: dict[str, str] = {}
         for channel, value in frame.values.items():
             if value is None or isinstance(value, bool):
@@ -84,6 +86,10 @@ class LinkRules:
         values: Mapping[str, Value] = frame.values
         values = {channel: None if channel in doubts else value for channel, value in values.items()}
         return Judged(replace(frame, values=values), frozenset(doubts), rebooted)
+
+    def mixed(self, at: int) -> frozenset[str]:
+        """The channels of links on which two devices send."""
+        return self._devices.mixed(at)
 
     def notices(self, at: int) -> tuple[str, ...]:
         """What is doubted now, in words."""

@@ -114,6 +114,10 @@ class SensorState:
         due, ends = self.readings.deadline(at), self._rules.deadline(at)
         return due if ends is None else ends if due is None else min(due, ends)
 
+    def mixed(self, at: int) -> frozenset[str]:
+        """The channels of links on which two devices send; a part of the doubts."""
+        return self._rules.mixed(at)
+
     def doubts(self, at: int) -> tuple[str, ...]:
         """What is impossible or frozen at ``at`` µs, a detector that fails, a device that restarted, in words."""
         said = self._rules.notices(at)

@@ -4,7 +4,7 @@ A recording that begins in the middle needs it. Each class names in ``MEMORY`` t
 works, with their types; everything else follows from the description. `PART` stands for objects that have a memory of
 their own: one, None, or a list, tuple or dict of them that is the same for the same description. `INLINE` is a `PART`
 whose memory stands among that of the object that has it. ``RECORDED_AS`` maps attributes to the earlier names that
-recordings keep.
+recordings keep; ``ADDED`` names those that earlier recordings lack: there they are as in a new object.
 """
 
 from __future__ import annotations
@@ -129,7 +129,12 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
     Raises:
         UsageError: that is no memory of such an object; it may remember a part of it.
     """
-    remembered = list(_remembered(thing))
+    known = memory if isinstance(memory, Mapping) else {}
+    remembered = [
+        each
+        for each in _remembered(thing)
+        if each[2] in known or each[1] not in getattr(each[0], "ADDED", ())
+    ]
     found = _same_keys(memory, [recorded for _, _, recorded, _ in remembered], where)
     for owner, name, recorded, kind in remembered:
         place = f"{where}.{recorded.lstrip('_')}"

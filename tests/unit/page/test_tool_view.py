@@ -21,8 +21,8 @@ from end_effector_hal.page.view import STALE_US, ToolView
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of
-from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.signals import Frame
+from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.places import ROOT
 from tests.support.virtual_tool import VirtualTool

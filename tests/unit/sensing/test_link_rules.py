@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 import pytest
 
 from end_effector_hal.codecs import get_codec
@@ -125,6 +127,30 @@ def test_what_was_read_before_a_reboot_counts_no_more(
     raw(1, top=None)  # invalid at first: the reading of before is 20 ms old, and nothing
     assert raw.senses.now.readings.get("top", raw.at) is None
     assert raw.senses.now.evidence[2] is Evidence.UNKNOWN
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_two_senders_on_one_link_are_one_alarm_and_prove_nothing(
+    description: Description, held: bool
+) -> None:
+    """Each frame was a reboot with a number of its own: up to 100 alarms in a second."""
+    tool = (gripped if held else ready)(description)
+    tool.statuses.clear()
+    for n in range(150):
+        tool.run(0.02)
+        shown = {"bottom": -70_000, "cylinder": 500_000, "top": -70_000, "supply": 600_000, "locked": True}
+        other = Frame(tool.at, 9000 + n, 500_000 + 20 * n, {**shown, "unlocked": False})
+        tool._gripper(tool.grip.frame(other))
+    assert [alarms for alarms in tool.status.alarms if alarms.startswith("Two senders on one link")]
+    assert tool.status.evidence == (0, 0, 0)
+    assert (tool.status.held, tool.status.lift_allowed) == (held, False)
+    changes = [alarms for alarms, _ in groupby(status.alarms for status in tool.statuses)]
+    assert len(changes) <= 12, changes
+    if not held:
+        assert len(tool.status.alarms) == 1
+    tool.run(12)
+    assert all(alarm.startswith("Over: ") for alarm in tool.status.alarms)
+    assert tool.status.evidence == ((3, 3, 3) if held else (1, 1, 1))
 
 
 def test_a_reboot_while_gripped_holds_and_is_told(description: Description) -> None:
