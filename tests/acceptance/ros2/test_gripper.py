@@ -99,6 +99,18 @@ def test_zero_grips_and_the_upper_limit_drops(system: System, ask: Send) -> None
     system.until("what is ignored", lambda: "ignored: the air decides" in log(system))
 
 
+def test_a_position_that_is_reached_already_succeeds_at_once(system: System, ask: Send) -> None:
+    status, result = ask(1.0).result()
+    assert (status, result.stalled, result.reached_goal) == (SUCCEEDED, False, True)
+    assert position_of(result) == [1.0]
+    assert system.wait_for(STAND_BY).outputs == [False] * 3
+    system.do("TriggerGrip")
+    status, result = ask(0.0).result()
+    assert (status, result.stalled, result.reached_goal) == (SUCCEEDED, True, True)
+    assert position_of(result) == [0.0]
+    assert system.wait_for(GRIPPED).held
+
+
 def test_any_other_position_is_refused_in_the_log(system: System, ask: Send) -> None:
     system.do("TriggerGrip")
     for position in (0.5, 1.1, nan, -inf):

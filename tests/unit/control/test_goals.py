@@ -11,6 +11,7 @@ from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import (
     ANSWER_US,
     NOT_BEGUN,
+    REACHED,
     Effect,
     Goal,
     Goals,
@@ -110,6 +111,51 @@ def test_rule_3_a_program_refuses_in_its_own_words(room: Room) -> None:
     assert end(goal) == (Outcome.REJECTED, "Nothing is held.")
     assert goal.ending is not None
     assert goal.ending.seconds is None, "it was not begun"
+
+
+PROVEN = {
+    Command.GRIP: {"ee": State.GRIPPED, "evidence": (Evidence.CONFIRMED, Evidence.CONFIRMED)},
+    Command.RELEASE: {"ee": State.STAND_BY, "evidence": (Evidence.GONE, Evidence.GONE)},
+}
+
+
+@pytest.mark.parametrize("command", PROVEN)
+def test_rule_8_a_position_that_the_sensors_prove_is_reached_at_once(room: Room, command: Command) -> None:
+    room.see(**PROVEN[command])
+    goal = Goal(command, "gripper_cmd", is_target=True)
+    room.do(room.goals.begin(goal, room.at))
+    room.answer(goal, NO)
+    assert end(goal) == (Outcome.SUCCEEDED, REACHED)
+    other = room.come(command)
+    room.answer(other, NO)
+    assert end(other) == (Outcome.REJECTED, NO.reason), "it asks for a grip or a drop, not for a position"
+
+
+@pytest.mark.parametrize("command", PROVEN)
+@pytest.mark.parametrize(
+    "unlike",
+    [
+        {"evidence": (Evidence.CONFIRMED, Evidence.UNKNOWN)},
+        {"evidence": (Evidence.UNKNOWN, Evidence.GONE)},
+        {"ee": State.GRIP_ERROR},
+        {"command": Command.LOCK},
+    ],
+    ids=str,
+)
+def test_rule_8_and_any_other_one_is_not(room: Room, command: Command, unlike: dict[str, Any]) -> None:
+    room.see(**PROVEN[command] | unlike)
+    goal = Goal(command, "gripper_cmd", is_target=True)
+    room.do(room.goals.begin(goal, room.at))
+    room.answer(goal, NO)
+    assert end(goal) == (Outcome.REJECTED, NO.reason)
+
+
+def test_rule_8_who_does_not_answer_proves_nothing(room: Room) -> None:
+    room.see(**PROVEN[Command.RELEASE])
+    goal = Goal(Command.RELEASE, "gripper_cmd", is_target=True)
+    room.do(room.goals.begin(goal, room.at))
+    room.answer(goal, SILENT)
+    assert end(goal) == (Outcome.UNREACHABLE, SILENT.reason)
 
 
 def test_rule_3_who_waited_for_a_program_that_did_not_answer_gets_the_same_answer(room: Room) -> None:

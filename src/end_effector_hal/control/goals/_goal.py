@@ -76,10 +76,12 @@ class Goal:
     Attributes:
         command: GRIP, RELEASE, LOCK or UNLOCK.
         name: what its client calls it, for sentences.
+        is_target: it asks for a position, which may be reached already.
     """
 
     command: Command
     name: str
+    is_target: bool = False
     phase: Phase = Phase.WAITING
     ending: Ending | None = None
     cancelled: bool = False

@@ -13,6 +13,8 @@ Rule 6. A cancel that comes before the decision: the goal is not begun (NOT_EXEC
         program is asked is passed on after the acceptance. Of goals that run, a grip is cancelled, if its program
         accepts that; a release completes, and so does the tool changer.
 Rule 7. Every goal gets exactly one ending, in words unless it has succeeded; after our end no goal is begun.
+Rule 8. Its program refuses a goal for a position that is reached already. If the newest status proves the position
+        with all evidence while no command is executed, that goal has succeeded.
 """
 
 from __future__ import annotations
@@ -24,11 +26,12 @@ from end_effector_hal.vocabulary import Command
 
 from .._status import Answer, Status
 from ._goal import Effect, Ending, GoalT, Outcome, Phase, Todo
-from ._judgement import is_over, judge
+from ._judgement import is_over, is_reached, judge
 
 ANSWER_US = 4_000_000
 """How long the answer of a program is waited for: longer than an unlock waits for its proof and a program for its
 turn."""
+REACHED = "It was reached already: nothing was commanded."
 NOT_BEGUN = "The goal was cancelled before it was begun: it was not executed."
 _UNKNOWN = "what became of the command is unknown. Read the state before the next one."
 
@@ -66,6 +69,9 @@ class Goals(Generic[GoalT]):
             return []  # it was given up
         self._undecided.remove(goal)
         if not answer.accepted:
+            newest = self._newest.get(goal.program)
+            if answer.decided and goal.is_target and newest and is_reached(goal.command, newest[0]):
+                return [self._end(goal, Outcome.SUCCEEDED, REACHED, at), *self._decide(at)]
             outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
             return [*self._refuse(goal, outcome, answer.reason, at), *self._decide(at)]
         goal.phase, goal.count, self._running = Phase.RUNNING, answer.count, goal

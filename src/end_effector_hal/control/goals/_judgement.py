@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
 
 from .._status import Status
 from ._goal import Outcome
 
 _WANTED_STATES = {Command.GRIP: EndEffectorState.GRIPPED, Command.RELEASE: EndEffectorState.STAND_BY}
 _WANTED_POSITIONS = {Command.LOCK: ChangerState.LOCKED, Command.UNLOCK: ChangerState.UNLOCKED}
+_WANTED_EVIDENCE = {Command.GRIP: Evidence.CONFIRMED, Command.RELEASE: Evidence.GONE}
 
 
 def is_over(status: Status) -> bool:
     """Whether a program that had accepted a command does not execute it any more."""
     return status.command == Command.NONE
+
+
+def is_reached(command: Command, status: Status) -> bool:
+    """Whether a grip or a release asks for what every sensor proves already, while nothing else is executed."""
+    wanted = all(evidence is _WANTED_EVIDENCE[command] for evidence in status.evidence)
+    return wanted and is_over(status) and status.ee == _WANTED_STATES[command]
 
 
 def judge(command: Command, status: Status) -> tuple[Outcome, str]:

@@ -41,10 +41,12 @@ class GoalType(ABC):
     Attributes:
         action: of the table.
         says_why: whether its result has a place for a reason; if not, the log is the only one.
+        is_target: whether its goals ask for a position, which may be reached already.
     """
 
     action: Action
     says_why = True
+    is_target = False
 
     @abstractmethod
     def command(self, request: Any) -> Command | str:
@@ -102,6 +104,7 @@ class _JointGoals(GoalType):
     """
 
     says_why = False
+    is_target = True
 
     def __init__(self, action: Action, log: logging.Logger) -> None:
         self.action, self._log = action, log

@@ -95,7 +95,7 @@ class ServedGoals:
     def _came(self, kind: GoalType, client: ClientGoal) -> None:
         command = kind.command(client.request)
         if isinstance(command, Command):
-            goal = ServedGoal(command, kind.action.name, type=kind, client=client)
+            goal = ServedGoal(command, kind.action.name, kind.is_target, type=kind, client=client)
             self._decide(lambda at: self._goals.begin(goal, at))
         else:
             self._answer(kind, client, Ending(Outcome.REJECTED, command), None)
