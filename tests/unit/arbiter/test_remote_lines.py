@@ -133,6 +133,39 @@ def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> Non
     assert not rules.predicates.faults
 
 
+def test_trouble_is_over_when_its_line_was_activated_again_and_its_device_confirms_that() -> None:
+    far = Far(True)
+    rules = arbiter(far)
+    grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    far.known, far.trouble = None, "is not activated any more: its device was restarted, or has a fault"
+    rules.advance(1 * S)
+    told = dict(rules.predicates.faults)
+    assert list(told) == [f"output {FINGERS}"]
+    far.known, far.trouble = True, ""  # by itself: what was held may be lost
+    rules.advance(2 * S)
+    rules.write(grip, {FINGERS: False}, None, 3 * S)
+    far.known = False
+    rules.advance(4 * S)
+    rules.write(grip, {FINGERS: True}, None, 5 * S)
+    rules.advance(6 * S)
+    assert rules.predicates.faults == told, "its device has not confirmed it yet"
+    far.known = True
+    rules.advance(7 * S)
+    assert not rules.predicates.faults
+
+
+def test_trouble_of_an_activation_stays_until_one_succeeds() -> None:
+    far = Far(False)
+    rules = arbiter(far)
+    grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    rules.write(grip, {FINGERS: True}, None, 1 * S)
+    far.trouble = "was not activated: the device is not ready"
+    rules.advance(2 * S)
+    far.trouble, far.known = "", True  # late, and nobody has asked for it again
+    rules.advance(3 * S)
+    assert rules.predicates.faults
+
+
 def test_a_reset_has_the_devices_clear_their_faults() -> None:
     far = Far(False)
     rules = arbiter(far)

@@ -304,6 +304,8 @@ class LineArbiter:
             if name not in self.predicates.faults:
                 _log.error("%s", why)
             self.predicates.latch(name, why)
+        for name in self._lines.recovered() & self.predicates.faults.keys():
+            _log.info("over, for it was activated again: %s", self.predicates.faults.pop(name))
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)

@@ -47,6 +47,8 @@ class OutputLines:
         self._half_done: set[str] = set()
         """What an activation that failed may have activated: of several chips, one may have been written."""
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
+        self._renewed: set[str] = set()
+        """Lines of devices that were activated since they last had a trouble."""
 
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
@@ -82,6 +84,8 @@ class OutputLines:
         self._changed |= changes.keys()
         if self.remote is not None:
             self._unsure |= self.remote.unsure()
+            self._renewed.difference_update(changes)
+            self._renewed |= {line for line, level in changes.items() if level}
 
     def written(self, at: int) -> None:
         """What was changed just now is changed since ``at``: a write takes a moment, and IL-10 counts from its end."""
@@ -115,7 +119,14 @@ class OutputLines:
         if self.remote is None:
             return {}
         found = self.remote.troubles()
-        return {f"output {line}": f"{self._policy.called(line)} {why}." for line, why in found.items()}
+        self._renewed.difference_update(found)
+        return {_fault(line): f"{self._policy.called(line)} {why}." for line, why in found.items()}
+
+    def recovered(self) -> set[str]:
+        """Names of the faults that are over: their line was activated again, and its device confirms that."""
+        if self.remote is None:
+            return set()
+        return {_fault(line) for line in self._renewed.difference(self.remote.unsure(), self._half_done)}
 
     def ready_at(self, write: Write) -> int:
         """The earliest time at which a write may be applied, µs."""
@@ -144,3 +155,7 @@ class OutputLines:
         if not active or (self.coils and line in self.coils.guessed):
             return None
         return self.changed_at[line] + self._policy.max_active_us[line]
+
+
+def _fault(line: str) -> str:
+    return f"output {line}"
