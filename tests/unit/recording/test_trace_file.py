@@ -188,7 +188,6 @@ def test_compressed_records_are_refused_and_not_unpacked(tmp_path: Path, compres
 
 
 def test_a_chunk_without_compression_is_read_and_its_damage_told(tmp_path: Path) -> None:
-    """This product writes none, but another writer may."""
     found = read_trace(_with_chunk(tmp_path / "grip.mcap", b"", b"\x05\xff\xff\xff\xff\0\0\0\0", 9))
     assert (found.records, found.damaged) == ((), True)
     assert "near byte" in found.note

@@ -58,7 +58,7 @@ class SegmentFile:
         self.path, self._fd = _create(folder, program)
         self.size = 0
         """Bytes that were written."""
-        self._day_us = day_us
+        self._day_us, self._count = day_us, 0
         self._sink = _Sink()
         # without chunks: each record stands alone; a checksum of all of them comes last
         self._writer = Writer(
@@ -77,7 +77,8 @@ class SegmentFile:
         """A record of what happened at ``at`` µs on the monotonic clock; :meth:`write` brings it to the file."""
         data = to_json(content, fallback=_plain)
         time = (at + self._day_us) * 1000
-        self._writer.add_message(self._channels[kind], time, data, time)
+        self._count += 1  # times may go back: the number has the order
+        self._writer.add_message(self._channels[kind], time, data, time, self._count)
 
     def write(self) -> None:
         """Write what was added, all of it or nothing; raises OSError."""

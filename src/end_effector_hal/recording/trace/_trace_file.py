@@ -6,8 +6,10 @@ import json
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,9 @@ MAGIC = b"\x89MCAP0\r\n"
 DATA_END_BYTES = 13
 """Opcode, length, checksum."""
 CHECKSUM_BYTES = 4
+CHUNK_HEAD = struct.Struct("<BQQQQIIQ")
+"""Opcode and length; first and last time, size, checksum, length of the name of the compression, which is empty; length
+of the records."""
 NO_CHECKSUM = 0
 _COMPRESSED = (
     "records are compressed, as in no trace; `mcap decompress` unpacks a file that somebody has packed"
@@ -90,7 +95,7 @@ def read_trace(path: str | Path) -> TraceFile:
     if data[: len(MAGIC)] != MAGIC[: len(data)]:
         raise UsageError("This is no MCAP file.", where=str(path))
     topics: dict[int, str] = {}
-    records: list[Record] = []
+    numbered: list[tuple[int, Record]] = []
     attachments: dict[str, bytes] = {}
     complete, note = False, "it was not closed: the program was killed or still writes, or its disk was full"
     changed = True  # until the record that carries the checksum says otherwise
@@ -102,7 +107,7 @@ def read_trace(path: str | Path) -> TraceFile:
             attachments[record.name] = record.data
         elif isinstance(record, Message) and record.channel_id in topics:
             kind = topics[record.channel_id].rpartition("/")[2]
-            records.append(Record(kind, record.data, record.log_time // 1000))
+            numbered.append((record.sequence, Record(kind, record.data, record.log_time // 1000)))
         elif isinstance(record, DataEnd):
             changed = reading.changed(0, DATA_END_BYTES, record.data_section_crc)
         elif isinstance(record, Footer):
@@ -112,7 +117,14 @@ def read_trace(path: str | Path) -> TraceFile:
     changed = complete and changed
     note = reading.note or ("bytes in it were changed since it was written" if changed else note)
     damaged = changed or bool(reading.note)
-    return TraceFile(path, program, tuple(records), attachments, complete, note, damaged, len(data))
+    return TraceFile(path, program, _in_order(numbered), attachments, complete, note, damaged, len(data))
+
+
+def _in_order(numbered: list[tuple[int, Record]]) -> tuple[Record, ...]:
+    """As they were written, up to the first that is missing; those of older files have no number."""
+    numbered.sort(key=itemgetter(0))
+    gap = (at for at, (number, _) in enumerate(numbered) if number not in (0, at + 1))
+    return tuple(record for _, record in numbered[: next(gap, None)])
 
 
 class _Reading:
@@ -126,8 +138,10 @@ class _Reading:
         from mcap.records import Chunk
         from mcap.stream_reader import StreamReader, breakup_chunk
 
+        begin = len(MAGIC)
         try:
             for record in StreamReader(self._file, emit_chunks=True, record_size_limit=self._size).records:
+                begin = self._file.tell()
                 if not isinstance(record, Chunk):
                     yield record
                 elif record.compression:
@@ -137,8 +151,25 @@ class _Reading:
         except (EndOfFile, struct.error, RecordLengthLimitExceeded):
             if self._data[len(MAGIC) :].endswith(MAGIC):  # it was closed: else it was cut off within a record
                 self.note = f"near byte {self._file.tell()} a record is longer than the file"
+            else:
+                yield from self._cut_off(begin)
         except Exception as error:  # noqa: BLE001 - damaged records raise whatever the library raises
             self.note = f"near byte {self._file.tell()}: {error or type(error).__name__}"
+
+    def _cut_off(self, begin: int) -> Iterator[object]:
+        """The whole records of a chunk that begins there and was cut off."""
+        from mcap.opcode import Opcode
+        from mcap.stream_reader import StreamReader
+
+        head = self._data[begin : begin + CHUNK_HEAD.size]
+        if len(head) < CHUNK_HEAD.size:
+            return
+        opcode, *_, compression_bytes, _ = CHUNK_HEAD.unpack(head)
+        if opcode != Opcode.CHUNK or compression_bytes:
+            return
+        inside = BytesIO(self._data[begin + CHUNK_HEAD.size :])
+        with suppress(Exception):  # to its end, which is missing
+            yield from StreamReader(inside, skip_magic=True, record_size_limit=self._size).records
 
     def changed(self, start: int, after: int, checksum: int) -> bool:
         """Whether what begins at ``start`` and ends so many bytes before here is not what its checksum says."""

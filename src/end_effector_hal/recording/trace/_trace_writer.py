@@ -6,13 +6,20 @@ import logging
 import queue
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from time import time_ns
+from time import monotonic, time_ns
 from typing import NamedTuple
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.recording._limits import RecordingLimits, make_room
+from end_effector_hal.recording._limits import MEGABYTE, RecordingLimits, make_room
+from end_effector_hal.recording.trace._indexed import (
+    TooLongError,
+    remove_leftovers,
+    start_indexing,
+    write_indexed,
+)
 from end_effector_hal.recording.trace._segment import SegmentFile
 
 _log = logging.getLogger("end_effector_hal.recording")
@@ -22,6 +29,8 @@ RETRY_S = 1.0
 """After this a disk that failed is tried again."""
 END_S = 2.0
 """So long the end of a program waits for its disk."""
+INDEX_S = 1.0
+"""So long the thread of the writer sorts a short segment, or the last one; the others get a process of their own."""
 HEADER = "header"
 
 Entry = tuple[str, int, object]
@@ -149,7 +158,7 @@ class TraceWriter:
         self._queue.put(_Begin(at, first, gap))
 
     def close(self) -> None:
-        """Write the rest and the index; what takes longer than two seconds is given up. May be called again."""
+        """Write the rest, and the index; what takes longer than two seconds is given up. May be called again."""
         self._queue.put(None)
         self._thread.join(END_S)
 
@@ -223,7 +232,7 @@ class TraceWriter:
         before, self._segment = self._segment, None
         fresh, self._fresh = self._fresh, None
         try:
-            follows = before is not None and begin.gap is None and _finished(before)
+            follows = before is not None and self._finish(before) and begin.gap is None
             fresh = fresh or self._make()
             preamble = fresh.size
             if self._header is not None:
@@ -251,11 +260,12 @@ class TraceWriter:
             return
         before, self._segment = self._segment, None
         if before is not None:
-            _finished(before)
+            self._finish(before)
         self.wants_state = True
 
     def _make(self) -> SegmentFile:
         if self._folder.is_dir():
+            remove_leftovers(self._folder)
             make_room(self._folder, self._limits)
         return SegmentFile(
             self._folder, self._program, self._kinds, attachments=self._attachments, day_us=self._day_us
@@ -263,19 +273,28 @@ class TraceWriter:
 
     def _end(self) -> None:
         if self._segment is not None:
-            _finished(self._segment)
+            self._finish(self._segment, last=True)
         if self._fresh is not None:
             self._fresh.discard()
 
-
-def _finished(segment: SegmentFile) -> bool:
-    """Whether a segment could be closed with its checksum."""
-    try:
-        segment.finish()
-    except OSError as error:
-        _log.warning("%s has no checksum: %s", segment.path, error.strerror)
-        return False
-    return True
+    def _finish(self, segment: SegmentFile, *, last: bool = False) -> bool:
+        """Close a segment and have it indexed; whether it could be closed with its checksum."""
+        try:
+            segment.finish()
+        except OSError as error:
+            _log.warning("%s has no checksum: %s", segment.path, error.strerror)
+            return False
+        try:
+            if last or segment.size <= MEGABYTE:
+                write_indexed(segment.path, monotonic() + INDEX_S)
+            else:
+                start_indexing(segment.path)
+        except TooLongError:
+            with suppress(OSError):  # it can be read as it is
+                start_indexing(segment.path)
+        except Exception as error:  # noqa: BLE001 it can be read as it is
+            _log.info("%s has no index: %s", segment.path, error)
+        return True
 
 
 def _why(error: Exception) -> str:

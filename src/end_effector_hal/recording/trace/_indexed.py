@@ -1,0 +1,124 @@
+"""A closed segment is written again: sorted by time, in chunks, with an index, as other programs of MCAP expect it.
+
+While a program runs, records are appended as they happen, and their times may go back a little. The number of each
+record keeps the order of writing, in which `read_trace` gives them.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+from end_effector_hal.recording._files import lock, still_there
+from end_effector_hal.recording._limits import MEGABYTE
+
+CHUNK_BYTES = 64 * 1024
+"""A file that is cut off later loses at most one chunk more than what was cut."""
+NAME = ".{}.indexed"
+
+
+class TooLongError(Exception):
+    """It has taken more time than it was given."""
+
+
+def write_indexed(path: Path, until: float | None = None) -> None:
+    """Replace a closed segment by its indexed form, in one step; until then, and in any failure, it stays as it is.
+
+    Args:
+        path: of the segment; it needs as much room again for a moment.
+        until: when it is given up, on the monotonic clock of `time`, s; None: never.
+
+    Raises:
+        OSError: the disk; another process is at it; the segment was removed.
+        TooLongError: it was given up.
+        ValueError: the segment is damaged.
+    """
+    beside = path.with_name(NAME.format(path.name))
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+    with path.open("rb") as source, os.fdopen(os.open(beside, flags, 0o644), "r+b") as target:
+        if not lock(target.fileno()):
+            raise BlockingIOError(f"another process writes {beside}")
+        try:
+            target.truncate()
+            found, room = os.fstat(source.fileno()), os.fstatvfs(target.fileno())
+            if room.f_bavail * room.f_frsize < 2 * found.st_size + MEGABYTE:
+                raise OSError("the disk has no room for its indexed form")
+            if _copy(source, target, until):
+                target.flush()
+                os.fsync(target.fileno())
+                # the oldest segments are removed first
+                os.utime(target.fileno(), ns=(found.st_atime_ns, found.st_mtime_ns))
+                still_there(path, source.fileno())
+                beside.replace(path)
+        finally:
+            with suppress(OSError):
+                beside.unlink()
+
+
+def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
+    """False: there is nothing to sort."""
+    from mcap.data_stream import ReadDataStream
+    from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Message, Schema
+    from mcap.stream_reader import StreamReader
+    from mcap.writer import CompressionType, Writer
+
+    writer = Writer(target, CHUNK_BYTES, CompressionType.NONE, enable_data_crcs=True)
+    schemas, channels = {0: 0}, dict[int, int]()
+    places: list[tuple[int, int]] = []
+    begin = 0
+    for record in StreamReader(source, emit_chunks=True, validate_crcs=True).records:
+        if isinstance(record, Message):
+            places.append((record.log_time, begin))
+        elif isinstance(record, Header):
+            writer.start(record.profile, record.library)
+        elif isinstance(record, Attachment):
+            times = record.create_time, record.log_time
+            writer.add_attachment(*times, record.name, record.media_type, record.data)
+        elif isinstance(record, Schema):
+            schemas[record.id] = writer.register_schema(record.name, record.encoding, record.data)
+        elif isinstance(record, Channel):
+            kind = record.message_encoding, schemas[record.schema_id]
+            channels[record.id] = writer.register_channel(record.topic, *kind, record.metadata)
+        elif isinstance(record, Chunk):
+            return False
+        elif isinstance(record, DataEnd):
+            break
+        begin = source.tell()
+        _check(until)
+    for _, place in sorted(places):
+        source.seek(place + 1)
+        stream = ReadDataStream(source)
+        found = Message.read(stream, stream.read8())
+        channel = channels[found.channel_id]
+        writer.add_message(channel, found.log_time, found.data, found.publish_time, found.sequence)
+        _check(until)
+    if places:
+        writer.finish()  # type: ignore[no-untyped-call]
+    return bool(places)
+
+
+def _check(until: float | None) -> None:
+    if until is not None and time.monotonic() > until:
+        raise TooLongError
+
+
+def start_indexing(path: Path) -> None:
+    """Have it done by a process of its own, which goes on after the end of this one; raises OSError."""
+    nothing = subprocess.DEVNULL
+    command = [sys.executable, "-m", __package__, str(path)]
+    child = subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing, start_new_session=True)
+    threading.Thread(target=child.wait, name="trace-indexing", daemon=True).start()
+
+
+def remove_leftovers(folder: Path) -> None:
+    """What a process that was killed has left of it."""
+    for path in folder.glob(NAME.format("*.mcap")):
+        with suppress(OSError), path.open("rb") as file:
+            if lock(file.fileno()):
+                path.unlink()
