@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from end_effector_hal.vocabulary import Cause, ChangerFault, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import (
+    ARBITER_LOST,
+    Cause,
+    ChangerFault,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    Evidence,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +31,8 @@ class Answer:
     """Whether a command was taken, and if not, why in words.
 
     Attributes:
-        decided: False when no answer came in time; the command may be executed all the same.
+        decided: False when no answer came in time, and the command may be executed all the same; or when the line
+            arbiter is lost, and it is not executed.
         count: the number of the first status that is certain to follow the acceptance, where statuses are numbered.
     """
 
@@ -75,3 +84,8 @@ class Status:
     """Frames that did not count because of their stamp, since the start."""
     alarms: tuple[str, ...] = ()
     steps: tuple[StepReport, ...] = ()
+
+    @property
+    def arbiter_lost(self) -> bool:
+        """Whether ``held`` and the outputs are the last known ones, and not known now."""
+        return any(alarm.startswith(ARBITER_LOST) for alarm in self.alarms)

@@ -14,6 +14,7 @@ from ._tables import (
     display_name,
 )
 from ._text import (
+    ARBITER_LOST,
     LONGEST_SENTENCE,
     OVER,
     STOPPED,
@@ -28,6 +29,7 @@ from ._time import to_s, to_us
 
 __all__ = [
     "ACTIVE",
+    "ARBITER_LOST",
     "INACTIVE",
     "LEASE_US",
     "LONGEST_MESSAGE",

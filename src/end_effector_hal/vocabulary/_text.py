@@ -7,6 +7,8 @@ from difflib import get_close_matches
 
 OVER = "Over: "
 """With this begins an alarm that is so no longer, and is shown until it is acknowledged."""
+ARBITER_LOST = "The line arbiter is lost"
+"""How an alarm begins that says so: outputs and what is held are the last known ones."""
 STOPPED = "the tool was stopped"
 """With this clause, after ``IL-13: ``, begins the fault of a latched stop: a program knows it by that."""
 LONGEST_NAME, LONGEST_SENTENCE = 64, 500

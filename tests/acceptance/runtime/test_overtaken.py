@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import pytest
 
@@ -119,16 +119,48 @@ def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
     assert State.OFF not in tool.states()[1:]
 
 
-def test_a_deactivation_that_found_no_owner_is_done_when_it_is_back(tool: Tool) -> None:
+def test_a_cancel_that_finds_no_owner_changes_nothing_and_the_grip_goes_on(tool: Tool) -> None:
     tool.grip_to(1)
     tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
-    assert tool.program.command("cancel").accepted
-    tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.until(lambda status: bool(status.alarms))
-    assert tool.owner.active[BOTTOM]
+    answer = tool.program.command("cancel")
+    assert (answer.accepted, answer.decided) == (False, False)
+    assert answer.reason.startswith("The line arbiter is lost: nothing was written, and nothing will be.")
+    status = tool.until(lambda status: status.arbiter_lost)
+    assert status.outputs == (ON, ON, OFF)
     tool.owner.error = None
-    tool.until(lambda status: status.ee == State.STAND_BY and not status.alarms)
-    assert tool.owner.active == dict.fromkeys(LINES, OFF)
+    tool.until(lambda status: not status.alarms)
+    assert tool.owner.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}
+    tool.confirmed[CYLINDER] = ON
+    tool.until(lambda _: tool.owner.active[TOP])
+
+
+def test_a_drop_whose_first_write_is_lost_is_given_up_and_the_part_stays_held(tool: Tool) -> None:
+    """The owner has answered just before."""
+    tool.grip_to(2)
+    tool.confirmed[TOP] = ON
+    tool.until(lambda status: status.ee == State.GRIPPED)
+    levels = tool.owner.levels
+
+    def last_answer() -> Mapping[str, bool]:
+        tool.owner.levels = levels  # type: ignore[method-assign]
+        found = levels()
+        tool.owner.error = ArbiterError("the line arbiter was lost.")
+        return found
+
+    tool.owner.levels = last_answer  # type: ignore[method-assign]
+    answer = tool.program.command("drop")
+    assert (answer.accepted, answer.decided) == (False, False)
+    assert answer.reason.startswith("The line arbiter was lost before all of it was written.")
+    status = tool.until(lambda status: status.arbiter_lost)
+    assert (status.held, status.outputs) == (ON, (ON, ON, ON))
+    assert State.RELEASING not in tool.states()
+    tool.owner.error = None
+    tool.until(lambda status: status.ee == State.GRIPPED and not status.alarms)
+    assert tool.owner.active == dict.fromkeys(LINES, ON)
+    assert tool.owner.will == ()
+    assert tool.program.command("drop").accepted
+    tool.confirmed = dict.fromkeys(LINES, OFF)
+    tool.until(lambda status: status.ee == State.STAND_BY)
 
 
 def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:

@@ -14,14 +14,16 @@ import pytest
 
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control._status_builder import StatusBuilder
+from end_effector_hal.control.goals import Outcome, judge
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
+from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import STOPPED, Cause, EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import STOPPED, Cause, Command, EndEffectorState, LastWillStep
 from tests.support.declared import declared
 from tests.support.patience import wait_until
 
@@ -292,18 +294,68 @@ def test_a_client_of_the_stream_drives_one_actuator_under_the_lease(tool: Tool) 
     assert tool.lines.active[line]
 
 
-def test_a_drop_is_carried_out_once_the_line_arbiter_is_there_again(tool: Tool) -> None:
+@pytest.mark.parametrize("noticed", [True, False])
+def test_a_drop_without_the_line_arbiter_ends_unreachable_and_is_not_carried_out_later(
+    tool: Tool, noticed: bool
+) -> None:
     assert tool.command("grip").accepted
     tool.run(100)
     tool.lines.away = True
-    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
-    tool.idle()
-    assert tool.command("drop").accepted
-    assert all(tool.lines.active.values())
+    if noticed:
+        tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+        tool.idle()
+    assert tool.command("drop") == Answer(
+        False,
+        "The line arbiter is lost: nothing was written, and nothing will be. Give the command again when it is back.",
+        decided=False,
+    )
+    status = tool.program.status
+    assert (status.ee, status.held, status.arbiter_lost) == (EndEffectorState.GRIPPED, True, True)
+    assert all(status.outputs)
     tool.lines.away = False
+    tool.run(400)
+    assert all(tool.lines.active.values())
+    assert (tool.program.status.ee, tool.program.status.arbiter_lost) == (EndEffectorState.GRIPPED, False)
+    assert tool.command("drop").accepted
     tool.run(200)
     assert not any(tool.lines.active.values())
-    assert tool.program.status.ee is EndEffectorState.STAND_BY
+
+
+def test_an_unwinding_that_ends_without_the_line_arbiter_is_given_up(tool: Tool) -> None:
+    """Its first line is written; what it could not write is not written after its end."""
+    assert tool.command("grip").accepted
+    tool.run(100)
+    assert tool.command("drop").accepted
+    left = dict(tool.lines.active)
+    assert list(left.values()) == [True, True, False]
+    tool.lines.away = True
+    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.run(10)
+    releasing = tool.program.status
+    assert (releasing.ee, releasing.outputs) == (EndEffectorState.RELEASING, (True, True, False))
+    tool.run(400)
+    status = tool.program.status
+    assert judge(Command.RELEASE, status) == (Outcome.UNREACHABLE, UNWRITTEN)
+    assert status.outputs == (True, True, False)
+    tool.lines.away = False
+    tool.run(400)
+    assert tool.lines.active == left
+    assert (tool.program.status.ee, tool.program.status.held) == (EndEffectorState.GRIP_ERROR, True)
+
+
+def test_maintenance_is_not_ended_by_a_command_that_the_line_arbiter_does_not_get(tool: Tool) -> None:
+    line = tool.description.actuators["cylinder"].line
+    drive = tool.program._drive
+    assert tool.ask(lambda: drive("cylinder", None, active=True)).accepted
+    tool.lines.away = True
+    answer = tool.ask(lambda: drive("cylinder", None, active=False))
+    assert (answer.accepted, answer.decided) == (False, False)
+    assert tool.program.status.outputs == (False, True, False)
+    tool.lines.away = False
+    tool.run(100)
+    assert tool.lines.active[line]
+    assert tool.ask(lambda: drive("cylinder", None, active=False)).accepted
+    assert not tool.lines.active[line]
 
 
 def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(tool: Tool) -> None:

@@ -124,6 +124,8 @@ class ArbiterClient:
         """
         steps = None if will is None else self._read(will)
         with self._lock:
+            if steps is not None and not levels:
+                self._will = steps  # it changes no line: the next connection begins with it in any case
             self._raise_lost()
             if not self._arbiter.connected:
                 self._connect()

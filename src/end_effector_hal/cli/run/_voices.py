@@ -215,7 +215,8 @@ class JsonLines:
 
     def answer(self, name: str, answer: Answer) -> None:
         """As a result without steps."""
-        outcome = (Outcome.SUCCEEDED if answer.accepted else Outcome.REJECTED).name
+        refused = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
+        outcome = (Outcome.SUCCEEDED if answer.accepted else refused).name
         self._print(
             "result", None, command=name, succeeded=answer.accepted, outcome=outcome,
             reason=answer.reason, seconds=0.0, steps=[],
@@ -236,7 +237,8 @@ class JsonLines:
             "status", status.at, state=int(status.ee), state_name=status.ee.name, command=int(status.command),
             command_name=status.command.name, tool_changer=int(status.changer),
             tool_changer_name=status.changer.name, held=status.held, lift_allowed=status.lift_allowed,
-            secure=status.secure, link_up=status.link_up, reason=status.reason, alarms=list(status.alarms),
+            arbiter_lost=status.arbiter_lost, secure=status.secure, link_up=status.link_up, reason=status.reason,
+            alarms=list(status.alarms),
             actuators=actuators, steps=[asdict(step) for step in status.steps],
         )  # fmt: skip
 
@@ -263,7 +265,8 @@ Voice = Words | JsonLines
 def status_lines(description: Description, status: Status) -> Iterator[str]:
     """A tool at a glance."""
     doing = f", executing {status.command.name}" if status.command != Command.NONE else ""
-    held = "; a part is held" if status.held else ""
+    lost = ", as last known" if status.arbiter_lost else ""
+    held = f"; a part is held{lost}" if status.held else ""
     lift = ", lift allowed" if status.lift_allowed else ", lift not allowed" if status.held else ""
     yield f"{description.name}: {status.ee.name}{doing}{held}{lift}"
     seconds = {step.name: step for step in status.steps}

@@ -5,6 +5,7 @@ Rule 1. Goals are decided in the order in which they came. A goal that waits for
 Rule 2. One goal runs at a time. A second one is refused with a reason; it never ends the first.
 Rule 3. Only the automata of its program accept a goal or refuse it. A program that does not answer in time may have
         begun it: the outcome is UNREACHABLE, and so it is for each goal that waited for the same program meanwhile.
+        So it is while the line arbiter is lost: nothing is begun then.
 Rule 4. A goal that was accepted follows the statuses of its program that come after the acceptance. It is over when
         the program does not execute a command any more; it has succeeded only when that status proves it.
 Rule 5. A program that has gone, or was started again, or is not seen any more because we end, leaves a goal whose

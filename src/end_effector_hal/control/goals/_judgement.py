@@ -8,6 +8,7 @@ from .._status import Status
 from ._goal import Outcome
 
 _WANTED_STATES = {Command.GRIP: EndEffectorState.GRIPPED, Command.RELEASE: EndEffectorState.STAND_BY}
+_LOST = "The line arbiter is lost: the outputs are not known."
 _WANTED_POSITIONS = {Command.LOCK: ChangerState.LOCKED, Command.UNLOCK: ChangerState.UNLOCKED}
 _WANTED_EVIDENCE = {Command.GRIP: Evidence.CONFIRMED, Command.RELEASE: Evidence.GONE}
 
@@ -24,15 +25,22 @@ def is_reached(command: Command, status: Status) -> bool:
 
 
 def judge(command: Command, status: Status) -> tuple[Outcome, str]:
-    """The outcome of a command that is over, and the reason in words; the sensors have decided it."""
+    """The outcome of a command that is over, and the reason in words; the sensors have decided it.
+
+    While the line arbiter is lost only what the sensors prove is known.
+    """
     if command in _WANTED_POSITIONS:
         reached, position = status.changer, _WANTED_POSITIONS[command]
         if reached is position:
             return Outcome.SUCCEEDED, ""
+        if status.arbiter_lost:
+            return Outcome.UNREACHABLE, status.reason or _LOST
         why = f"The tool changer is {reached.name}: its sensors do not prove {position.name}."
         return Outcome.FAILED, f"{why} {status.reason}".rstrip()
     if status.ee == _WANTED_STATES[command]:
         return Outcome.SUCCEEDED, ""
+    if status.arbiter_lost and status.ee != EndEffectorState.STAND_BY:
+        return Outcome.UNREACHABLE, status.reason or _LOST
     cancelled = command is Command.GRIP and status.cause == Cause.CANCELLED
     reason = status.reason or f"The end-effector is {status.ee.name}."
     return (Outcome.CANCELLED if cancelled else Outcome.FAILED), reason

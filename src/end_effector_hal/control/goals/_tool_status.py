@@ -54,5 +54,8 @@ def tool_status(
 
 def reset_answer(answers: Iterable[Answer]) -> Answer:
     """What a reset has come to, from the answers of all that latch a fault."""
-    stays = [answer.reason for answer in answers if not answer.accepted]
-    return Answer(False, " ".join(stays)) if stays else Answer(True, NOTHING_LATCHED)
+    stays = [answer for answer in answers if not answer.accepted]
+    if not stays:
+        return Answer(True, NOTHING_LATCHED)
+    reason = " ".join(dict.fromkeys(answer.reason for answer in stays))
+    return Answer(False, reason, decided=all(answer.decided for answer in stays))

@@ -174,4 +174,5 @@ def _status(message: StatusMessage) -> Status:
         cause=Cause(message.cause),
         reason=message.reason,
         changer=ChangerState(message.tool_changer),
+        alarms=tuple(message.alarms),
     )

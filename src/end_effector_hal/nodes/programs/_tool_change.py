@@ -62,6 +62,6 @@ class ToolChangeNode:
             outcome, why = judge(command, self._program.status)
             if outcome is Outcome.SUCCEEDED:
                 return Answer(True, f"The tool changer is {wanted.name}, proven by its sensors.")
-            answer = Answer(False, why)
+            answer = Answer(False, why, decided=outcome is not Outcome.UNREACHABLE)
         self._node.log_refusal(CHANNELS[command], answer)
         return answer

@@ -213,6 +213,7 @@ class ToolView:
             "name": status.ee.name,
             "since": self._state[1],
             "held": status.held,
+            "arbiter_lost": status.arbiter_lost,
             "lift_allowed": status.lift_allowed,
             "secure": status.secure,
             "maintenance": status.maintenance,

@@ -6,14 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status, maintenance_will
-from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError
-from end_effector_hal.vocabulary import LastWillStep
+from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, WireError
+from end_effector_hal.vocabulary import ARBITER_LOST, LastWillStep
 
 from ._output_mapping import OutputMapping
 
 RETRY_US = 200_000
 """What could not be done with the lines is tried again after this."""
 RESTARTED = "the program has restarted."
+UNKNOWN = f"{ARBITER_LOST}: what is held and the outputs are the last known ones, and are not known now."
 DECLARED_DEAD = f"The line arbiter declared this program dead and executed its last will; {RESTARTED}"
 
 
@@ -55,13 +56,19 @@ class Outputs:
     Args:
         lines: the line arbiter.
         mapping: of a status to lines.
+        known: the last known levels.
     """
 
-    def __init__(self, lines: LineWriter, mapping: OutputMapping) -> None:
+    def __init__(
+        self, lines: LineWriter, mapping: OutputMapping, known: Mapping[str, bool] | None = None
+    ) -> None:
         self._lines, self.mapping = lines, mapping
+        self.known = dict(known or {})
+        """The last known level of each line; one that was perhaps activated counts as active."""
         self._wanted: dict[str, bool] | None = None
         self._said: tuple[LastWillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
+        self._leased: set[str] = set()
         self._written: dict[str, bool] = {}
         self._unheard: set[str] = set()
         self._attempt = 0
@@ -81,11 +88,17 @@ class Outputs:
     def found(self, levels: Mapping[str, bool], status: Status) -> None:
         """The levels that a program adopts as it begins: what has changed since they were read is found by `agree`."""
         self._written = {line: levels[line] for line in self.mapping.levels(status) if line in levels}
+        self.known |= levels
 
     @property
     def activated(self) -> frozenset[str]:
         """The lines that this program has activated and not asked to deactivate."""
         return frozenset(line for line, level in self._written.items() if level)
+
+    @property
+    def owes(self) -> bool:
+        """Whether a deactivation that was decided is not written yet; one that ends a lease of maintenance is none."""
+        return not self._undone.keys() <= self._leased
 
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
         """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
@@ -128,11 +141,12 @@ class Outputs:
             # asked again by then: a deactivation that fails waits for longer
             self.settles_at = asked.at + min(delay_us, RETRY_US) if delay_us > 0 else None
             self.alarm, self._said, self._undone, self.retry_at = "", asked.will, {}, None
+            self._leased.clear()
             return
         except ReportedError as error:
             if isinstance(error, LineRefusedError):
                 self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
-            self.alarm = f"The lines could not be written: {error}"
+            self.alarm = f"{UNKNOWN if self.lost else 'The lines could not be written:'} {error}"
             self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
         self._fail(asked.changes)
 
@@ -150,6 +164,7 @@ class Outputs:
         self.retry_at = at + RETRY_US
         levels = self._lines.levels()
         self.lost, declared_dead = False, self._lines.declared_dead()
+        self.known |= levels
         unknown = sorted(self._written.keys() - levels.keys())
         others = sorted(line for line, level in self._written.items() if levels.get(line, level) != level)
         self.disagreement = ""
@@ -172,13 +187,14 @@ class Outputs:
             raise ArbiterError(self.alarm)
         self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
 
-    def lose(self, error: ArbiterError, at: int) -> None:
+    def lose(self, error: WireError, at: int) -> None:
         """The line arbiter was lost; nothing is written until `agree` has been asked."""
         self.lost, self.retry_at = True, at
-        self.alarm = f"The line arbiter was lost: {error}"
+        self.alarm = f"{UNKNOWN} {error}"
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
         """Deactivate what maintenance has activated; tried again until it is done, else the last will does it."""
+        self._leased |= set(lines)
         self._ask({**self._undone, **dict.fromkeys(lines, False)}, maintenance_will(lines), at)
         self.finish()
 
@@ -226,8 +242,10 @@ class Outputs:
             self.lost, self.retry_at = True, 0
             for line in changes:
                 self._written.pop(line, None)  # perhaps it was executed: either level is right
+            self.known |= {line: True for line, level in changes.items() if level}
             raise
         self._written |= changes
+        self.known |= changes
         self._unheard -= changes.keys()
         if any(changes.values()):
             self.refused = ""

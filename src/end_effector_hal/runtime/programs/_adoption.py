@@ -9,7 +9,7 @@ from dataclasses import replace
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
-from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs
+from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, UNKNOWN, LineWriter, Outputs
 from end_effector_hal.vocabulary import EndEffectorState
 
 
@@ -44,9 +44,15 @@ class Adoption:
         self.begun = False
         self.withholds = False
         self.obstacle = ""
+        self._unreachable = False
         self._begin_at: int | None = None
         self._ahead_of: object = None
         self._ahead: Iterator[object] = iter(())
+
+    @property
+    def lost(self) -> bool:
+        """Whether the line arbiter is lost: nothing is known of the lines now."""
+        return self.outputs.lost or self._unreachable
 
     @property
     def due(self) -> int | None:
@@ -69,9 +75,11 @@ class Adoption:
             levels = {**dict.fromkeys(self._activated, True), **self._lines.levels()}
             found = sensor_fault()
         except WireError as error:
-            self.obstacle, self._begin_at = str(error), at + RETRY_US
+            self._unreachable = isinstance(error, ArbiterError)
+            self.obstacle = f"{UNKNOWN} {error}" if self._unreachable else str(error)
+            self._begin_at = at + RETRY_US
             return []
-        self.begun, self.obstacle, self._begin_at = True, "", None
+        self.begun, self._unreachable, self.obstacle, self._begin_at = True, False, "", None
         self.outputs.found(levels, self.controller.status())
         statuses = self.controller.start(levels, at, sensor_fault=found)
         return statuses + (self.controller.update_peer(peer, at) if peer else [])
@@ -82,6 +90,14 @@ class Adoption:
         if not self.outputs.lost and (settled or at >= (self.outputs.retry_at or at + 1)):
             self.outputs.retry(self.controller.status(), at)
         return self.controller.advance(at)
+
+    def look(self, at: int) -> None:
+        """Whether the line arbiter answers: a command that finds it lost is not even begun."""
+        if self.begun and not self.outputs.lost:
+            try:
+                self._lines.levels()
+            except WireError as error:
+                self.outputs.lose(error, at)
 
     def lose(self, error: ArbiterError, at: int) -> None:
         """The connection to the line arbiter was lost."""
@@ -106,7 +122,7 @@ class Adoption:
                 # its will is being executed, or somebody else has its lines
                 raise DeclaredDeadError(f"{DECLARED_DEAD} {error}") from error
             except WireError as error:
-                self.outputs.alarm = str(error)
+                self.outputs.alarm = f"{UNKNOWN} {error}"
         if not self.outputs.lost:
             return [*statuses, self.now(at)]
         # before it is told nothing is held: the will that holds must have arrived, or the owner may still unwind

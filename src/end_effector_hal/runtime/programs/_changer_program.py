@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar, Protocol
 
 from end_effector_hal.control import Answer, Status
@@ -90,6 +91,17 @@ class ChangerProgram(Program):
         if name == "reset" and answer.accepted:
             self._fault.reset()
         return answer, statuses
+
+    def _restart(self, why: str) -> list[Status]:
+        self._fault.restarted()
+        return super()._restart(why)
+
+    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
+        completed, changer = super()._completed(status, notices), self._description.tool_changer
+        if changer is None or not self._adoption.lost:
+            return completed
+        known = self._adoption.outputs.known.get(changer.line, completed.unlock_output)
+        return replace(completed, unlock_output=known)
 
     def _publish_one(self, status: Status) -> None:
         self._fault.update(status)

@@ -39,7 +39,7 @@ class GripProgram(Program):
             if until_us is not None and at > until_us:
                 return Answer(False, TOO_LATE), []
             if obstacle := self._obstacle("activate" if active else "deactivate"):
-                return Answer(False, obstacle), []
+                return Answer(False, obstacle, decided=not self._adoption.lost), []
             answer = drive(self._adoption, self._maintenance, line, at, active=active)
             return answer, [self._adoption.controller.status()] if answer.accepted else []
 
@@ -89,15 +89,21 @@ class GripProgram(Program):
         return (*super()._notices(), notice) if notice else super()._notices()
 
     def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
-        completed = super()._completed(status, notices)
-        written = self._adoption.outputs
+        completed, adoption = super()._completed(status, notices), self._adoption
+        written = adoption.outputs
         if completed.blowing and written.refused:  # an output that was not activated blows nothing off
             lines, names = self._description.blow_off_lines, self._description.sequence
             blown = tuple(each for each in completed.blowing if lines[names[each]] in written.activated)
             completed = replace(completed, blowing=blown)
+        if adoption.lost:  # as last known; what was never known is in doubt active
+            known = written.known
+            pairs = zip(self._description.ordered, completed.outputs, strict=True)
+            outputs = tuple(known.get(part.line, level or not adoption.begun) for (_, part), level in pairs)
+            held = completed.held if adoption.begun else self._held
+            completed = replace(completed, outputs=outputs, held=held)
         if not self._maintenance.active:
             return completed
         lines = self._maintenance.lines
-        parts = zip(self._description.ordered, status.outputs, strict=True)
+        parts = zip(self._description.ordered, completed.outputs, strict=True)
         outputs = tuple(output or part.line in lines for (_, part), output in parts)
         return replace(completed, outputs=outputs, deadline=self._maintenance.ends_at, maintenance=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
-from end_effector_hal.errors import LineRefusedError, WireError
+from end_effector_hal.errors import ArbiterError, LineRefusedError, WireError
 from end_effector_hal.runtime.outputs import Maintenance
 from end_effector_hal.vocabulary import Evidence, display_name
 
@@ -22,7 +22,7 @@ def drive(adoption: Adoption, maintenance: Maintenance, line: str, at: int, *, a
         if active and not isinstance(error, LineRefusedError):
             # perhaps it was executed: then the lease ends it
             maintenance.drove(line, active, at)
-        return Answer(False, str(error))
+        return Answer(False, str(error), decided=not isinstance(error, ArbiterError))
     maintenance.drove(line, active, at)
     return Answer(True)
 

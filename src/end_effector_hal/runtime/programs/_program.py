@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -42,7 +42,12 @@ STILL_US = 30_000_000
 RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
 UNTIL_RESET = "Nothing is activated until it is closed and the faults are reset."
 ACTIVATING = ("grip", "unlock", "activate")
-"""Commands that begin with an activation; the others only deactivate, and are carried out as soon as they can be."""
+"""Commands that begin with an activation; the others only deactivate, or change nothing."""
+LOST = "The line arbiter is lost: nothing was written, and nothing will be. Give the command again when it is back."
+UNWRITTEN = (
+    "The line arbiter was lost before all of it was written. Nothing of it is written later; the program has restarted "
+    "and adopts the lines as they are when the line arbiter is back."
+)
 
 
 class Program(ABC):
@@ -56,6 +61,8 @@ class Program(ABC):
        restarts, and adopts what it finds; what it has activated and nobody can read back counts as active, whatever
        its sensors show. Until it knows, it claims no grip.
     5. Nothing is told as held before all that was asked of the lines is applied: a deactivation may wait (IL-10).
+    6. While the line arbiter is lost no command is begun. What was decided and is not written when its command ends is
+       given up: the program restarts, and nothing of it is written later, nor left as a last will.
 
     Args:
         description: the tool.
@@ -81,7 +88,9 @@ class Program(ABC):
     ) -> None:
         self._description, self._clock, self._judge = description, clock, judge
         self._network = network_of(description)
-        self._recorder, self._lines = recorder, recorder.lines(lines)
+        self._recorder, self._lines, self._arbiter = recorder, recorder.lines(lines), lines
+        self._held = False  # as it was last known, before a restart
+        self._commanded = False  # what is being written is the beginning of a command that activates nothing
         self._peer: dict[str, int] = {}
         self._faults: tuple[str, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
@@ -185,7 +194,7 @@ class Program(ABC):
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
         """Give a command and wait for the decision of the automaton; after ``until_us`` it is not executed any more."""
-        return self._ask(lambda: self._decide(name, until_us))
+        return self._ask(lambda: self._decide(name, until_us), waits=name not in ACTIVATING)
 
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line arbiter does what the description declares for this ending."""
@@ -231,9 +240,10 @@ class Program(ABC):
         adoption = self._adoption
         if not adoption.begun:
             return f"The lines are not adopted yet. {adoption.obstacle}".rstrip()
+        if adoption.outputs.lost and name != "acknowledge":
+            lost = "Nothing can be activated while the line arbiter is lost."
+            return lost if name in ACTIVATING else LOST
         if name in ACTIVATING:
-            if adoption.outputs.lost:
-                return "Nothing can be activated while the line arbiter is lost."
             if self._still_until > self._clock():
                 return RELOADING
             return self._refused or self._unread(name)
@@ -265,10 +275,13 @@ class Program(ABC):
         at = self._clock()
         if until_us is not None and at > until_us:
             return Answer(False, TOO_LATE), []
-        if obstacle := self._obstacle(name):
-            return Answer(False, obstacle), []
         adoption = self._adoption
+        if name not in ACTIVATING:
+            adoption.look(at)
+        if obstacle := self._obstacle(name):
+            return Answer(False, obstacle, decided=not adoption.lost), []
         answer, statuses = adoption.controller.command(name, at)
+        self._commanded = answer.accepted and bool(statuses) and name not in ACTIVATING
         if answer.accepted:
             self._why = adoption.outputs.refused = ""
         return answer, statuses
@@ -315,13 +328,26 @@ class Program(ABC):
         self._worker.submit(lambda: self._reaction(event()) if self._adoption.begun else None)
 
     def _ask(self, question: Callable[[], tuple[Answer, list[Status]]], *, waits: bool = False) -> Answer:
+        given_up: list[str] = []
+
         def job() -> tuple[Answer, FollowUp | None]:
             answer, statuses = question()
-            return answer, self._reaction(statuses)
+            adoption, follow_up = self._adoption, self._reaction(statuses)
+            if follow_up is None or not self._commanded:
+                return answer, follow_up
+
+            def finish() -> None:
+                follow_up()
+                if adoption is not self._adoption:
+                    given_up.append(self._why)
+
+            return answer, finish
 
         if self._latest.ended:
             return Answer(False, f"The {self.NAME} program has ended.")
         answer = self._worker.ask(job, waits=waits)
+        if given_up:
+            return Answer(False, given_up[0], decided=False)
         return answer or Answer(False, f"The {self.NAME} program does not answer.", decided=False)
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
@@ -355,18 +381,30 @@ class Program(ABC):
         if follow_up := self._reaction(statuses):
             follow_up()
 
-    def _reset(self, activated: frozenset[str] = frozenset()) -> None:
+    def _reset(
+        self, activated: frozenset[str] = frozenset(), known: Mapping[str, bool] | None = None
+    ) -> None:
         controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
-        self._adoption = Adoption(controller, Outputs(self._lines, self._mapping()), self._lines, activated)
+        outputs = Outputs(self._lines, self._mapping(), known)
+        self._adoption = Adoption(controller, outputs, self._lines, activated)
 
     def _adopt(self) -> list[Status]:
         return self._adoption.begin(self._clock(), self._fault_found, self._peer)
 
     def _restart(self, why: str) -> list[Status]:
         _log.warning("%s: %s", self.NAME, why)
-        self._reset(self._adoption.outputs.activated)
+        self._held = self.status.held
+        self._reset(self._adoption.outputs.activated, self._adoption.outputs.known)
         self._why = why
         return [self._adoption.now(self._clock()), *self._adopt()]
+
+    def _give_up(self) -> list[Status]:
+        """Forget what was decided and cannot be written, with its last will."""
+        with suppress(WireError):
+            self._arbiter.ask(
+                {}, ()
+            )()  # it is lost: the next connection begins with this last will, which holds
+        return self._restart(UNWRITTEN)
 
     def _time_passed(self) -> FollowUp | None:
         return self._reaction(self._on_time(self._clock()) if self._adoption.begun else self._adopt())
@@ -377,7 +415,7 @@ class Program(ABC):
 
     def _finish(self, statuses: list[Status], unwritten: Sequence[Status]) -> None:
         """End the writes that were begun for statuses, the later of which are unwritten yet; publish them."""
-        outputs = self._adoption.outputs
+        outputs, commanded, self._commanded = self._adoption.outputs, self._commanded, False
         outputs.complete(unwritten)
         while outputs.objected:
             outputs.objected = False
@@ -390,6 +428,10 @@ class Program(ABC):
                 statuses = self._adoption.compare(statuses, self.status, self._clock())
             except DeclaredDeadError as error:
                 statuses = self._restart(str(error))
+            else:
+                ended = outputs.owes and self._adoption.controller.status().command is Command.NONE
+                if outputs.lost and (commanded or ended):
+                    statuses = self._give_up()
         if not self._adoption.outputs.lost:
             statuses = self._adoption.after_writes(statuses, self.status, self._clock())
         self._publish(statuses)

@@ -51,6 +51,10 @@ class SensorFault:
         """The automaton has accepted a reset: the next status that shows no fault clears it."""
         self._is_reset = True
 
+    def restarted(self) -> None:
+        """The program has restarted: a reset before it clears nothing."""
+        self._is_reset = False
+
     def update(self, status: Status) -> None:
         """A status is published. One that shows none and follows no reset clears nothing: a restart begins so."""
         shown = status.changer_fault == ChangerFault.SENSOR

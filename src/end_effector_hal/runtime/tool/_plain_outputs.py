@@ -9,7 +9,7 @@ from end_effector_hal._closing import Closing
 from end_effector_hal.arbitration import OUTPUTS, connect_arbiter
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
-from end_effector_hal.errors import WireError
+from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.vocabulary import LastWill, LastWillStep, display_name
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -50,7 +50,7 @@ class PlainOutputs(Closing):
         try:
             self._client.set({line: active})
         except WireError as error:
-            return Answer(False, str(error))
+            return Answer(False, str(error), decided=not isinstance(error, ArbiterError))
         return Answer(True, f"{display_name(name)} is {'on' if active else 'off'}; no sensor proves it.")
 
     def close(self) -> None:

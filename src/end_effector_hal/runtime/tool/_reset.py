@@ -8,7 +8,7 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
-from end_effector_hal.errors import WireError
+from end_effector_hal.errors import ArbiterError, WireError
 
 STOP_LATCHED = (
     "The stop is latched: nothing is activated until a reset, a running grip is cancelled, and what is held stays "
@@ -41,7 +41,7 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
         if all(answer.accepted for answer in others):  # who refused has said why
             others = (*others, *(Answer(False, why) for why in stays.values()))
     except WireError as error:
-        others = (*others, Answer(False, str(error)))
+        others = (*others, Answer(False, str(error), decided=not isinstance(error, ArbiterError)))
     return reset_answer(others)
 
 
@@ -54,7 +54,7 @@ def stop(description: Description) -> Answer:
         with ArbiterClient(socket_path(description), "stop", patience_s=0) as owner:
             return Answer(True, latch_stop(owner))
     except WireError as error:
-        return Answer(False, f"The stop is not latched: {error}")
+        return Answer(False, f"The stop is not latched: {error}", decided=not isinstance(error, ArbiterError))
 
 
 def latch_stop(arbiter: ArbiterClient) -> str:

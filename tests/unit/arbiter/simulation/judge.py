@@ -23,6 +23,8 @@ class Judge:
         """A grip was accepted and goes on: it may activate lines."""
         self.unfinished = False
         """A grip was given up by a death: its lines are to be released before another program comes."""
+        self.at_work = True
+        """A command has no result yet, or a last will may be at work: lines may go inactive."""
         self.latched: set[str] = set()
         """Faults that somebody was told of, and that nobody has reset."""
 
@@ -34,9 +36,14 @@ class Judge:
             self._violated(f"{name} is activated by itself")
         if not level and self.held:
             self._violated(f"{name} of a held part goes inactive without a Drop")
+        if not level and not self.at_work:
+            self._violated(f"{name} goes inactive although every command has its result")
 
-    def told(self, state: int, waits: Iterable[str] = (), *, held: bool = False) -> None:
+    def told(
+        self, state: int, waits: Iterable[str] = (), *, held: bool = False, at_work: bool = True
+    ) -> None:
         """A program has said its state, and whether it holds; ``waits``: lines that are about to go inactive."""
+        self.at_work = at_work
         if held:
             for name in waits:
                 self._violated(f"it is told as held while {name} waits to be deactivated")
@@ -56,12 +63,16 @@ class Judge:
 
     def accepted(self, command: str) -> None:
         """A program has accepted a command."""
-        self.held = self.held and command != "drop"
+        self.held, self.at_work = self.held and command != "drop", True
         self.commanded = command == "grip"
+
+    def unreachable(self, *, held: bool) -> None:
+        """A command has ended UNREACHABLE: what was ``held`` before it is held, and nothing is written for it."""
+        self.held, self.commanded, self.at_work = held, False, False
 
     def died(self, state: int) -> None:
         """The program was killed in this state."""
-        self.commanded = False
+        self.commanded, self.at_work = False, True
         self.unfinished = state == EndEffectorState.GRIPPING and not self.held
 
     def came(self, faults: set[str]) -> None:
@@ -71,7 +82,7 @@ class Judge:
             self._violated(
                 f"{', '.join(active)} stayed active after a death in the middle of a grip, and nobody says so"
             )
-        self.unfinished = False
+        self.unfinished = self.at_work = False
 
     def shown(self, faults: set[str], *, safe: set[str]) -> None:
         """The arbiter has told somebody of these faults; those that are ``safe`` stand on the disk."""

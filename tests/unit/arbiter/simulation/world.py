@@ -21,7 +21,7 @@ from end_effector_hal.errors import LineBusyError, ReportedError
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.judge import Judge
 from tests.unit.arbiter.simulation.process import ArbiterProcess
@@ -157,7 +157,9 @@ class World:
         match fault:
             case "arbiter dies" | "both die" | "power":
                 self._doomed.add("arbiter")
-                self._heal_at["arbiter"] = later
+                self._heal_at["arbiter"] = later + self.random.choice(
+                    (0, 0, 9_000_000)
+                )  # longer than a release
             case "disk full" | "memory full":
                 for disk in [self.disk] if fault.startswith("disk") else [self.memory, self.mark]:
                     disk.full = True
@@ -244,7 +246,9 @@ class World:
         if program is None:
             return
         state = program.state
-        if state == EndEffectorState.STAND_BY and dice < 0.3:
+        if self.arbiter is None and dice < 0.2:
+            self._as_program(lambda: program.command("cancel" if dice < 0.05 else "drop"))
+        elif state == EndEffectorState.STAND_BY and dice < 0.3:
             self._as_program(lambda: program.command("grip"))
         elif state == EndEffectorState.GRIPPING and dice < 0.01:
             self._as_program(lambda: program.command("cancel"))
@@ -271,7 +275,7 @@ class World:
         program = self.program
         assert program is not None
         if program.state in REST:
-            self._as_program(lambda: program.command("drop"))
+            self._until("a drop is accepted", lambda _: program.command("drop"), 5)
         self._until("STAND_BY", lambda state: state == EndEffectorState.STAND_BY, 10)
         self._until("the faults are reset", lambda _: self._is_reset(), 5)
         self._until("a grip is accepted", lambda _: program.command("grip"), 5)
@@ -463,10 +467,17 @@ class Program:
                 self._program_loses(lost)
 
     def command(self, name: str) -> bool:
-        answer, statuses = self._program._decide(name)
+        program, judge, lost = self._program, self._world.judge, self._world.arbiter is None
+        answer, statuses = program._decide(name)
+        adoption, held = program._adoption, judge.held
         if answer.accepted:
-            self._world.judge.accepted(name)
-        self._program._act(statuses)
+            judge.accepted(name)
+            if lost and name in ("drop", "cancel"):
+                judge.violations.append(f"a {name} is accepted while there is no line arbiter")
+        program._act(statuses)
+        if answer.accepted and program._adoption is not adoption and program._adoption.lost:
+            judge.unreachable(held=held)
+            return False
         return bool(answer.accepted)
 
     def reset(self) -> bool:
@@ -487,7 +498,7 @@ class Program:
                 self._program._adoption.outputs.mapping.last_will(self._program.status, "sigterm")
             )
         self._world.program = None
-        self._world.judge.commanded = False
+        self._world.judge.commanded, self._world.judge.at_work = False, True
 
     def client_end_closes(self) -> None:
         """The kernel closes the sockets of the dead."""
@@ -496,7 +507,8 @@ class Program:
 
     def _tell(self, status: Status) -> None:
         self.told = status
-        self._world.judge.told(int(status.ee), self._world.waits(), held=status.held)
+        at_work = status.command is not Command.NONE
+        self._world.judge.told(int(status.ee), self._world.waits(), held=status.held, at_work=at_work)
 
     def _program_loses(self, error: Any) -> None:
         self._program._lose(error)
