@@ -21,6 +21,8 @@ Rule 8 (unwound): what a gripping program that died had engaged is deactivated a
 Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
 Rule 10 (latched): what the line arbiter has latched, and the sensor fault of the tool changer, stay until a reset, also
     when a program or the arbiter dies in between, or the power is lost.
+Rule 11 (late): a command is accepted only while a line arbiter lives that can carry it out, and once it has its result
+    no output of the grip goes inactive for it; a device on a bus may hear it later.
 
 Where a sensor lies, nobody can know: rules 3, 6 and 7 do not ask then about what is really there.
 """
@@ -104,6 +106,8 @@ class Judge:
             if not answer.reason:
                 self._object("refusals", f"{name} was refused without a reason")
             return
+        if name in ("drop", "cancel") and not self._arbiter.lives:
+            self._object("late", f"a {name} was accepted while there is no line arbiter")
         if name == "drop":
             self._held = False
         elif name == "unlock":
@@ -284,6 +288,8 @@ class Judge:
             self._ended[name] = each.at
         if self._held and not self._may_be_let_go(name):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
+        if "grip" in self._tool.living and not self._may_be_let_go(name) and self._is_late(each):
+            self._object("late", f"{name} was deactivated when every command had its result")
         if self._unwinds():
             self._paused(each, order[: order.index(name)])
             self._let_go[name] = each.at
@@ -292,6 +298,17 @@ class Judge:
         for other in order[: order.index(name)]:
             if self._active[other] and self._is_unwound(other):
                 self._object("order", f"{name} was deactivated before {other}")
+
+    def _is_late(self, each: Switching) -> bool:
+        """Whether no command was at work, nor has begun or ended just then."""
+        if self._description.actuators[each.name].line in self._description.register_outputs:
+            return False
+        for status in reversed(self._tool.statuses):
+            if status.command != Command.NONE:
+                return False
+            if status.at < each.at:
+                break
+        return True
 
     def _unwinds(self) -> bool:
         """Whether a deactivation now belongs to a release, not to an attempt that has failed."""

@@ -13,6 +13,7 @@ from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.kinds.cylinder._detector import CylinderDetector
 from end_effector_hal.kinds.vacuum._detector import VacuumDetector
 from end_effector_hal.runtime.outputs import GripOutputs, Outputs
+from end_effector_hal.runtime.programs._adoption import Adoption
 from end_effector_hal.runtime.programs._program import Program
 from end_effector_hal.runtime.programs._sensor_fault import SensorFault
 from end_effector_hal.sensing import Predicates, SensorSet
@@ -112,6 +113,11 @@ def _leaves_as_it_is(real: Any, program: Program, _ending: str = "sigterm") -> N
     patched = program._adoption.outputs.mapping
     patched.last_will = lambda *_, **__: ()  # type: ignore[method-assign]
     real(program)
+
+
+def _writes_late(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Adoption, "look", lambda *_: None)
+    patch.setattr(Program, "_give_up", lambda _: [])
 
 
 def _forgets_deactivations(real: Any, outputs: Outputs, changes: Mapping[str, bool]) -> None:
@@ -261,7 +267,11 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "deactivations that are forgotten with the line arbiter": WrongProduct(
         _replaced(Outputs, "_fail", _forgets_deactivations), "runtime/outputs/_outputs.py: Outputs._fail",
-        "grip; wait 2; kill arbiter; wait 0.1; drop; wait 0.5; start arbiter", "order",
+        "grip; wait 2; drop; wait 0.1; kill arbiter; wait 0.6; start arbiter", "order",
+    ),
+    "a drop that is written once the line arbiter is back": WrongProduct(
+        _writes_late, "runtime/programs/_program.py: Program._give_up",
+        "grip; wait 2; kill arbiter; drop; wait 9; start arbiter", "late",
     ),
     "a sensor fault that a restart forgets": WrongProduct(
         lambda patch: patch.setattr(SensorFault, "found", lambda _: False),
