@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbiter import Exclusion, Need, Policy, SecondCoil
+from zlib import crc32
+
+from end_effector_hal.arbiter import Exclusion, Need, Policy, Role, SecondCoil
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
@@ -16,7 +18,7 @@ from end_effector_hal.sensing import (
     predicates_fitted,
     proven_by_arbiter,
 )
-from end_effector_hal.vocabulary import to_us
+from end_effector_hal.vocabulary import printable, to_us
 
 LONGEST_LAST_WILL_US = 10_000_000
 OUTPUTS = "outputs"
@@ -43,11 +45,13 @@ def arbiter_policy(description: Description) -> Policy:
         for name, line in description.blow_off_lines.items()
     }
     labels |= {each.line: name for name, each in description.outputs.items()}
+    labels |= {changer.line: "unlock"} if changer else {}
     return Policy(
         output_lines(description),
         exclusions=_exclusions(description),
         max_active_us=_longest(description),
-        labels={**labels, changer.line: "unlock"} if changer else labels,
+        labels=labels,
+        roles={line: _role(description, line, label) for line, label in labels.items()},
         longest_last_will_us=max(
             LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
         ),
@@ -59,6 +63,21 @@ def arbiter_policy(description: Description) -> Policy:
         proven=proven_by_arbiter(description, carrier_of(description)),
         needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
     )
+
+
+def _role(description: Description, line: str, label: str) -> Role:
+    """What a line drives, how, and on which chip or bus: all that an arbiter with another description must know."""
+    kinds = {part.line: f" ({part.kind})" for part in description.actuators.values()}
+    words, coil = label + kinds.get(line, ""), description.opposites.get(line)
+    if coil:
+        words += f" with {'pulses and ' if coil.pulse_s else ''}the second coil {coil.line}"
+    bus = next((name for name, outputs in description.buses.items() if line in outputs), None)
+    if bus is not None:
+        settings = crc32(description.register_outputs[line].model_dump_json().encode())
+        words += f" on {description.links[bus].port}, register settings {settings:08x}"
+    elif description.lines.path:
+        words += f" on {description.lines.path}"
+    return Role(printable(words), line in description.may_be_unknown)
 
 
 def _longest(description: Description) -> dict[str, int]:

@@ -3,7 +3,8 @@
 Rule 1. The file is checked first. While it has a fault the description that runs stays in force.
 Rule 2. What the line arbiter was started with cannot change under it: outputs, their interlocks, times and last wills,
     the inputs and buses that it reads itself, its socket. For those it is restarted first, with its lines as they are.
-Rule 3. Nothing is taken over but at rest: in STAND_BY, with nothing held, no command, no maintenance.
+Rule 3. Nothing is taken over but at rest: in STAND_BY, with nothing held, no command, no maintenance. This is asked
+    first: what is held is dropped before anything else.
 Rule 4. A program that takes it over restarts, and adopts the lines as they are, as after any restart.
 """
 
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbiter import Policy, recorded_left_behind
 from end_effector_hal.arbitration import arbiter_policy
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer
@@ -26,6 +27,7 @@ _OF_POLICY = {
     "longest_last_will_us": "the longest last will (the sum of release_s)",
     "faults": "the latched faults",
     "labels": "the names of the outputs",
+    "roles": "what each output drives",
     "opposites": "second coils and pulses",
     "proven": "the inputs that the line arbiter reads itself",
 }
@@ -33,11 +35,13 @@ CONTENT = "The description is checked, and can be taken over."
 
 
 def reload_answer(before: Description) -> Answer:
-    """Whether the file of a description that runs could be taken over, at rest or not (rules 1 and 2)."""
+    """Whether the file of a description that runs could be taken over (rules 1 and 2); ask first whether it rests."""
     try:
         after = load_tool(before.source)
     except ReportedError as error:
         return Answer(False, f"{error}\nThe description that runs stays in force.")
+    if why := recorded_left_behind(socket_path(before), arbiter_policy(after)):
+        return Answer(False, f"{why} Drop first, or switch it off. The description that runs stays in force.")
     if kept := fixed_by_arbiter(before, after):
         what = ", ".join(kept)
         return Answer(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.records import NO_ANSWER, Journal, JournalEntry, Records, SessionStore
+from end_effector_hal.arbiter.rules import Driven
 from end_effector_hal.wires.lines import LineBackend
 
 from ._disk import VirtualDisk
@@ -63,9 +64,9 @@ class VirtualJournal:
         self._is_read = True
         return self._journal.begin(self._journal.read())
 
-    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
         """See `JournalThread`."""
-        self._journal.keep(faults, pulsed)
+        self._journal.keep(faults, pulsed, driven)
         if self._journal.changed.is_set():
             self._journal.changed.clear()
             self._write()
@@ -75,11 +76,11 @@ class VirtualJournal:
         if self.due is not None and self.due <= self._clock():
             self._write()
 
-    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
         """See `JournalThread`."""
         if late := self.late():
             faults = {**late.faults, **faults}
-        self._journal.keep(faults, pulsed, clean=True)
+        self._journal.keep(faults, pulsed, driven, clean=True)
         self._write()
 
     def _write(self) -> None:
@@ -165,4 +166,4 @@ class VirtualArbiter:
     def close(self) -> None:
         """It ends now; the lines stay as they are."""
         self.rules.end_pulses()
-        self._records.close(self.rules.state)
+        self._records.close(self.rules.state, self.rules.policy)

@@ -11,6 +11,7 @@ from end_effector_hal.arbiter import LineArbiter
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
+from end_effector_hal.arbiter.rules import UNKNOWN_ROLES
 from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord, read_arbiter_state
 from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.vocabulary import LastWillStep
@@ -268,7 +269,8 @@ def test_without_a_record_the_faults_are_those_of_the_journal_and_nothing_is_exe
     found = recall(None, JournalEntry(E_STOP, clean=False, boot="before"))
     assert (found.faults, found.clean) == (E_STOP, False)
     assert recall(None, JournalEntry({}, doubt="it is damaged")).faults == {
-        "journal": "Faults that were latched before the start may be missing: it is damaged."
+        "journal": "Faults that were latched before the start may be missing: it is damaged.",
+        "former lines": UNKNOWN_ROLES.format("it is damaged"),
     }
 
 

@@ -1,6 +1,6 @@
 """What the next arbiter must know: sessions in memory that outlives the process, latched faults on a disk."""
 
 from ._journal import NO_ANSWER, Journal, JournalEntry, JournalThread
-from ._records import Records
+from ._records import Records, recorded_left_behind
 from ._session_store import SessionStore, this_boot
 from ._storage import FileStorage

@@ -17,7 +17,7 @@ from zlib import crc32
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
-from end_effector_hal.arbiter.rules import read_faults, read_levels
+from end_effector_hal.arbiter.rules import Driven, read_driven, read_faults, read_levels
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -26,6 +26,8 @@ PATIENCE_US = 1_000_000
 RETRY_S = 1.0
 READ_S = 2.0
 """Longest wait for the disk, at the start and at the end of an arbiter."""
+
+NONE: Driven = MappingProxyType({})
 
 
 class JournalEntry(NamedTuple):
@@ -38,6 +40,7 @@ class JournalEntry(NamedTuple):
         doubt: why faults may be missing, a clause; empty: none is missing.
         pulsed: levels of the outputs that leave none on their lines.
         unread: the disk has not answered yet; what stands on it comes late.
+        driven: the role of each line; whether it may be active only of those that stay so without this machine.
     """
 
     faults: Mapping[str, str]
@@ -46,6 +49,7 @@ class JournalEntry(NamedTuple):
     doubt: str = ""
     pulsed: Mapping[str, bool] = MappingProxyType({})
     unread: bool = False
+    driven: Driven = NONE
 
 
 NO_ANSWER = JournalEntry(
@@ -69,7 +73,7 @@ class Journal:
         self._lock = threading.Lock()
         self.changed = threading.Event()
         """Set when there may be something to write."""
-        self._asked: tuple[dict[str, str], dict[str, bool], bool] | None = None
+        self._asked: tuple[object, ...] = ()
         self._wanted = self._written = b""
         self._since: int | None = None  # when the oldest of what is not on the disk was wanted
         self._error = ""
@@ -101,15 +105,16 @@ class Journal:
         self,
         faults: Mapping[str, str],
         pulsed: Mapping[str, bool] = MappingProxyType({}),
+        driven: Driven = NONE,
         *,
         clean: bool = False,
     ) -> None:
         """Have this written, if it differs from the last request; returns at once."""
-        wanted = dict(faults), dict(pulsed), clean
+        wanted = dict(faults), dict(pulsed), dict(driven), clean
         if self._file is None or wanted == self._asked:
             return
         self._asked = wanted
-        payload = self._payload(faults, pulsed, clean=clean)
+        payload = self._payload(faults, pulsed, driven, clean=clean)
         with self._lock:
             self._wanted = payload
             if self._since is None:
@@ -117,14 +122,15 @@ class Journal:
         self.changed.set()
 
     def begin(self, entry: JournalEntry) -> JournalEntry:
-        """Another arbiter begins: ``entry`` is not the last word on pulsed outputs any more; waits for the disk.
+        """Another arbiter begins: ``entry`` is not the last word on outputs that stay any more; waits for the disk.
 
         Before the next pulse, or a loss of power a moment later would leave "inactive" on the disk of what is active by
         then. Returns what the next arbiter may believe.
         """
-        if self._file is None or not entry.clean or all(entry.pulsed.values()):
+        idle = False in entry.pulsed.values() or any(each.active is False for each in entry.driven.values())
+        if self._file is None or not entry.clean or not idle:
             return entry
-        payload = self._payload(entry.faults, entry.pulsed, clean=False)
+        payload = self._payload(entry.faults, entry.pulsed, entry.driven, clean=False)
         try:
             self._file.keep(payload, synced=True)
         except OSError:
@@ -133,8 +139,11 @@ class Journal:
             self._written = payload
         return entry
 
-    def _payload(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], *, clean: bool) -> bytes:
+    def _payload(
+        self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven, *, clean: bool
+    ) -> bytes:
         content: dict[str, object] = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
+        content |= {"driven": dict(driven)} if driven else {}
         return write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
 
     def write_next(self) -> bool:
@@ -197,16 +206,16 @@ class JournalThread:
         self._taken.set()
         return self._entry
 
-    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven = NONE) -> None:
         """Have this written; returns at once."""
-        self._journal.keep(faults, pulsed)
+        self._journal.keep(faults, pulsed, driven)
 
     @property
     def trouble(self) -> str:
         """Why the faults are not on the disk; see `Journal.trouble`."""
         return self._journal.trouble
 
-    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven = NONE) -> None:
         """The arbiter ends in order; waits at most 2 s for what was not read yet, and 2 s for what is to be written."""
         if not self._taken.is_set():
             self._was_read.wait(READ_S)
@@ -216,7 +225,7 @@ class JournalThread:
                 )
                 return
             faults = {**late.faults, **faults}
-        self._journal.keep(faults, pulsed, clean=True)
+        self._journal.keep(faults, pulsed, driven, clean=True)
         self._ended = True
         self._journal.changed.set()
         self._thread.join(READ_S)
@@ -239,7 +248,8 @@ class JournalThread:
 
 def _entry(given: Any) -> JournalEntry:
     pulsed = read_levels(given.get("pulsed", {}))
-    return JournalEntry(read_faults(given["faults"]), bool(given["clean"]), str(given["boot"]), pulsed=pulsed)
+    faults, driven = read_faults(given["faults"]), read_driven(given)
+    return JournalEntry(faults, bool(given["clean"]), str(given["boot"]), pulsed=pulsed, driven=driven)
 
 
 _RECORD = re.compile(rb"[0-9a-f]{8} \{")

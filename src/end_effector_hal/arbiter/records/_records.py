@@ -5,19 +5,30 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._session_store import SessionStore
-from end_effector_hal.arbiter.rules import ArbiterState, LineArbiter
+from end_effector_hal.arbiter.rules import (
+    FORMER,
+    UNKNOWN_ROLES,
+    ArbiterState,
+    Driven,
+    DrivenLine,
+    LineArbiter,
+    Policy,
+    left_behind,
+)
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 
 
-def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
+def recall(record: ArbiterState | None, journal: JournalEntry, boot: str = "") -> ArbiterState:
     """The state to begin with: from the session record of this boot; without one, the faults of the journal.
 
-    In doubt more faults are latched rather than fewer, and no last will is executed.
+    In doubt more faults are latched rather than fewer, no last will is executed, and any line may be active.
+    ``boot`` names this start of the machine.
     """
     if record is not None and not record.doubt and not record.unread:
         return record
@@ -34,12 +45,48 @@ def recall(record: ArbiterState | None, journal: JournalEntry) -> ArbiterState:
     }
     if record is not None and not record.doubt:  # made before the journal was read: only faults are missing
         return replace(record, faults={**faults, **record.faults})
+    driven = _driven(journal, boot)
+    if record is not None and record.driven:
+        driven = {line: each._replace(active=True) for line, each in record.driven.items()}
+    if journal.doubt and not driven:
+        faults[FORMER] = UNKNOWN_ROLES.format(journal.doubt)
     if record is not None:
         active = {line: level for line, level in pulsed.items() if level}
-        return replace(record, faults={**faults, **record.faults}, pulsed=active)
+        return replace(record, faults={**faults, **record.faults}, pulsed=active, driven=driven)
     known = journal.clean and journal.boot  # an arbiter that ended in order has left nothing to be done
     doubt = "" if known else "no session record was found"
-    return ArbiterState(faults, clean=journal.clean, doubt=doubt, pulsed=pulsed)
+    return ArbiterState(faults, clean=journal.clean, doubt=doubt, pulsed=pulsed, driven=driven)
+
+
+def _driven(journal: JournalEntry, boot: str) -> dict[str, DrivenLine]:
+    """Lines that may be active by the journal alone: a machine that was started again has reset its own."""
+    restarted, certain = journal.boot != boot and bool(boot), journal.clean and not journal.doubt
+    return {
+        line: DrivenLine(role, not restarted if active is None else active or not certain)
+        for line, (role, active) in journal.driven.items()
+    }
+
+
+def _to_disk(state: ArbiterState, policy: Policy) -> dict[str, DrivenLine]:
+    """The roles for the journal: a line of the board changes too often for a disk, and a restart resets it."""
+    return {
+        line: each if policy.roles[line].stays else each._replace(active=None)
+        for line, each in state.driven.items()
+    }
+
+
+def recorded_left_behind(socket: Path, policy: Policy) -> str:
+    """See `left_behind`: by the newest session record in the folder of the socket that has lines of this policy.
+
+    A tool with another name has another socket, and drives the same lines.
+    """
+    records = (each for each in socket.parent.glob("*.sessions") if each.is_file())
+    for path in sorted(records, key=lambda each: each.stat().st_mtime_ns, reverse=True):
+        state = recall(SessionStore.beside(path.with_suffix("")).read(), JournalEntry({}))
+        chips = {line: each.role.partition(" on ")[2] for line, each in state.driven.items()}
+        if any(chips.get(line) == role.words.partition(" on ")[2] for line, role in policy.roles.items()):
+            return left_behind(state, policy)
+    return ""
 
 
 NO_RECORD = "The session record cannot be kept ({}): if the line arbiter dies, no last will is executed."
@@ -64,11 +111,11 @@ class JournalKeeper(Protocol):
         """The same, once, where the disk did not answer in time."""
         ...
 
-    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
         """Have this written."""
         ...
 
-    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool]) -> None:
+    def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
         """The arbiter ends in order."""
         ...
 
@@ -80,7 +127,7 @@ class Records:
         self._sessions, self._journal = sessions, journal
         entry = journal.read()
         self._unread = entry.unread
-        self.before = recall(sessions.read(), entry)
+        self.before = recall(sessions.read(), entry, sessions.boot)
         """The state of the arbiter before this one."""
 
     def before_change(self) -> None:
@@ -91,13 +138,18 @@ class Records:
         """Keep its state; call it before any client learns what has changed."""
         if late := self._journal.late():
             self._unread = False
+            if not self.before.driven and not late.doubt:
+                arbiter.predicates.faults.pop(FORMER, None)
+                late_roles = ArbiterState(driven=_driven(late, self._sessions.boot))
+                if why := left_behind(late_roles, arbiter.policy):
+                    arbiter.predicates.latch(FORMER, why)
             for name, why in late.faults.items():
                 arbiter.predicates.latch(name, why)
         for name, why in self.troubles().items():
             arbiter.predicates.latch(name, why)
         state = replace(arbiter.state, unread=self._unread)
         self._sessions.keep(state)
-        self._journal.keep(dict(state.faults), state.pulsed)
+        self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
 
     def troubles(self) -> dict[str, str]:
         """Records that cannot be kept now, as faults: sentences by name."""
@@ -110,8 +162,8 @@ class Records:
             if why
         }
 
-    def close(self, state: ArbiterState) -> None:
+    def close(self, state: ArbiterState, policy: Policy) -> None:
         """The arbiter ends in order."""
         self._sessions.keep(replace(state, clean=True, unread=self._unread))
         self._sessions.close()
-        self._journal.close(dict(state.faults), state.pulsed)
+        self._journal.close(dict(state.faults), state.pulsed, _to_disk(state, policy))

@@ -18,9 +18,10 @@ from pathlib import Path
 
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
-from end_effector_hal.arbiter.records._storage import Storage
+from end_effector_hal.arbiter.records._storage import FileStorage, Storage
 from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
 from end_effector_hal.errors import UsageError
+from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 RETRY_US = 1_000_000
@@ -39,7 +40,7 @@ class SessionStore:
     """
 
     def __init__(self, storage: Storage, mark: Storage, boot: str, clock: Callable[[], int]) -> None:
-        self._mark, self._boot, self._clock = mark, boot, clock
+        self._mark, self.boot, self._clock = mark, boot, clock
         self._retry_at = 0
         self._file = RecordFile(storage)
         self._marked = False
@@ -47,6 +48,14 @@ class SessionStore:
         self._begun = False
         self.trouble = ""
         """Why the record cannot be kept now, a clause; empty: it is kept."""
+
+    @classmethod
+    def beside(cls, socket: Path) -> SessionStore:
+        """The record of the arbiter that serves, or served, this socket."""
+        record, mark = (
+            FileStorage(Path(f"{socket}.{name}"), durable=False) for name in ("sessions", "generation")
+        )
+        return cls(record, mark, this_boot(), now_us)
 
     def read(self) -> ArbiterState | None:
         """The state of the arbiter before this one in this boot, with its doubt; None: there is none."""
@@ -61,7 +70,7 @@ class SessionStore:
             return ArbiterState(clean=False, doubt="the session record is damaged")
         try:
             boot, given = read_json(found.payload, lambda given: (given["boot"], given["memory"]))
-            if not self._boot or boot != self._boot:
+            if not self.boot or boot != self.boot:
                 return None
             state = read_arbiter_state(given)
         except UsageError:
@@ -90,7 +99,7 @@ class SessionStore:
         if state == self._tried and not self._begun and not due:
             return
         self._tried, self._begun = state, False
-        payload = write_json({"boot": self._boot, "memory": state.as_json()})
+        payload = write_json({"boot": self.boot, "memory": state.as_json()})
         try:
             self._write_mark(_MARK.pack(self._file.next_generation))
             self._file.keep(payload)

@@ -2,6 +2,18 @@
 
 from ._arbiter import LineArbiter
 from ._coils import SecondCoil
-from ._policy import Exclusion, Need, Policy
+from ._left_behind import DROP_FIRST, UNKNOWN_ROLES, left_behind
+from ._policy import Exclusion, Need, Policy, Role
+from ._predicates import FORMER
 from ._sender_role import SecondSenderError, SenderRole
-from ._session import ArbiterState, Session, process_words, read_arbiter_state, read_faults, read_levels
+from ._session import (
+    ArbiterState,
+    Driven,
+    DrivenLine,
+    Session,
+    process_words,
+    read_arbiter_state,
+    read_driven,
+    read_faults,
+    read_levels,
+)

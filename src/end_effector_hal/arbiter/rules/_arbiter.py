@@ -14,10 +14,11 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
+from end_effector_hal.arbiter.rules._left_behind import DROP_FIRST, left_behind
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
-from end_effector_hal.arbiter.rules._session import ArbiterState, Session, SessionRecord, Write
+from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import STOPPED, LastWill, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
@@ -46,6 +47,10 @@ class LineArbiter:
         at: now.
         state: of the arbiter before this one.
         before_change: called before lines are written, so that what is recorded counts as outdated meanwhile.
+
+    Raises:
+        UsageError: a line may be active that the policy lacks, or gives another role; no line was claimed.
+        WireError: the lines cannot be claimed.
     """
 
     def __init__(
@@ -58,6 +63,8 @@ class LineArbiter:
     ) -> None:
         state = state or ArbiterState()
         needs = [need for needs in policy.needs.values() for need in needs]
+        if forgotten := left_behind(state, policy):
+            raise UsageError(forgotten, todo=DROP_FIRST)
         self.policy = policy
         self.predicates = SensorPredicates(needs, policy.fresh_us, state.faults, policy.faults, policy.proven)
         self.sessions: list[Session] = []
@@ -69,6 +76,7 @@ class LineArbiter:
         for line in self._interlocks.broken():
             _log.error("%s was found active together with a line that excludes it", policy.called(line))
         self._resume(state, at)
+        self._bound(state, at)
 
     @property
     def levels(self) -> dict[str, bool]:
@@ -106,6 +114,13 @@ class LineArbiter:
             levels=dict(self.levels),
             dead=tuple(self._dead),
             pulsed=self._lines.coils.pulsed if self._lines.coils else {},
+            driven={
+                line: DrivenLine(role.words, self._lines.may_be_active(line))
+                for line, role in self.policy.roles.items()
+            },
+            since={
+                line: self._lines.changed_at[line] for line in self.policy.max_active_us if self.levels[line]
+            },
         )
 
     # Requests of clients
@@ -252,6 +267,7 @@ class LineArbiter:
             LineRefusedError: some stay, because their cause persists; the others are cleared.
         """
         self.trips.clear()
+        self._lines.unbounded.clear()
         if self._lines.remote is not None:
             self._lines.remote.acknowledge()
         of_clients = self._latched_by()
@@ -382,6 +398,27 @@ class LineArbiter:
             self.predicates.latch(LET_GO, let_go)
         for record in state.clients:
             self._restore(record._replace(will=()) if doubt else record, at)
+
+    def _bound(self, state: ArbiterState, at: int) -> None:
+        """A longest time (IL-03) goes on from the record; without a record of the time it is over.
+
+        Without a record of the role nothing ends it before a reset: the line may have held a part.
+        """
+        for line, longest in self.policy.max_active_us.items() if self.policy.roles else ():
+            if not self.levels[line]:
+                continue
+            if line in state.driven:
+                since = state.since.get(line, at + 1)
+                self._lines.changed_at[line] = since if since <= at else at - longest
+                continue
+            self._lines.unbounded.add(line)
+            self._lines.changed_at[line] = at - longest
+            interlock, called = self.policy.bounded_by(line), self.policy.called(line)
+            self.predicates.latch(
+                f"{interlock} {line}",
+                f"{interlock}: {called} was found active, and no record says what it drove: it stays active until a "
+                "reset, which deactivates it.",
+            )
 
     def _changed_meanwhile(self, levels: Mapping[str, bool]) -> str:
         guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()

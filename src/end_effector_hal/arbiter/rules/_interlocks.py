@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.rules._predicates import SensorPredicates
+from end_effector_hal.arbiter.rules._predicates import FORMER, SensorPredicates
 from end_effector_hal.arbiter.rules._session import Session
 from end_effector_hal.errors import LineRefusedError
 
@@ -65,6 +65,9 @@ class LineInterlocks:
         """Interlocks that refuse an activation now by what the sensors show or a stop says, each with its reason."""
         if stopped := self._predicates.stopped:
             yield "IL-13", stopped
+        unlocks = any(partner.interlock == "IL-01" for partner in self._partners[line])
+        if unlocks and (why := self._predicates.faults.get(FORMER)):
+            yield "IL-01", why.rstrip(".")
         for need in self._policy.needs.get(line, ()):
             if why := self._predicates.objection(need, at):
                 yield need.interlock, why

@@ -49,6 +49,8 @@ class OutputLines:
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
         self._renewed: set[str] = set()
         """Lines of devices that were activated since they last had a trouble."""
+        self.unbounded = set[str]()
+        """Lines that were found active and of which no record says what they drive: no longest time ends them."""
 
     def set(self, levels: Mapping[str, bool], at: int) -> None:
         """Write those that have another level; raises WireError."""
@@ -152,7 +154,7 @@ class OutputLines:
     def longest_end(self, line: str) -> int | None:
         """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
         active = self.levels[line] or line in self._half_done
-        if not active or (self.coils and line in self.coils.guessed):
+        if not active or line in self.unbounded or (self.coils and line in self.coils.guessed):
             return None
         return self.changed_at[line] + self._policy.max_active_us[line]
 

@@ -22,6 +22,18 @@ class Exclusion(NamedTuple):
     """Between the end of one and the activation of the other (IL-08)."""
 
 
+class Role(NamedTuple):
+    """What a line drives.
+
+    Attributes:
+        words: for a sentence; another role has other words.
+        stays: the device keeps its position without this machine (two coils, an output on a bus).
+    """
+
+    words: str
+    stays: bool = False
+
+
 class Partner(NamedTuple):
     """The other line of an exclusion."""
 
@@ -64,6 +76,7 @@ class Policy:
         longest_last_will_us: no step of a last will is later than that after the death.
         faults: those that clients may latch, by name: the client that shows it, and whose reset ends it.
         labels: what the lines drive, for the sentences.
+        roles: the same for the next arbiter, which may be started with another description.
         opposites: second coils, by the line of their output; no client writes them.
         proven: predicates that the arbiter proves by itself, by lines that it reads; nobody else is believed.
     """
@@ -78,6 +91,7 @@ class Policy:
     longest_last_will_us: int = 10_000_000
     faults: Mapping[str, str] = field(default_factory=dict)
     labels: Mapping[str, str] = field(default_factory=dict)
+    roles: Mapping[str, Role] = field(default_factory=dict)
     opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
     proven: frozenset[str] = frozenset()
 

@@ -14,6 +14,9 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 STOP = "stop"
 """The name of the fault that a stop latches: without an e-stop input as well, it refuses what an open one does."""
 
+FORMER = "former lines"
+"""The name of the fault that a line of a former description may be active: it refuses an unlock."""
+
 
 class ProvenPredicate(NamedTuple):
     """Whether a predicate held at ``at`` µs, according to the process that reads the sensors."""

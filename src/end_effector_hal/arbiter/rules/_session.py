@@ -32,6 +32,19 @@ class SessionRecord(NamedTuple):
     faults: tuple[str, ...] = ()
 
 
+class DrivenLine(NamedTuple):
+    """What a line drove for an earlier arbiter, and whether it may be active.
+
+    ``active`` None: the record does not say it; the line has lost its level if the machine was started again.
+    """
+
+    role: str
+    active: bool | None
+
+
+Driven = Mapping[str, DrivenLine]
+
+
 @dataclass(frozen=True)
 class ArbiterState:
     """An arbiter at one moment.
@@ -45,6 +58,8 @@ class ArbiterState:
         pulsed: levels of the outputs that leave none on their lines; a line that is missing counts as active.
         doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
         unread: the disk had not given the journal back yet: faults in it are missing here.
+        driven: the role of each line, and whether it may be active; empty: no record says it.
+        since: when each line that has a longest time was activated, µs; only of lines that are active.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -55,6 +70,8 @@ class ArbiterState:
     pulsed: Mapping[str, bool] = field(default_factory=dict)
     doubt: str = ""
     unread: bool = False
+    driven: Driven = field(default_factory=dict)
+    since: Mapping[str, int] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
         """For the session record. The doubt is not in it: it arises when the record is read."""
@@ -71,6 +88,8 @@ class ArbiterState:
             }
             | ({"pulsed": dict(self.pulsed)} if self.pulsed else {})
             | ({"unread": True} if self.unread else {})
+            | ({"driven": dict(self.driven)} if self.driven else {})
+            | ({"since": dict(self.since)} if self.since else {})
         )
 
 
@@ -85,7 +104,11 @@ def read_arbiter_state(given: Any) -> ArbiterState:
         levels, pulsed = read_levels(given["levels"]), read_levels(given.get("pulsed", {}))
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
         faults, unread = read_faults(given["faults"]), given.get("unread") is True
-        return ArbiterState(faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread)
+        since = {str(line): int(at) for line, at in given.get("since", {}).items()}
+        return ArbiterState(
+            faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread,
+            driven=read_driven(given), since=since,
+        )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is not the state of a line arbiter: {error}.") from error
 
@@ -95,6 +118,16 @@ def read_levels(given: Any) -> dict[str, bool]:
     if not isinstance(given, dict):
         raise UsageError("levels must be an object of true and false by line.")
     return {printable(str(line)): level is True for line, level in given.items()}
+
+
+def read_driven(given: Any) -> dict[str, DrivenLine]:
+    """The roles in a record, from JSON; raises what `read_arbiter_state` catches."""
+    return {
+        printable(str(line)): DrivenLine(
+            printable(str(role)), None if active is None else active is not False
+        )
+        for line, (role, active) in given.get("driven", {}).items()
+    }
 
 
 def read_faults(given: Any) -> dict[str, str]:

@@ -180,6 +180,7 @@ def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
             {"at": when, "line": line, "interlock": arbiter.policy.bounded_by(line)}
             for when, line in arbiter.trips
         ],
+        "roles": {line: role.words for line, role in arbiter.policy.roles.items()},
         "needs": sorted({need.predicate for need in needs}),
         "told": {
             name: {"holds": proof.holds, "age_us": at - proof.at}

@@ -18,9 +18,10 @@ from end_effector_hal.arbiter.records import (
     JournalThread,
     Records,
     SessionStore,
+    recorded_left_behind,
     this_boot,
 )
-from end_effector_hal.arbiter.rules import LineArbiter, Policy
+from end_effector_hal.arbiter.rules import DROP_FIRST, LineArbiter, Policy
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
@@ -89,6 +90,8 @@ class ArbiterServer(Closing):
                 raise
             raise no_socket(self._path, error) from error
         try:
+            if forgotten := recorded_left_behind(self._path, policy):
+                raise UsageError(forgotten, todo=DROP_FIRST)
             self._records = _records(self._path, journal)
             before = self._records.before
             if not before.clean:
@@ -193,7 +196,7 @@ class ArbiterServer(Closing):
         if self._inputs is not None:
             self._inputs.close()
         self._backend.close()
-        self._records.close(state)
+        self._records.close(state, self._arbiter.policy)
         self._claim.release()
         self._close_ends()
 
@@ -250,11 +253,8 @@ class ArbiterServer(Closing):
 
 def _records(socket_path: Path, journal: str | Path | None) -> Records:
     boot = this_boot()
-    sessions, mark = (
-        FileStorage(Path(f"{socket_path}.{name}"), durable=False) for name in ("sessions", "generation")
-    )
     disk = FileStorage(Path(journal), durable=True) if journal else None
-    return Records(SessionStore(sessions, mark, boot, now_us), JournalThread(Journal(disk, boot, now_us)))
+    return Records(SessionStore.beside(socket_path), JournalThread(Journal(disk, boot, now_us)))
 
 
 def serve(

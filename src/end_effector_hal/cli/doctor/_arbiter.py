@@ -22,14 +22,17 @@ _say = CheckedPart("arbiter")
 
 
 def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckResults:
-    """Reads levels and status, writes nothing; ``lines`` are all output lines of the tool."""
-    from end_effector_hal.arbiter import ArbiterClient
+    """Reads levels, status and records, writes nothing; ``lines`` are all output lines of the tool."""
+    from end_effector_hal.arbiter import DROP_FIRST, ArbiterClient, recorded_left_behind
+    from end_effector_hal.arbitration import arbiter_policy
 
     try:
         path = socket_path(description)
     except ReportedError as error:
         yield _say.missing(f"{error.where}: {error.what}", error.todo)
         return
+    if forgotten := recorded_left_behind(path, arbiter_policy(description)):
+        yield _say.missing(forgotten.rstrip("."), DROP_FIRST)
     try:
         with ArbiterClient(path, "doctor", patience_s=0) as client:
             levels, status = client.levels(), client.status()

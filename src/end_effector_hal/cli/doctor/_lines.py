@@ -48,6 +48,10 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
     held = " and ".join(map(str, holders_of(f"{path}.lock")))
     active = [name for name in lines if chip.lines[name] == ("out", True)]
     text = f"virtual chip {path}; active: {', '.join(active) or 'none'}; held by {held or 'nobody'}"
+    others = [name for name, line in chip.lines.items() if line == ("out", True) and name not in lines]
+    if others:
+        text = f"{text}; active, and no line of this description: {', '.join(others)}"
+        return _say.missing(text, "Drop with the description that drives it before you use this one.")
     if not os.access(path, os.W_OK):
         return _say.missing(f"{text}; it may not be written", "Run as the user who made it.")
     return _say.ok(text)

@@ -159,7 +159,15 @@ def command(
 
 
 def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: bool) -> Answer:
-    """Whether this run may go on with the file as it is now; a simulated line arbiter restarts with it, and forgets."""
+    """Whether this run may go on with the file as it is now: first of all the tool must be at rest."""
+    answer = tool.stand_still()
+    if answer.accepted and not (answer := _reload_file(description, tool, simulate, recorded)).accepted:
+        tool.go_on()
+    return answer
+
+
+def _reload_file(description: Path, tool: EndEffector, simulate: bool, recorded: bool) -> Answer:
+    """Whether the file can be taken over; a simulated line arbiter restarts with it, and forgets."""
     from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import Answer
@@ -180,9 +188,8 @@ def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: b
             return Answer(
                 False, f"A simulated line arbiter forgets its faults in a reload: reset them first. {what}"
             )
-    elif not (answer := reload_answer(tool.description)).accepted:
-        return answer
-    return tool.stand_still()
+        return Answer(True)
+    return reload_answer(tool.description)
 
 
 def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:

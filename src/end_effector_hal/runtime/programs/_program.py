@@ -316,8 +316,10 @@ class Program(ABC):
             self.acknowledge()
             return Answer(True)
         if asked.command == RELOAD:
-            loadable = reload_answer(self._description)  # in a thread that may wait
-            return self.stand_still() if loadable.accepted else loadable
+            answer = self.stand_still()
+            if answer.accepted and not (answer := reload_answer(self._description)).accepted:  # it may wait
+                self.stand_still(0)
+            return answer
         if asked.command == GO_ON:
             return self.stand_still(0)
         return self.command(asked.command, asked.until_us)

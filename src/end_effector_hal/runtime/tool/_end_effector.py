@@ -225,14 +225,19 @@ class EndEffector(Closing):
     def stand_still(self) -> Answer:
         """Begin no activation for 30 s, if the tool is at rest now: for who takes over another description.
 
-        `runtime.reload_answer` says whether the file can be taken over; then close this tool and open it again.
+        `runtime.reload_answer` says whether the file can be taken over; then close this tool and open it again, or
+        `go_on`.
         """
         answers = [unit.stand_still() for unit in self._units]
         refused = next((answer for answer in answers if not answer.accepted), None)
         if refused is not None:
-            for unit in self._units:
-                unit.stand_still(0)
+            self.go_on()
         return refused or answers[0]
+
+    def go_on(self) -> None:
+        """End a `stand_still`."""
+        for unit in self._units:
+            unit.stand_still(0)
 
     def stop(self) -> Answer:
         """Latch a stop: nothing is activated until a :meth:`reset`, a running grip is cancelled, what is held stays.

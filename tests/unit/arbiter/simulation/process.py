@@ -55,8 +55,8 @@ class JournalThread:
     def late(self) -> None:
         return None
 
-    def keep(self, faults: dict[str, str], pulsed: dict[str, bool]) -> None:
-        self._journal.keep(faults, pulsed)
+    def keep(self, faults: dict[str, str], pulsed: dict[str, bool], driven: Any) -> None:
+        self._journal.keep(faults, pulsed, driven)
         if self._journal.changed.is_set():
             self._journal.changed.clear()
             self._next = self._world.now + self._world.random.choice((0, 1_000, 20_000))
@@ -66,8 +66,8 @@ class JournalThread:
         if self._next is not None and self._next <= self._world.now and not self._world.disk.hangs:
             self._next = None if self._journal.write_next() else self._world.now + 1_000_000
 
-    def close(self, faults: dict[str, str], pulsed: dict[str, bool]) -> None:
-        self._journal.keep(faults, pulsed, clean=True)
+    def close(self, faults: dict[str, str], pulsed: dict[str, bool], driven: Any) -> None:
+        self._journal.keep(faults, pulsed, driven, clean=True)
         if not self._world.disk.hangs:
             self._journal.write_next()
 
@@ -127,7 +127,7 @@ class ArbiterProcess:
     def close(self) -> None:
         """SIGTERM: it ends in order."""
         with self._world.inside("arbiter"):
-            self._records.close(self.rules.state)
+            self._records.close(self.rules.state, self.rules.policy)
 
     def _drop(self, connection: Connection, why: str) -> None:
         if connection.closed:

@@ -12,11 +12,11 @@ import pytest
 
 from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.records import _session_store
-from end_effector_hal.arbiter.rules import _predicates
+from end_effector_hal.arbiter.rules import _arbiter, _predicates
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from tests.support.nightly import first_of
 from tests.unit.arbiter.simulation.simulation import Met, play, table
-from tests.unit.arbiter.simulation.world import FAULTS
+from tests.unit.arbiter.simulation.world import CHANGES, FAULTS
 
 RUNS, PARTS = 2_000, 32
 EACH = RUNS // PARTS
@@ -30,7 +30,9 @@ def test_nothing_falls_no_latch_is_lost_and_the_next_program_can_work(part: int)
     violated = play(range(part * EACH, (part + 1) * EACH), met)
     sys.stdout.write(f"{table(met)}\n")
     assert not violated, violated
-    assert {fault for fault, _ in met} == set(FAULTS)
+    assert {fault for fault, _ in met} == {*FAULTS, CHANGES}
+    assert met[CHANGES, "refused"]
+    assert met[CHANGES, "accepted"]
     assert len(met) > 75
 
 
@@ -84,6 +86,10 @@ def a_last_will_that_is_executed_in_doubt(patch: Patch) -> None:
     patch(LineArbiter, "_resume", lambda self, memory, at: whole(self, _certain(memory), at))
 
 
+def a_line_that_is_forgotten_when_the_description_changes(patch: Patch) -> None:
+    patch(_arbiter, "left_behind", lambda *_: "")
+
+
 def _certain(memory: Any) -> Any:
     return replace(memory, doubt="", levels={})
 
@@ -96,6 +102,7 @@ def _certain(memory: Any) -> Any:
         (a_token_that_two_programs_share, 31),
         (a_table_of_faults_that_clients_can_fill, 246),
         (a_last_will_that_is_executed_in_doubt, 28),
+        (a_line_that_is_forgotten_when_the_description_changes, 0),
     ],
 )
 def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None], first: int) -> None:

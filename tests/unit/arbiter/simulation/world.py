@@ -7,17 +7,19 @@ import random
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.arbiter import ArbiterClient, Policy, Role
 from end_effector_hal.arbiter.client import _client, _conversation
 from end_effector_hal.arbiter.protocol._message import write_message
+from end_effector_hal.arbiter.rules import FORMER
 from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.arbitration import arbiter_policy, program_lines
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import LineBusyError, ReportedError
+from end_effector_hal.errors import LineBusyError, ReportedError, UsageError
 from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
@@ -31,6 +33,17 @@ TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
 GRIP_LINES = program_lines(TOOL, "grip")
 POLICY = arbiter_policy(TOOL)
+CHANGES = "description changed"
+CHANGED = [
+    replace(
+        POLICY, roles={line: Role("another") if line == each else role for line, role in POLICY.roles.items()}
+    )
+    for each in POLICY.lines
+] + [
+    replace(POLICY, roles={line: role for line, role in POLICY.roles.items() if line != each})
+    for each in GRIP_LINES
+]
+"""The same tool with another description: a line has another role in it, or none."""
 KEYS = {"bottom": -80_000, "cylinder": 600_000, "top": -80_000}
 FAULTS = (
     "arbiter dies", "program dies", "both die", "sensors die", "disk full", "disk fails", "disk hangs", "memory full",
@@ -81,7 +94,8 @@ class World:
     """
 
     def __init__(self, seed: int, met: Counter[tuple[str, str]]) -> None:
-        self.random = random.Random(seed)
+        self._last = POLICY
+        self.random, self._changes = random.Random(seed), random.Random(f"{seed} changed")
         self.now, self.boot = 1_000_000_000, "boot 0"
         self.lines = dict.fromkeys(POLICY.lines, False)
         self.judge = Judge(self.lines, GRIP_LINES)
@@ -304,9 +318,38 @@ class World:
     def _start_arbiter(self) -> None:
         if self.arbiter is None:
             self._message = "start"
-            with self._inside_start():
-                self.arbiter = ArbiterProcess(self, POLICY)
-                self.shown()
+            if self._changes.random() < 0.3:
+                self._start_changed(self._changes.choice(CHANGED))
+            try:
+                self._start_with(POLICY)
+            except UsageError:  # the one with another description has left a doubt: it is started once more
+                self._start_changed(self._last)
+                with suppress(UsageError):
+                    self._start_with(POLICY)
+            if self.arbiter is None:
+                self._heal_at.setdefault("arbiter", self.now + 200_000)
+
+    def _start_with(self, policy: Policy) -> None:
+        with self._inside_start():
+            self.arbiter = ArbiterProcess(self, policy)
+            self.shown()
+
+    def _start_changed(self, policy: Policy) -> None:
+        """Somebody has changed the description: it is refused while the line may be active; then it is restored."""
+        end, recorded = "refused", any(b'"driven"' in disk.content for disk in (self.memory, self.disk))
+        with suppress(UsageError), self._inside_start():
+            changed = self.arbiter = ArbiterProcess(self, policy)
+            end, self._last = "accepted", policy
+            lost = [
+                line
+                for line, role in POLICY.roles.items()
+                if policy.roles.get(line) != role and self.lines[line]
+            ]
+            if lost and recorded and FORMER not in changed.rules.predicates.faults:
+                self.judge.violations.append(f"{lost[0]} is active, and a description without it is accepted")
+            changed.close()
+        self.arbiter = None
+        self._met[CHANGES, end] += 1
 
     @contextmanager
     def _inside_start(self) -> Iterator[None]:
