@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import stat
-from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, WireError
+from end_effector_hal.owned import owned_folder
 
 
 def own_directory(path: Path) -> Path:
@@ -19,30 +18,14 @@ def own_directory(path: Path) -> Path:
         WireError: it is not a directory, or belongs to another user, or others may write there.
     """
     try:
-        with suppress(FileExistsError):
-            path.mkdir(mode=0o700)
-        fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+        owned_folder(path, 0o700).chmod(0o700)
     except OSError as error:
-        why = "it is a link, or no directory" if path.is_symlink() or path.exists() else error.strerror
-        raise _refusal(path, f"{why}") from error
-    try:
-        found = os.fstat(fd)
-        if found.st_uid != os.geteuid():
-            raise _refusal(path, f"it belongs to the user {found.st_uid}")
-        if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-            raise _refusal(path, "others may write there")
-        os.fchmod(fd, 0o700)
-    finally:
-        os.close(fd)
+        raise WireError(
+            f"the run directory is not for this user alone: {error.strerror}.",
+            where=str(path),
+            todo="Set EEHAL_RUN_DIR to a directory that only the programs of the tool can write, or remove that one.",
+        ) from error
     return path
-
-
-def _refusal(path: Path, why: str) -> WireError:
-    return WireError(
-        f"the run directory is not for this user alone: {why}.",
-        where=str(path),
-        todo="Set EEHAL_RUN_DIR to a directory that only the programs of the tool can write, or remove that one.",
-    )
 
 
 SHARED = Path("/tmp")

@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
+from end_effector_hal.owned import open_owned
 from end_effector_hal.recording._files import is_written
 
 _log = logging.getLogger("end_effector_hal.recording")
@@ -92,7 +93,7 @@ def _note(folder: Path, name: str, size: int) -> None:
     row = f"{datetime.now(UTC).isoformat(timespec='seconds')},{name},{size}\n"
     try:
         text = row if path.exists() else f"time,file,bytes\n{row}"
-        fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        fd = open_owned(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
         try:
             os.write(fd, text.encode())
         finally:

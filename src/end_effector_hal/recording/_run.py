@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from end_effector_hal.owned import open_owned
 from end_effector_hal.recording._watched import Watched, read_watched
 
 FILE_NAME = "run.json"
@@ -95,7 +96,8 @@ class RunInfo:
             content["watched"] = [each.document() for each in self.watched]
         beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")
         try:
-            with beside.open("w", encoding="utf-8") as file:
+            fd = open_owned(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+            with os.fdopen(fd, "w", encoding="utf-8") as file:
                 file.write(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
                 file.flush()
                 os.fsync(file.fileno())

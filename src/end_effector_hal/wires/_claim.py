@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import LineBusyError, WireError
+from end_effector_hal.owned import open_owned
 from end_effector_hal.vocabulary import printable
 from end_effector_hal.wires._processes import program_name
 
@@ -28,12 +29,12 @@ class Claim:
         import fcntl  # what needs no wires needs no POSIX
 
         try:
-            self._fd = fd if fd >= 0 else os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o660)
+            self._fd = fd if fd >= 0 else open_owned(path, os.O_RDWR | os.O_CREAT, 0o660)
         except OSError as error:
             raise WireError(
                 f"{what} cannot be claimed: {error.strerror}.",
                 where=str(path),
-                todo="Give a path in a directory that exists and can be written.",
+                todo="Remove it, or give a path in a directory that exists and that only this user can write.",
             ) from error
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)

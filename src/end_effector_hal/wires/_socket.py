@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, WireError
+from end_effector_hal.owned import owned_folder
 
 LONGEST_PATH = 107
 """Bytes of the path of a Unix socket."""
@@ -32,6 +33,10 @@ def listen(path: Path, group: str | None = None, *, whose: str = "the line arbit
     number = -1 if group is None else _number(group)
     if len(os.fsencode(path)) > LONGEST_PATH:  # it could be made, but nobody could connect
         raise no_socket(path, OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG)), whose)
+    try:
+        owned_folder(path.parent)
+    except OSError as error:
+        raise no_socket(path.parent, error, whose) from error
     fresh = path.with_name(f".{os.getpid()}-{threading.get_native_id()}")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
@@ -60,7 +65,7 @@ def no_socket(path: Path, error: OSError, whose: str = "the line arbiter") -> Wi
     return WireError(
         f"the socket of {whose} cannot be made: {error.strerror or error}.",
         where=str(path),
-        todo="Give a path of less than 90 letters in a directory that can be written.",
+        todo="Give a path of less than 90 letters in a directory that is no link and that only this user can write.",
     )
 
 

@@ -15,6 +15,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from end_effector_hal.errors import BoardError
+from end_effector_hal.owned import open_owned, owned_folder
 
 WHOLE = "root.cpio"
 """Is made last: with it a built board is whole."""
@@ -94,7 +95,7 @@ def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
     if keep(place):
         return place
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
+        owned_folder(place.parent)
         with _alone(place.parent / "lock"):
             if not keep(place):
                 say(f"building the emulated board once: some 250 MB of Debian packages, into {place}")
@@ -136,7 +137,7 @@ def _build(place: Path, requirements: str) -> None:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    with path.open("w") as file:
+    with os.fdopen(open_owned(path, os.O_WRONLY | os.O_CREAT, 0o644), "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

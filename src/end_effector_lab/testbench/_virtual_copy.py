@@ -8,6 +8,7 @@ from ruamel.yaml import YAML
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import os_errors
+from end_effector_hal.owned import owned_folder
 
 from .inputs import VirtualInputs
 from .program import open_inputs
@@ -26,7 +27,7 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
     """
     folder = folder.absolute()
     with os_errors("Cannot be made", folder):
-        folder.mkdir(parents=True, exist_ok=True)
+        owned_folder(folder)
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
     write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
     chip = open_inputs(None, virtual)

@@ -7,6 +7,8 @@ import os
 from pathlib import Path
 from typing import Protocol
 
+from end_effector_hal.owned import open_owned
+
 MOST = 1 << 20
 """Bytes of a file that are read."""
 
@@ -40,7 +42,7 @@ class Storage(Protocol):
 
 
 class FileStorage:
-    """Bytes that outlive the process; every method may raise OSError. No symbolic link is followed.
+    """Bytes that outlive the process; every method may raise OSError. No link is followed, no file of others used.
 
     Args:
         path: the file; its folder exists.
@@ -66,8 +68,8 @@ class FileStorage:
         """A new file of ``size`` bytes in one step: whenever the power goes, there is the old one or the new one."""
         self.close()
         fresh = self._path.with_name(f".{self._path.name}.new")
-        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC | os.O_NOFOLLOW
-        fd = os.open(fresh, flags, 0o640)
+        fresh.unlink(missing_ok=True)
+        fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o640)
         try:
             os.posix_fallocate(fd, 0, size)
             _write_all(fd, 0, content)
@@ -110,7 +112,7 @@ class FileStorage:
 
     def _opened(self) -> int:
         if self._fd < 0:
-            self._fd = os.open(self._path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+            self._fd = open_owned(self._path, os.O_RDWR)
         return self._fd
 
 

@@ -25,6 +25,7 @@ from end_effector_hal.arbiter.rules import DROP_FIRST, LineArbiter, Policy
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
+from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires import Claim, listen, no_socket, now_us
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
@@ -82,13 +83,13 @@ class ArbiterServer(Closing):
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._wake_read, selectors.EVENT_READ)
         try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
+            owned_folder(self._path.parent)
             self._claim = Claim(f"{self._path}.lock", "the socket of the line arbiter")
         except OSError as error:
             self._close_ends()
             if isinstance(error, WireError):
                 raise
-            raise no_socket(self._path, error) from error
+            raise no_socket(self._path.parent, error) from error
         try:
             if forgotten := recorded_left_behind(self._path, policy):
                 raise UsageError(forgotten, todo=DROP_FIRST)

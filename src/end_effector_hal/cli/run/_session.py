@@ -19,6 +19,7 @@ import click
 from end_effector_hal.control import Answer, ending_in_words
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.owned import open_owned
 from end_effector_hal.runtime import (
     WORDS,
     EndEffector,
@@ -307,6 +308,7 @@ class Prompt:
 
         def keep() -> None:
             with suppress(OSError):
+                os.close(open_owned(file, os.O_WRONLY | os.O_CREAT))
                 readline.write_history_file(file)
 
         atexit.register(keep)

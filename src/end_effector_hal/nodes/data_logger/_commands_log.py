@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.errors import os_errors
+from end_effector_hal.owned import open_owned
 from end_effector_hal.vocabulary import Command
 
 HEADER = "time_s,command\n"
@@ -29,7 +31,10 @@ class CommandsLog(Closing):
         path = folder / "commands.csv"
         self._seconds, self._lock = seconds, threading.Lock()
         with os_errors("Cannot be written", path):
-            self._file = path.open("a", encoding="utf-8", buffering=1)  # a kill loses the last row at most
+            fd = open_owned(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+            self._file = os.fdopen(
+                fd, "a", encoding="utf-8", buffering=1
+            )  # a kill loses the last row at most
             if self._file.tell() == 0:
                 self._file.write(HEADER)
 

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.owned import open_owned
 from end_effector_hal.recording._files import append_whole, lock, numbered_files, read_file, still_there
 from end_effector_hal.recording._limits import RecordingLimits, make_room
 
@@ -49,7 +50,7 @@ class RowFile:
         self._limits, self._opening = limits, opening
         self._header = ",".join(checked_names(columns)) + "\n"
         try:
-            self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+            self._fd = open_owned(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
         except OSError as error:
             raise UsageError(f"Cannot be written: {error.strerror}.", where=str(self.path)) from None
         self.last: tuple[str, ...] | None = None
@@ -109,7 +110,7 @@ class RowFile:
         """Keep the file under a number, and begin the next one; raises OSError, and nothing has changed."""
         make_room(self.path.parent, limits)
         fresh = self.path.with_name(f".{self.path.name}.next")
-        fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
         try:
             lock(fd)
             append_whole(fd, (self._header + self._opening()).encode())

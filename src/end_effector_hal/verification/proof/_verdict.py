@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -12,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.owned import open_owned, owned_folder, write_owned
 from end_effector_hal.recording import content_hash, product_version
 
 from ._finding import Proof
@@ -74,15 +74,11 @@ def proof_verdict(content: str, proof: Proof) -> Verdict:
 def keep_verdict(verdict: Verdict) -> Path:
     """Write a verdict where `kept_verdict` finds it; raises UsageError where that cannot be written."""
     path = _folder() / f"{verdict.hash}.json"
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_bytes(_VERDICT.dump_json(verdict, indent=2))
-        beside.replace(path)
+        owned_folder(path.parent)
+        write_owned(path, _VERDICT.dump_json(verdict, indent=2))
     except OSError as error:
-        with suppress(OSError):
-            beside.unlink()
-        todo = "Set XDG_STATE_HOME to a folder that can be written."
+        todo = "Set XDG_STATE_HOME to a folder that only you can write."
         raise UsageError(
             f"The verdict cannot be kept: {error.strerror}.", where=str(path), todo=todo
         ) from None
@@ -93,7 +89,7 @@ def kept_verdict(description: Description) -> Verdict | None:
     """The verdict that this version of the product has found about exactly this tool; None: there is none."""
     hash_now = content_hash(description)
     try:
-        with (_folder() / f"{hash_now}.json").open("rb") as file:
+        with os.fdopen(open_owned(_folder() / f"{hash_now}.json", os.O_RDONLY), "rb") as file:
             verdict = _VERDICT.validate_json(file.read(_LONGEST_BYTES))
     except (OSError, ValidationError):
         return None

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from end_effector_hal.errors import WireError
+from end_effector_hal.owned import open_owned, write_owned
 from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.lines._backend import line_not_found
@@ -59,13 +60,11 @@ class VirtualChip:
         if exist_ok and chip.path.exists():
             return chip
         claim = chip.claim()
-        fresh = chip.path.with_name(f".{chip.path.name}.{os.getpid()}")
         try:
             pull_of = {name: (pulls or {}).get(name, "down") for name in names}
             at, pid = now_us(), os.getpid()
             driven = [record(Edge(at, *each, pid)) for each in _inputs(names, levels or {})]
-            fresh.write_bytes(header(label, pull_of, at) + b"".join(driven))
-            fresh.replace(chip.path)
+            write_owned(chip.path, header(label, pull_of, at) + b"".join(driven))
         except OSError as error:
             raise WireError(
                 f"the virtual chip cannot be made: {error.strerror}.",
@@ -181,7 +180,7 @@ class VirtualPins:
         if self._fd >= 0 and not _same(self._fd, self._path):
             self.close()
         if self._fd < 0:
-            self._fd = os.open(self._path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+            self._fd = open_owned(self._path, os.O_RDWR | os.O_APPEND)
             self._log, self._read = ChipLog(), 0
         while data := os.pread(self._fd, 1 << 16, self._read):
             self._log.feed(data)
@@ -229,15 +228,15 @@ class VirtualLines:
             missing = [name for name in names if name not in found]
             if missing:
                 raise line_not_found(missing, list(found), looked_at=[str(self._chip.path)])
-            self._fd = os.open(self._chip.path, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC)
+            self._fd = open_owned(self._chip.path, os.O_WRONLY | os.O_APPEND)
             self._levels = {name: found[name].direction == "out" and found[name].level for name in names}
             self._write({name: False for name in names if found[name].direction == "in"}, begin=b"\n")
         except BaseException as error:
             claim.release()
             self.close()
-            if isinstance(error, PermissionError):
+            if isinstance(error, OSError) and not isinstance(error, WireError):
                 raise WireError(
-                    "the virtual chip cannot be written: permission denied.",
+                    f"the virtual chip cannot be written: {error.strerror}.",
                     where=str(self._chip.path),
                     todo="Delete the file, or run as the user who made it.",
                 ) from error

@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from end_effector_hal.errors import WireError
+from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires import now_us
 from end_effector_lab.testbench.inputs._inputs import OnEdge
 
@@ -44,7 +45,7 @@ class VirtioGpioInputs:
         self._pins = Pins(self._names, lambda name, level: on_edge(name, level, now_us()))
         self._listener = socket.socket(socket.AF_UNIX)
         try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
+            owned_folder(self._path.parent)
             if self._path.is_socket():
                 self._path.unlink()
             self._listener.bind(str(self._path))
