@@ -124,11 +124,11 @@ class OutputLines:
         self._renewed.difference_update(found)
         return {_fault(line): f"{self._policy.called(line)} {why}." for line, why in found.items()}
 
-    def recovered(self) -> set[str]:
+    def recovered(self) -> frozenset[str]:
         """Names of the faults that are over: their line was activated again, and its device confirms that."""
         if self.remote is None:
-            return set()
-        return {_fault(line) for line in self._renewed.difference(self.remote.unsure(), self._half_done)}
+            return frozenset()
+        return frozenset(map(_fault, self._renewed.difference(self.remote.unsure(), self._half_done)))
 
     def ready_at(self, write: Write) -> int:
         """The earliest time at which a write may be applied, µs."""
