@@ -8,7 +8,6 @@ from ._possible import offered_faults, possible_faults
 from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import SensorBoard, Sent, carried
 from ._testbench import Testbench, Watcher
-from ._virtual_copy import write_description, write_virtual_copy
 from .modbus import CommandedRegisters
 from .program import (
     Events,
@@ -19,6 +18,8 @@ from .program import (
     open_ports,
     open_sensors,
     run_testbench,
+    write_description,
+    write_virtual_copy,
 )
 
 __all__ = [

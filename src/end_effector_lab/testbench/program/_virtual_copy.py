@@ -9,9 +9,9 @@ from ruamel.yaml import YAML
 from end_effector_hal.description import Description
 from end_effector_hal.errors import os_errors
 from end_effector_hal.owned import owned_folder
+from end_effector_lab.testbench.inputs import VirtualInputs
 
-from .inputs import VirtualInputs
-from .program import open_inputs
+from ._places import open_inputs
 
 NAME = "end_effector.yaml"
 
