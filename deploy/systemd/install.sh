@@ -5,6 +5,7 @@
 # With -c: another description instead of the installed one. Refused while a line is active, and with any fault in it:
 # then nothing has changed. The one before it stands beside it as end_effector.yaml.before.
 # The nodes are those of the ROS that the folder was built for: eehal-hal (ROS 1), or eehal-hal-ros2 and eehal-logger-ros2.
+# A folder without ROS has none: the line arbiter alone is installed, and what is left out is said.
 # DESTDIR: install below this folder, and start nothing.
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
@@ -21,12 +22,20 @@ shift $((OPTIND - 1))
 prefix=${1:-/opt/eehal-$version}
 dest=${DESTDIR:-}
 installed=$dest/etc/eehal/end_effector.yaml
-if [ -x "$prefix/bin/eehal-hal-ros2" ]; then
-    nodes='eehal-hal-ros2 eehal-logger-ros2' others=eehal-hal
-else
-    nodes=eehal-hal others='eehal-hal-ros2 eehal-logger-ros2'
-fi
 [ -x "$prefix/bin/eehal" ] || { echo "There is no $prefix/bin/eehal: run deploy/build.sh first" >&2; exit 2; }
+nodes='' others='' lacks=''
+for unit in eehal-hal-ros2 eehal-logger-ros2 eehal-hal; do
+    program=$(sed -n 's|^ExecStart=/opt/eehal/\([^ ]*\).*|\1|p' "$here/$unit.service")
+    if [ ! -x "$prefix/$program" ]; then
+        others="$others $unit" lacks="$lacks $prefix/$program"
+    elif [ ! -f "$prefix/ros/setup.bash" ]; then
+        others="$others $unit" lacks="$lacks $prefix/ros/setup.bash"
+    elif [ "$unit" = eehal-hal ] && [ -n "$nodes" ]; then
+        others="$others $unit"  # one generation drives the tool
+    else
+        nodes="$nodes $unit"
+    fi
+done
 if [ -n "$changed" ]; then
     [ -e "$installed" ] || { echo "There is no tool yet: name it with -t" >&2; exit 2; }
     EEHAL_RUN_DIR=${EEHAL_RUN_DIR:-/run/eehal} "$prefix/bin/eehal" check "$tool" --instead-of "$installed" >/dev/null || exit
@@ -37,6 +46,13 @@ elif [ -n "$tool" ]; then
 elif [ ! -e "$installed" ]; then
     echo "No tool is driven by default: name yours, $0 -t DESCRIPTION; eehal init FOLDER writes one to start from" >&2
     exit 2
+fi
+
+if [ -z "$nodes" ]; then
+    echo "Left out:$others. deploy/build.sh has not made what they need:" >&2
+    # shellcheck disable=SC2086
+    printf '%s\n' $lacks | sort -u | sed 's/^/  /' >&2
+    echo "Only the line arbiter is installed. Without ROS give commands with: $prefix/bin/eehal run /etc/eehal/end_effector.yaml" >&2
 fi
 
 put() { install -D -m 644 "$here/$1" "$dest$2"; }
@@ -73,7 +89,7 @@ if [ -e /etc/systemd/system/eehal-owner.service ]; then
     systemctl disable --now eehal-owner
     rm /etc/systemd/system/eehal-owner.service
 fi
-# the nodes of the other ROS: one generation drives the tool
+# those that are left out
 for unit in $others; do
     [ ! -e "/etc/systemd/system/$unit.service" ] || systemctl disable --now "$unit"
     rm -f "/etc/systemd/system/$unit.service"
@@ -85,8 +101,8 @@ systemctl daemon-reload
 systemctl enable eehal-arbiter $nodes
 # the nodes first: they end in order while the arbiter still runs
 # shellcheck disable=SC2086
-systemctl stop $nodes
+[ -z "$nodes" ] || systemctl stop $nodes
 systemctl restart eehal-arbiter
 # shellcheck disable=SC2086
-systemctl start $nodes
+[ -z "$nodes" ] || systemctl start $nodes
 EEHAL_RUN_DIR=/run/eehal "$prefix/bin/eehal" doctor /etc/eehal/end_effector.yaml --passive --only description,lines,arbiter,link

@@ -39,6 +39,17 @@ def install(prefix: Path, *options: object) -> subprocess.CompletedProcess[str]:
     )
 
 
+def with_ros(prefix: Path, program: str) -> None:
+    (prefix / "bin" / program).write_text("#!/bin/sh\n")
+    (prefix / "bin" / program).chmod(0o755)
+    (prefix / "ros").mkdir()
+    (prefix / "ros/setup.bash").touch()
+
+
+def installed_units(prefix: Path) -> set[str]:
+    return {path.stem for path in (prefix.parent / "root/etc/systemd/system").iterdir()}
+
+
 def test_without_a_tool_nothing_is_installed(prefix: Path) -> None:
     done = install(prefix)
     assert done.returncode == 2
@@ -60,6 +71,7 @@ def test_the_tool_and_its_automata_are_copied_once(prefix: Path, tmp_path: Path)
     for name in ("end_effector.yaml", "end_effector.xml"):
         shutil.copy(profile_path().with_name(name), own)
     tool = (own / "end_effector.yaml").rename(own / "tool.yaml")
+    with_ros(prefix, "eehal-hal")
     assert install(prefix, "-t", tool).returncode == 0
     assert (root / "etc/eehal/end_effector.yaml").read_text() == tool.read_text()
     assert (root / "etc/eehal/end_effector.xml").read_bytes() == (own / "end_effector.xml").read_bytes()
@@ -97,11 +109,40 @@ def test_another_description_takes_the_place_of_the_installed_one_if_it_has_no_f
 def test_the_nodes_are_those_of_the_ros_that_the_folder_was_built_for(
     prefix: Path, program: str, units: set[str]
 ) -> None:
-    (prefix / "bin" / program).write_text("#!/bin/sh\n")
-    (prefix / "bin" / program).chmod(0o755)
-    assert install(prefix, "-t", profile_path()).returncode == 0
-    installed = {path.stem for path in (prefix.parent / "root/etc/systemd/system").iterdir()}
-    assert installed == {"eehal-arbiter", *units}
+    with_ros(prefix, program)
+    done = install(prefix, "-t", profile_path())
+    assert (done.returncode, done.stderr) == (0, "")
+    assert installed_units(prefix) == {"eehal-arbiter", *units}
+
+
+def test_without_ros_only_the_line_arbiter_is_installed_and_the_rest_is_named(prefix: Path) -> None:
+    done = install(prefix, "-t", profile_path())
+    assert done.returncode == 0
+    assert installed_units(prefix) == {"eehal-arbiter"}
+    first, *lacks, last = done.stderr.splitlines()
+    assert first.startswith("Left out: eehal-hal-ros2 eehal-logger-ros2 eehal-hal. ")
+    assert lacks == [f"  {prefix}/bin/eehal-hal", f"  {prefix}/bin/eehal-hal-ros2"]
+    assert last.endswith("eehal run /etc/eehal/end_effector.yaml")
+
+
+def test_nodes_whose_workspace_was_not_built_are_left_out(prefix: Path) -> None:
+    with_ros(prefix, "eehal-hal")
+    (prefix / "ros/setup.bash").unlink()
+    done = install(prefix, "-t", profile_path())
+    assert installed_units(prefix) == {"eehal-arbiter"}
+    assert f"  {prefix}/ros/setup.bash" in done.stderr.splitlines()
+
+
+def test_systemctl_gets_only_units_that_are_installed() -> None:
+    """Enabled, stopped and started: the line arbiter, and the nodes that were found to be able to run."""
+    script = (DEPLOY / "systemd" / "install.sh").read_text()
+    words = re.findall(r"^(.*)systemctl (?:enable|start|stop|restart) (.*)$", script, re.MULTILINE)
+    assert set(words) == {
+        ("", "eehal-arbiter $nodes"),
+        ('[ -z "$nodes" ] || ', "$nodes"),
+        ("", "eehal-arbiter"),
+        ("    ", "eehal-hal"),  # of the earlier release whose unit is there
+    }
 
 
 @pytest.mark.thinned
