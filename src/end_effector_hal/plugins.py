@@ -12,9 +12,12 @@ from end_effector_hal._extras import missing_extra
 from end_effector_hal.errors import MissingExtraError, UsageError
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoints
+    from importlib.metadata import EntryPoint, EntryPoints
 
 LONGEST = 200
+LOAD_S = 15.0
+"""The longest that the import of a plug-in of another distribution may take."""
+_OURS = ("end_effector_hal.", "end_effector_lab.")
 Plugin = TypeVar("Plugin")
 
 
@@ -41,11 +44,17 @@ class Plugins(Generic[Plugin]):
     ) -> None:
         self._group, self._noun, self._own, self._check, self._make = group, noun, dict(own), check, make
         self._made: dict[str, Plugin] = {}
+        self._broken: dict[str, UsageError] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
         """All that are installed, our own first."""
         return (*self._own, *sorted(self._added().names - set(self._own)))
+
+    @property
+    def loaded(self) -> tuple[str, ...]:
+        """Those of other distributions that were wanted by name so far, and can be loaded."""
+        return tuple(known.partition("=")[0] for known in self._made if known not in self._own)
 
     def get(self, name: str) -> Plugin:
         """The plug-in of that name, which is made once.
@@ -66,7 +75,11 @@ class Plugins(Generic[Plugin]):
             try:
                 # loaded once: a program that restarts needs it again
                 if (known := f"{name}={entry.value}") not in self._made:
-                    self._made[known] = self._check(self._wanted(entry.load()))
+                    if known in self._broken:
+                        raise self._broken[known]
+                    ours = entry.value.startswith(_OURS)
+                    made = self._made_of(entry) if ours else self._in_time(known, entry)
+                    self._made[known] = self._check(made)
                 return self._made[known]
             except UsageError as error:
                 what = f"the {self._noun} {name}: {error.what}"
@@ -82,6 +95,33 @@ class Plugins(Generic[Plugin]):
         raise UsageError(
             f"there is no {self._noun} {name!r}.", todo=f"{hint}There are: {', '.join(self.names)}."
         )
+
+    def _made_of(self, entry: EntryPoint) -> Any:
+        return self._wanted(entry.load())
+
+    def _in_time(self, known: str, entry: EntryPoint) -> Any:
+        """The plug-in, loaded in a thread of its own: one whose import does not end is left behind."""
+        done: list[tuple[Any, BaseException | None]] = []
+
+        def load() -> None:
+            try:
+                done.append((self._made_of(entry), None))
+            except BaseException as error:  # noqa: BLE001 it is raised where it is wanted
+                done.append((None, error))
+
+        thread = threading.Thread(target=load, name=f"load {entry.value}", daemon=True)
+        thread.start()
+        thread.join(LOAD_S)
+        if not done:
+            self._broken[known] = UsageError(
+                f"its import has not ended after {LOAD_S:g} s.",
+                todo="Repair or remove the distribution that provides it.",
+            )
+            raise self._broken[known]
+        made, error = done[0]
+        if error is not None:
+            raise error
+        return made
 
     def _missing_extra(self, name: str, error: BaseException) -> MissingExtraError | None:
         if isinstance(error, ModuleNotFoundError):

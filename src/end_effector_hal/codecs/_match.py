@@ -96,8 +96,9 @@ def _unusable(description: Description, name: str) -> Fault | None:
         if not wanted or isinstance(error, MissingExtraError):
             return Fault.at(place, "EE-226", what, found="", hint=hint)
         known = codec_names()
-        what = what if wanted in known else "there is no such codec"
-        expected = f"one of {', '.join(known)}"
+        if wanted in known:
+            return Fault.at(place, "EE-226", what, expected="a codec that can be loaded", hint=hint)
+        what, expected = "there is no such codec", f"one of {', '.join(known)}"
         return Fault.at(place, "EE-226", what, expected=expected, hint=did_you_mean(wanted, known))
     return None
 

@@ -152,4 +152,4 @@ def _another_number(word: str, candidate: str) -> bool:
 def did_you_mean(word: object, candidates: Iterable[str]) -> str:
     """A hint, or nothing if no candidate is near."""
     match = closest(word, candidates)
-    return f"did you mean {match!r}?" if match else ""
+    return f"did you mean {match!r}?" if match and match != word else ""

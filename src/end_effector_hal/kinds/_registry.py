@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, get_args
 
@@ -115,11 +115,13 @@ def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
     return kind_of(part).lost(part, readings, at)
 
 
-@cache
-def usable_kinds() -> Mapping[str, DeviceKind[Any]]:
-    """Every kind that is installed and can be loaded, our own first; what cannot is only told when it is used."""
+def usable_kinds(names: Iterable[str] = ()) -> Mapping[str, DeviceKind[Any]]:
+    """Our own kinds, these, and those that were asked for by name before; what cannot be loaded is left out.
+
+    One that no description names is not loaded: whatever its import does disturbs nobody.
+    """
     found = {}
-    for name in kind_names():
+    for name in dict.fromkeys((*OWN, *_KINDS.loaded, *names)):
         try:
             found[name] = get_kind(name)
         except UsageError:

@@ -16,7 +16,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, c
 from end_effector_hal.description._fault import Place, Places
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
-from end_effector_hal.kinds import get_kind, kind_of, usable_kinds
+from end_effector_hal.kinds import get_kind, kind_names, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import (
     Actuator,
     Endings,
@@ -55,7 +55,7 @@ class _ByKind:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        stanzas: Any = reduce(or_, (kind.stanza for kind in usable_kinds().values()))
+        stanzas: Any = reduce(or_, (kind.stanza for kind in usable_kinds(kind_names()).values()))
         return handler(TypeAdapter(Annotated[stanzas, Field(discriminator="kind")]).core_schema)
 
 

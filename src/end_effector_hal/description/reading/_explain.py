@@ -126,7 +126,9 @@ def why_not(kind: object) -> str:
 
 def likely_kind(stanza: dict[str, object]) -> tuple[str, bool]:
     """The kind that a stanza without a good one was meant to have; whether its word says so, not its keys."""
+    near = closest(stanza.get("kind"), kind_names())
+    why_not(near)  # one that was meant is loaded
     stanzas = actuator_stanzas()
-    near = closest(stanza.get("kind"), stanzas)
+    near = near if near in stanzas else None
     by_keys = max(stanzas, key=lambda kind: len(stanza.keys() & fields_of(stanzas[kind]).keys()))
     return near or by_keys, near is not None

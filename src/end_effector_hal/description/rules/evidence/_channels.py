@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
@@ -71,7 +70,6 @@ def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> It
         yield Use(stanza, key, channel, bit, key in part.model_fields_set)
 
 
-@cache
 def bits_by_default() -> frozenset[str]:
     """Names of bits that mean something, whether this tool has the device or not."""
     keyed: list[tuple[type[Part], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
