@@ -12,8 +12,11 @@ _SAFELY = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(
 _HAS_USERS = hasattr(os, "geteuid")
 
 
-def open_owned(path: str | Path, flags: int, mode: int = 0o600) -> int:
-    """As `os.open`; raises OSError, with a reason, for a link, for what is no file, and for a file of another user."""
+def open_owned(path: str | Path, flags: int, mode: int = 0o600, *, shared: bool = False) -> int:
+    """As `os.open`; raises OSError, with a reason, for a link, for what is no file, and for a file of another user.
+
+    ``shared``: other users may own and write it, as the simulated wires between two of them.
+    """
     try:
         fd = os.open(path, flags & ~os.O_TRUNC | _SAFELY, mode)
     except OSError as error:
@@ -24,7 +27,8 @@ def open_owned(path: str | Path, flags: int, mode: int = 0o600) -> int:
         found = os.fstat(fd)
         if not stat.S_ISREG(found.st_mode):
             raise OSError(errno.EINVAL, "it is no regular file")
-        _check(found, found.st_mode & stat.S_IWOTH)
+        if not shared:
+            _check(found, found.st_mode & stat.S_IWOTH)
         if flags & os.O_TRUNC:
             os.ftruncate(fd, 0)
     except BaseException:

@@ -87,7 +87,7 @@ def _output(*words: object) -> str:
 def memory_disk(tmp_path: Path) -> Iterator[Disk]:
     folder = tmp_path / "disk"
     folder.mkdir()
-    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", folder], check=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m,mode=700", "none", folder], check=True)
     yield Disk(folder)
     subprocess.run(["umount", "-l", folder], check=True)
 

@@ -180,7 +180,7 @@ class VirtualPins:
         if self._fd >= 0 and not _same(self._fd, self._path):
             self.close()
         if self._fd < 0:
-            self._fd = open_owned(self._path, os.O_RDWR | os.O_APPEND)
+            self._fd = open_owned(self._path, os.O_RDWR | os.O_APPEND, shared=True)
             self._log, self._read = ChipLog(), 0
         while data := os.pread(self._fd, 1 << 16, self._read):
             self._log.feed(data)
@@ -228,7 +228,7 @@ class VirtualLines:
             missing = [name for name in names if name not in found]
             if missing:
                 raise line_not_found(missing, list(found), looked_at=[str(self._chip.path)])
-            self._fd = open_owned(self._chip.path, os.O_WRONLY | os.O_APPEND)
+            self._fd = open_owned(self._chip.path, os.O_WRONLY | os.O_APPEND, shared=True)
             self._levels = {name: found[name].direction == "out" and found[name].level for name in names}
             self._write({name: False for name in names if found[name].direction == "in"}, begin=b"\n")
         except BaseException as error:
