@@ -36,7 +36,9 @@ class SmallDisk:
 def small_disk(path: Path, megabytes: int = 16) -> Iterator[SmallDisk]:
     """Mounted while this lasts."""
     path.mkdir()
-    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={megabytes}m,mode=700", "tmpfs", str(path)], check=True)
+    subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m,mode=700", "tmpfs", str(path)], check=True
+    )
     try:
         yield SmallDisk(path)
     finally:

@@ -12,6 +12,7 @@ from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (
     BOTTOM,
     CYLINDER,
+    GRIP,
     LINES,
     MS,
     POLICY,
@@ -346,3 +347,18 @@ def test_il_13_a_stop_latches_as_an_e_stop_does_and_moves_no_line(policy):
     assert after.predicates.stopped, "it stays through a restart"
     arbiter.rules.reset(arbiter.now)
     assert (arbiter.rules.predicates.stopped, arbiter.rules.state.faults) == ("", {})
+
+
+def test_a_clock_that_differs_is_named() -> None:
+    """A program in another time namespace, or one that was restored from a snapshot."""
+    rules = LineArbiter(Lines(), SENSING, 0)
+    with pytest.raises(UsageError, match="3000000 µs ahead of now: the monotonic clock of that process"):
+        rules.predicates.update({"free": True, "locked": True, "closed": True}, 103 * S, 100 * S)
+    grip = rules.hello("grip", TOKEN, GRIP, (), 100 * S)
+    for stamp, said in (
+        (1 * S, "99 s ago by its stamp; the monotonic clock"),
+        (99 * S, "no process that reads"),
+    ):
+        rules.predicates.update({"free": True, "locked": True, "closed": True}, stamp, 100 * S)
+        with pytest.raises(LineRefusedError, match=said):
+            rules.write(grip, {BOTTOM: True}, None, 100 * S)

@@ -17,6 +17,10 @@ STOP = "stop"
 FORMER = "former lines"
 """The name of the fault that a line of a former description may be active: it refuses an unlock."""
 
+CLOCKS = "the monotonic clock of that process and of the line arbiter differ: run both in one time namespace"
+SKEW_US = 10_000_000
+"""A time that is wrong by so much comes from another clock, not from a slow machine."""
+
 
 class ProvenPredicate(NamedTuple):
     """Whether a predicate held at ``at`` µs, according to the process that reads the sensors."""
@@ -53,7 +57,7 @@ class SensorPredicates:
         """Why the arbiter's own inputs cannot be read now, a sentence; empty: they are."""
         self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
-        self._valid_us = valid_us
+        self._valid_us, self._told_at = valid_us, -SKEW_US
         self._names, self.client_faults = (
             frozenset(need.predicate for need in needs) - own,
             frozenset(client_faults),
@@ -69,7 +73,8 @@ class SensorPredicates:
         for name in predicates:
             _check_known(name, self._names, "predicate")
         if proven_at > at:
-            raise UsageError(f"at_us is {proven_at - at} µs ahead of now.")
+            raise UsageError(f"at_us is {proven_at - at} µs ahead of now: {CLOCKS}.")
+        self._told_at = at
         self._note(predicates, proven_at)
 
     def read(self, predicates: Mapping[str, bool], read_at: int) -> None:
@@ -111,6 +116,8 @@ class SensorPredicates:
             return f"no process that reads the sensors has reported yet whether {need.means}"
         if at - proof.at >= self._valid_us:
             age_s = (at - proof.at) / 1e6
+            if at - self._told_at < self._valid_us and at - proof.at >= SKEW_US:
+                return f"the report whether {need.means} was made {age_s:.3g} s ago by its stamp; {CLOCKS}"
             return f"for {age_s:.3g} s no process that reads the sensors has reported whether {need.means}"
         if not proof.holds:
             return need.otherwise

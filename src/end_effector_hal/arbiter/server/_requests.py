@@ -16,7 +16,7 @@ from end_effector_hal.arbiter.protocol import (
     read_request,
 )
 from end_effector_hal.arbiter.records import Records
-from end_effector_hal.arbiter.rules import LineArbiter, SecondSenderError, SenderRole
+from end_effector_hal.arbiter.rules import CLOCKS, SKEW_US, LineArbiter, SecondSenderError, SenderRole
 from end_effector_hal.arbiter.server._connections import Connection
 from end_effector_hal.errors import ArbiterError, ReportedError
 from end_effector_hal.wires import now_us
@@ -104,7 +104,8 @@ class RequestHandler:
         match request.op:
             case "set":
                 if request.until_us is not None and at > request.until_us:
-                    raise ArbiterError("this write came too late and was not executed.")
+                    why = f" ({CLOCKS})" if at - request.until_us >= SKEW_US else ""
+                    raise ArbiterError(f"this write came too late and was not executed{why}.")
                 return {"delay_us": arbiter.write(session, request.levels, request.will, at)}
             case "renew":
                 arbiter.renew(session, at)
