@@ -65,8 +65,6 @@ _JUDGING = (
 )  # fmt: skip
 """Commands that end by themselves, and whose exit code says what they found."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-_NO_THREAD = "can't start new thread"
-"""What Python says then."""
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _ROOMS = {
     **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
@@ -224,9 +222,9 @@ def _main() -> None:
         _report(missing)
         sys.exit(missing.exit_code)
     except (MemoryError, RuntimeError) as error:
-        if not isinstance(error, MemoryError) and str(error) != _NO_THREAD:
-            raise
         what = "memory" if isinstance(error, MemoryError) else "thread"
+        if what == "thread" and str(error) != "can't start new thread":
+            raise
         lacking = ReportedError(f"The system gives this program no more {what}.", todo=_LIMITS)
         _report(lacking)
         sys.exit(lacking.exit_code)

@@ -20,15 +20,7 @@ from end_effector_hal.control import Answer, ending_in_words
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.owned import open_owned
-from end_effector_hal.runtime import (
-    WORDS,
-    EndEffector,
-    Result,
-    RunningGoal,
-    ScriptCommand,
-    error_text,
-    read_command,
-)  # fmt: skip
+from end_effector_hal.runtime import WORDS, EndEffector, Result, RunningGoal, ScriptCommand, read_command
 from end_effector_hal.vocabulary import Command
 
 from ._voices import SCENARIO, Changes, Voice
@@ -118,15 +110,15 @@ class RunSession:
         """
         try:
             for order in orders:
+                if (
+                    interactive
+                    and order.command not in AT_ONCE
+                    and not (order.show or order.output or order.scenario or order.stop)
+                ):
+                    self._finish()
                 if order.command is Command.QUIT:
                     break
                 try:
-                    if (
-                        interactive
-                        and order.command not in AT_ONCE
-                        and not (order.show or order.output or order.scenario or order.stop)
-                    ):
-                        self._finish()
                     self._carry_out(order, wait=not (order.background or interactive))
                 except Exception as error:  # noqa: BLE001 no memory, no thread: nothing ends while a part is held
                     self._failed(order.command, error)
@@ -204,7 +196,7 @@ class RunSession:
         self._voice.answer(name, answer)
 
     def _failed(self, command: Command | None, error: Exception) -> None:
-        why = f"It was not carried out to its end: {error_text(error)}. `status` shows the state."
+        why = f"It was not carried out to its end: {str(error) or type(error).__name__}. `status` shows the state."
         self._answered(command.name if command is not None else "COMMAND", Answer(False, why, decided=False))
 
     def _run(self, command: Command, ended: threading.Event) -> Iterator[None]:

@@ -45,13 +45,13 @@ class Commander:
         """Give a command of Table II; returns at once. The answer comes in the thread of this client, or never."""
         with self._lock:
             if self._jobs is None:
-                jobs: queue.SimpleQueue[_Job] = queue.SimpleQueue()
+                self._jobs = queue.SimpleQueue()
                 try:
-                    threading.Thread(target=self._run, args=(jobs,), daemon=True).start()
+                    threading.Thread(target=self._run, args=(self._jobs,), daemon=True).start()
                 except RuntimeError as error:
-                    on_answer(Answer(False, f"{self._server} could not be asked: {error}."))
+                    self._jobs = None
+                    on_answer(Answer(False, f"The node {self._server} cannot be asked: {error}."))
                     return
-                self._jobs = jobs
             self._jobs.put((command, now_us() + round(VALID_S * 1e6), on_answer))
 
     def give_up(self) -> None:
