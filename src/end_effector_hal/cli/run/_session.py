@@ -128,8 +128,10 @@ class RunSession:
         finally:  # Ctrl-C and SIGTERM as well: each command gets its end, in words
             if not self.reloads:
                 self._ending()
-            said = ending_in_words(self._tool.description, self._tool.status, on="sigterm")
-            if said and all(ended.is_set() for ended in self._running):  # else its end says so
+            status = self._tool.status
+            said = ending_in_words(self._tool.description, status, on="sigterm")
+            # else the end of the command says so
+            if said and (status.command is Command.NONE or all(ended.is_set() for ended in self._running)):
                 self._voice.ending(said)
             self._tool.close()
             self._finish(time.monotonic() + END_S)
