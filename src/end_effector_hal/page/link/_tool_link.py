@@ -30,8 +30,9 @@ class ToolLink:
 
     def __init__(self, description: Description, view: ToolView) -> None:
         self._description, self._view = description, view
-        self._worker = ThreadPoolExecutor(1, "line arbiter")
-        self._worker.submit(int).result()  # its thread is there now: a command needs no new one
+        self._workers = {word: ThreadPoolExecutor(1, word) for word in ("stop", "reset")}
+        for worker in self._workers.values():
+            worker.submit(int).result()  # the thread exists from now on: a command needs no new one
         self._links = {
             name: ProgramLink(
                 program_socket(description, name), name, partial(self._take, name), partial(self._lost, name)
@@ -46,7 +47,7 @@ class ToolLink:
     async def command(self, word: str, actuator: str = "") -> Answer:
         """Ask for a command of `PROGRAM_WORDS`, ``reset`` or ``stop``; an answer in any case."""
         if word == "stop":
-            return await self._at_the_arbiter(partial(stop, self._description))
+            return await self._at_the_arbiter("stop", partial(stop, self._description))
         if word == "reset":
             return await self._reset()
         return await self._links[program_of(word)].ask(word, actuator)
@@ -60,10 +61,13 @@ class ToolLink:
         acknowledged = await self._links["grip"].ask("acknowledge")
         if not acknowledged.accepted:
             answers.append(acknowledged)
-        return await self._at_the_arbiter(partial(reset, self._description, _Acknowledged(), *answers))
+        return await self._at_the_arbiter(
+            "reset", partial(reset, self._description, _Acknowledged(), *answers)
+        )
 
-    async def _at_the_arbiter(self, ask: Callable[[], Answer]) -> Answer:
-        return await asyncio.get_running_loop().run_in_executor(self._worker, ask)
+    async def _at_the_arbiter(self, word: str, ask: Callable[[], Answer]) -> Answer:
+        """Each word has a thread of its own: a stop never waits for a reset."""
+        return await asyncio.get_running_loop().run_in_executor(self._workers[word], ask)
 
     async def _reset_changer(self) -> Answer:
         answer = await self._links["tool_change"].ask("reset")
