@@ -70,6 +70,7 @@ def test_words_for_each_end_of_a_command(screen: Screen) -> None:
         Result(Outcome.FAILED, state, "Why.", seconds=1.5),
         Result(Outcome.UNREACHABLE, state, "This process is ending.", seconds=1.5),
         Refused(Outcome.REJECTED, state, "Not now."),
+        Refused(Outcome.UNREACHABLE, state, "The line arbiter is lost."),
     ):
         words.result(Command.GRIP, result)
     assert screen.out == [
@@ -78,6 +79,7 @@ def test_words_for_each_end_of_a_command(screen: Screen) -> None:
         "GRIP: failed. Why.",
         "GRIP: outcome unknown. This process is ending.",
         "refused: grip. Not now.",
+        "unreachable: grip. The line arbiter is lost.",
     ]
 
 

@@ -193,6 +193,9 @@ def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> No
     assert goal.ending.seconds == 2.5
 
 
+LOST = ("The line arbiter is lost: why.",)
+
+
 def test_rule_4_an_end_that_was_seen_before_the_answer_counts(room: Room) -> None:
     goal = room.come()
     room.see(ee=State.GRIPPED)
@@ -219,6 +222,16 @@ def test_rule_4_an_end_that_was_seen_before_the_answer_counts(room: Room) -> Non
             "FAILED",
             "The tool changer is LOCKING: its sensors do not prove UNLOCKED.",
         ),
+        (Command.RELEASE, {"ee": State.OFF, "reason": "why", "alarms": LOST}, "UNREACHABLE", "why"),
+        (Command.RELEASE, {"ee": State.RELEASE_ERROR, "reason": "why", "alarms": LOST}, "UNREACHABLE", "why"),
+        (Command.RELEASE, {"alarms": LOST}, "SUCCEEDED", ""),
+        (
+            Command.LOCK,
+            {"changer": ChangerState.UNKNOWN, "reason": "why", "alarms": LOST},
+            "UNREACHABLE",
+            "why",
+        ),
+        (Command.LOCK, {"changer": ChangerState.LOCKED, "alarms": LOST}, "SUCCEEDED", ""),
     ],
 )
 def test_rule_4_the_outcome_is_read_from_the_status(

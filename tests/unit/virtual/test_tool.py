@@ -24,6 +24,8 @@ from timed_automata.monitor import Monitor
 
 SHIPPED = load(profile_path())
 BOTTOM, CYLINDER, TOP = (part.line for _, part in SHIPPED.ordered)
+assert SHIPPED.tool_changer
+UNLOCK = SHIPPED.tool_changer.line
 GRIPPING = EndEffectorState.GRIPPING
 GRIPPED = EndEffectorState.GRIPPED
 STAND_BY = EndEffectorState.STAND_BY
@@ -135,6 +137,31 @@ def test_an_arbiter_that_dies_moves_nothing_and_the_grip_goes_on() -> None:
     tool.start("arbiter")
     until(tool, GRIPPED)
     assert moved(tool, before) == [(TOP, True)]
+
+
+@pytest.mark.parametrize("noticed", [False, True])
+def test_the_tool_changer_obeys_nothing_while_the_arbiter_is_lost(*, noticed: bool) -> None:
+    tool = ready()
+    assert tool.command("unlock").accepted
+    tool.run(1.0)
+    assert (tool.status.changer, tool.status.unlock_output) == (ChangerState.UNLOCKED, True)
+    tool.kill("arbiter")
+    tool.run(0.3 if noticed else 0.0)
+    before = len(tool.edges)
+    for word in ("lock", "arm", "reset"):
+        answer = tool.command(word)
+        assert (answer.accepted, answer.decided) == (False, False), word
+        assert answer.reason.startswith("The line arbiter is lost: nothing was written, and nothing will be.")
+    assert (tool.status.changer, tool.status.unlock_output) == (ChangerState.UNLOCKED, True)
+    tool.run(3.0)  # its longest time is over meanwhile
+    assert (tool.status.unlock_output, tool.status.arbiter_lost) == (True, True)
+    tool.start("arbiter")
+    tool.run(1.0)
+    assert not tool.status.arbiter_lost
+    tool.run(3.0)
+    assert moved(tool, before) == [(UNLOCK, False)], "only the line arbiter ends it (IL-03)"
+    assert tool.reset().accepted
+    assert tool.command("lock").accepted
 
 
 def test_both_die_in_a_grip_and_the_next_arbiter_executes_the_last_will() -> None:

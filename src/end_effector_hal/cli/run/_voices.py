@@ -17,7 +17,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.process import PER_S, Allowance
-from end_effector_hal.runtime import Result
+from end_effector_hal.runtime import Refused, Result
 from end_effector_hal.vocabulary import OVER, Command, display_name
 from end_effector_hal.wires import now_us
 
@@ -107,6 +107,9 @@ class Words:
         """How a command ended, with the reason in words."""
         if result.outcome in (Outcome.REJECTED, Outcome.NOT_EXECUTED):
             self._say(refused(CHANNELS[command], result.reason), fg="red")
+            return
+        if isinstance(result, Refused):
+            self._say(unanswered(CHANNELS[command], result.reason), fg="red")
             return
         after = f" after {result.seconds:.2f} s" if self._timed and result.seconds else ""
         steps = "; ".join(self._steps(result)) if self._timed and command is Command.GRIP else ""

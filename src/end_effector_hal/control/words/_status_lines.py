@@ -29,8 +29,8 @@ def refused(what: str, why: str) -> str:
 
 
 def unanswered(what: str, why: str) -> str:
-    """``not known whether begun: drop. The grip program does not answer.``"""
-    return f"not known whether begun: {what}. {why}"
+    """``unreachable: drop. The line arbiter is lost: …``"""
+    return f"unreachable: {what}. {why}"
 
 
 class StatusLines:

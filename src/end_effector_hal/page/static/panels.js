@@ -44,7 +44,8 @@ export function overview(view) {
   put("state-word", state.word);
   setTone("panel-state", STATE_TONES[state.name] || "idle");
   put("state-reason", state.reason || (state.maintenance ? "Maintenance." : `for ${seconds((view.at - state.since) / 1e6)}`));
-  flag("held", state.held, ...(state.held ? held(state, view.cards) : ["idle", "nothing is held"]));
+  flag("held", state.held, ...(state.arbiter_lost ? ["warn", "as last known: the line arbiter is lost"]
+    : state.held ? held(state, view.cards) : ["idle", "nothing is held"]));
   flag("lift", state.lift_allowed, state.lift_allowed ? "ok" : state.held ? "warn" : "idle",
     state.lift_allowed ? "confirmed by the sensors" : state.held ? "not proven now" : "nothing is gripped");
   if (state.changer) {

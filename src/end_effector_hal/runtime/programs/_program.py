@@ -27,7 +27,7 @@ from end_effector_hal.runtime.stream import (
 )
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Command, EndEffectorState, latched_il_13, latched_stop
+from end_effector_hal.vocabulary import Command, EndEffectorState, LastWill, latched_il_13, latched_stop
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -126,7 +126,7 @@ class Program(ABC):
         """End in good order, where there is no thread; raises WireError."""
         self._worker.end()
         self._latest.end()
-        self._lines.close(self._adoption.outputs.mapping.last_will(self.status, ending))
+        self._lines.close(self._last_will(ending))
 
     @property
     def waits(self) -> bool:
@@ -368,13 +368,17 @@ class Program(ABC):
     def _run(self) -> None:
         try:
             self._worker.run(self._begin)
-            self._lines.close(self._adoption.outputs.mapping.last_will(self.status, self._ending))
+            self._lines.close(self._last_will(self._ending))
         except WireError as error:
             _log.warning("the line arbiter cannot be reached for the last will of %s: %s", self.NAME, error)
         finally:
             # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
             self._latest.end()
             self._recorder.close()
+
+    def _last_will(self, ending: str) -> LastWill:
+        """What is done at an ending: nothing to lines that are not adopted."""
+        return self._adoption.outputs.mapping.last_will(self.status, ending) if self._adoption.begun else ()
 
     def _begin(self) -> None:
         self._act(self._adopt())
