@@ -211,7 +211,6 @@ class LineArbiter:
                 "settle. Send fewer, or wait."
             )
         if will is not None:
-            session.unheard = session.new_will(will, self.levels)
             self._set_last_will(session, will)
         session.forget_activations(line for line, level in levels.items() if not level)
         if levels:
@@ -221,7 +220,7 @@ class LineArbiter:
 
     def renew(self, session: Session, at: int) -> None:
         """The client lives: its lease begins again."""
-        session.lease_until, session.unheard = at + self.policy.lease_us, None
+        session.lease_until = at + self.policy.lease_us
 
     def bye(self, session: Session, will: LastWill, at: int) -> None:
         """The client leaves in order; ``will`` is executed now, the last will that it left before is void."""

@@ -177,7 +177,6 @@ class Session:
         client, lines: its name, and what it writes.
         token: identifies the client when it connects again; an empty token identifies nobody.
         will: the last will that is valid now.
-        unheard: what of the last will the next arbiter may execute, until the client is heard again; None: all of it.
         lease_until: when the lease expires, µs.
         pid, program: for people only; pid 0: it runs in a PID namespace that the arbiter does not see.
         ended: the client has gone; its queue is still to be executed.
@@ -202,16 +201,6 @@ class Session:
     queue: deque[Write] = field(default_factory=deque)
     faults: set[str] = field(default_factory=set)
     stuck: str = ""
-    unheard: LastWill | None = None
-
-    def new_will(self, will: LastWill, levels: Mapping[str, bool]) -> LastWill:
-        """What of a new last will may be executed should this arbiter die before the client has the reply.
-
-        The command that it comes with is not known to have begun then: it releases nothing that the last will before
-        it has kept active.
-        """
-        before = {step.line for step in self.will}
-        return tuple(step for step in will if step.line in before or not levels[step.line])
 
     def forget_activations(self, lines: Iterable[str]) -> None:
         """Remove from the queue what would activate one of these lines."""
@@ -238,8 +227,7 @@ class Session:
         if self.ended:
             waits -= {step.line for step in self.will}
         off = (line for line in sorted(waits) if not self.queued_level(line))
-        left = self.will if self.ended or self.unheard is None else self.unheard
-        will = tuple(map(LastWillStep, off)) + left
+        will = tuple(map(LastWillStep, off)) + self.will
         lines = tuple(sorted(self.lines))
         faults = tuple(sorted(self.faults))
         return SessionRecord(self.client, self.token, lines, will, self.ended, self.pid, faults)

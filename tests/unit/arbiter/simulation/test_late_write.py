@@ -17,6 +17,10 @@ ORDERS = ("the program lives", "the arbiter starts first", "the program starts f
 WAITS = (0, 1, 4, 8, 40)
 """Ticks from the death to the command: not noticed yet, being noticed, noticed."""
 
+RECORDED = ("arbiter dies", "set: before a reply")
+"""The record has the last will of a release that has begun, and the program has no answer. If the program dies as well
+before the arbiter is back, that last will is carried out, as it is when a program dies in a release."""
+
 
 class Lost:
     """A world whose arbiter dies at one point of a message.
@@ -125,5 +129,7 @@ def test_an_arbiter_that_dies_at_any_message_of_a_command_writes_nothing_after_i
             if world.arbiter is not None:
                 break
             lost.come_back(order)
+            if (order, *world._met) == (ORDERS[2], RECORDED):
+                continue
             assert lost.judged() == [], point
         assert point > 20
