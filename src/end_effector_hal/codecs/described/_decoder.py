@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Sequence
 
 from end_effector_hal.codecs.described._field import Field
 from end_effector_hal.signals import Frame, Value
 
-GAP_PERIODS = 5
-"""After such a silence the bytes that come may begin anywhere in a frame."""
+GAP_PERIODS, GAP_MEASURED = 5, 3
+"""After a silence of so many periods, or of what was measured instead, the bytes may begin anywhere in a frame."""
+MEASURED, LONGEST_US = 5, 10_000_000
+"""Times between two frames of which the median is taken, and the longest that counts."""
 
 
 class DescribedDecoder:
@@ -33,11 +35,23 @@ class DescribedDecoder:
         self._rest = b""
         self._gap_us = GAP_PERIODS * period_us
         self._fed_at: int | None = None
+        self._ended_at: int | None = None
+        self._apart: deque[int] = deque(maxlen=MEASURED)
 
-    def _interrupted(self, at: int) -> bool:
-        """Whether there was a gap before the bytes that come at ``at`` µs; what is unfinished is thrown away then."""
+    def _interrupted(self, at: int, ended: int) -> bool:
+        """Whether there was a gap before the bytes that come at ``at`` µs; what is unfinished is thrown away then.
+
+        A device may be slower than is declared: a gap is also longer than the time that lately was between two frames.
+        ``ended``: frames that may end in these bytes.
+        """
         before, self._fed_at = self._fed_at, at
-        if before is None or at - before < self._gap_us:
+        usual = sorted(self._apart)[(len(self._apart) - 1) // 2] if len(self._apart) > 1 else 0
+        if ended:
+            if self._ended_at is not None:
+                self._apart.append((at - self._ended_at) // ended)
+            self._ended_at = at
+        gap_us = GAP_MEASURED * min(usual, LONGEST_US) if 2 * usual >= self._gap_us else self._gap_us
+        if before is None or at - before < max(self._gap_us, gap_us):
             return False
         self.errors["noise"] += len(self._rest)
         self._rest = b""

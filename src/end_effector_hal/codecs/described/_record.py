@@ -208,8 +208,10 @@ class UnprovenStartDecoder(RecordDecoder):
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
+        size = len(self._layout.start) + self._layout.size
+        ended = (self.bytes + len(data)) // size - self.bytes // size
         self.bytes += len(data)
-        if self._interrupted(at):
+        if self._interrupted(at, ended):
             self._in_step = False
         self._rest += data
         return [*self._frames(at)]

@@ -117,7 +117,7 @@ class TextDecoder(DescribedDecoder):
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """The frames that end in ``data``."""
         self.bytes += len(data)
-        if not self._layout.marked and self._interrupted(at):
+        if not self._layout.marked and self._interrupted(at, data.count(b"\n")):
             self._in_step = False
         *lines, rest = (self._rest + data).split(b"\n")
         frames = [frame for line in lines if (frame := self._line(line, at))]
