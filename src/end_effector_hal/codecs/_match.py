@@ -23,6 +23,9 @@ from end_effector_hal.description import (
 )
 from end_effector_hal.errors import DescriptionError, MissingExtraError, ReportedError
 
+SEEN_WITHIN_S = 0.5
+"""A period with which a reading counts for longer is warned of."""
+
 
 @dataclass(frozen=True)
 class CodecMatch:
@@ -77,8 +80,21 @@ def match_codec(description: Description, faulty: Collection[str] = ()) -> Codec
     return CodecMatch(
         tuple(sorted([*unproven(description, channels), *_hidden(description), *_too_short(description)])),
         tuple(not_fitted(description, channels)),
-        (*slow(description, channels), *lost_by_silence(description, channels)),
+        (*slow(description, channels), *lost_by_silence(description, channels), *_slowly_seen(description)),
     )
+
+
+def _slowly_seen(description: Description) -> Iterator[str]:
+    """A sentence for each link whose declared period makes a loss be seen late."""
+    for name, link in description.links.items():
+        stale_s = max(link.stale_s, link.stale_periods * (link.period_ms or 0) / 1000)
+        if link.frame and link.period_ms and stale_s > SEEN_WITHIN_S:
+            down_s = max(link.down_s, link.down_periods * link.period_ms / 1000)
+            place = description.where(*description.link_path(name), "period_ms")
+            yield (
+                f"{place}: period_ms: {link.period_ms}: a device that falls silent, or a grip that is lost, "
+                f"may be seen only after {stale_s:g} s, and the link is down after {down_s:g} s"
+            )
 
 
 def _unusable(description: Description, name: str) -> Fault | None:

@@ -97,7 +97,7 @@ class PressureNode:
         elif isinstance(health, InputsHealth):
             self._log.info("the %s are read", source)
         else:
-            self._log.info("the %s is %s", source, health.state.value)
+            self._log.info("the %s is %s. %s", source, health.state.value, " ".join(health.faults))
 
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()
@@ -109,7 +109,8 @@ class PressureNode:
         for name, link in links.items():
             if inputs or name:  # which of them is silent
                 up = at - (link.last_frame or 0) < readings.down_us
-            told.append(_of_link(link, at, () if told else notices, up=up, name=name))
+            notes = (*(() if told else notices), *link.faults)
+            told.append(_of_link(link, at, notes, up=up, name=name))
         if inputs:
             told.append(_of_inputs(inputs, () if links else notices, up=up or bool(links)))
         found = told[0] if len(told) == 1 else _together(told)
@@ -126,7 +127,8 @@ def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool, n
         return Health(level, health.error or f"The {link} is {health.state.value}.", values)
     if not up:
         port = f"The port of {link}" if name else "The port"
-        return Health(ERROR, f"{port} is open, but no frame comes ({_since(health, at)}).", values)
+        faults = " ".join(("", *health.faults))
+        return Health(ERROR, f"{port} is open, but no frame comes ({_since(health, at)}).{faults}", values)
     return Health(WARN if notices else OK, " ".join(notices) or f"The {link} is up.", values)
 
 

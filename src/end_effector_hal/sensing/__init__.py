@@ -17,7 +17,7 @@ from ._predicates import (
     proven_by_arbiter,
 )
 from ._readings import Readings
-from ._sensor_set import SENT_INVALID, SensorSet
+from ._sensor_set import SENT_INVALID, SensorSet, why_invalid
 from ._sensor_state import SensorState
 from ._stand import ToolPlace, tool_place
 
@@ -39,4 +39,5 @@ __all__ = [
     "predicates_fitted",
     "proven_by_arbiter",
     "tool_place",
+    "why_invalid",
 ]

@@ -14,7 +14,7 @@ from end_effector_hal.vocabulary import Evidence, display_name
 
 from ._alarms import AlarmLog
 from ._device_faults import refuses
-from ._sensor_set import SENT_INVALID, SensorSet
+from ._sensor_set import SensorSet, why_invalid
 
 _SECURE = attrgetter("secure")
 KEPT = "outputs stay as they are, only a Drop releases"
@@ -161,8 +161,9 @@ class HoldMonitor:
         who = display_name(name)
         if unknown:
             readings, part = self._senses.now.readings, self._description.actuators[name]
-            sent = any(readings.sent_invalid(each, at) for each in kind_of(part).channel_names(part))
-            why = f" ({SENT_INVALID})" if sent else ""
+            channels = kind_of(part).channel_names(part)
+            sent = next((each for each in channels if readings.sent_invalid(each, at)), "")
+            why = f" ({why_invalid(self._description, sent)})" if sent else ""
             text = f"No valid reading of {who} while it holds a part{why}; {KEPT}."
             self._log.raise_(AlarmKind.STALE, name, text, at)
         else:

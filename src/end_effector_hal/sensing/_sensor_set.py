@@ -28,6 +28,25 @@ _RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CO
 
 SENT_INVALID = "frames come, and say that the value is invalid or beyond its range"
 """The link is well; see to the sensor."""
+REGISTERS = {
+    "coil": "coil", "discrete_input": "discrete input", "holding": "holding register", "input": "input register"
+}  # fmt: skip
+
+
+def why_invalid(description: Description, channel: str) -> str:
+    """Why a channel that is read has no value, as far as its source can know it."""
+    each = description.channels.get(channel)
+    if each is not None and (place := each.modbus) is not None:
+        register = f"unit {place.unit}, {REGISTERS[place.register_type]} {place.address}"
+        return f"{register} does not answer, refuses, or has a value beyond its range"
+    if each is not None and each.analog is not None:
+        source = f"{each.analog.channel} of the analog device {each.analog.device}"
+        return f"{source} cannot be read, or has a value beyond its range"
+    if each is not None and each.digital is not None:
+        return f"the line {each.digital.line} cannot be read"
+    return SENT_INVALID
+
+
 _Proven = tuple[tuple[Evidence, ...], ToolEvidence, tuple[int, ...]]
 """Evidence, of the tool as well, and what has gripped nothing."""
 
@@ -47,7 +66,7 @@ class SensorSet:
     def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
         self.now = SensorState(description, carrier)
         """What the sensors prove."""
-        self._judge = judge
+        self._description, self._judge = description, judge
         self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
         self._channels = {
@@ -177,8 +196,11 @@ class SensorSet:
         invalid = [name for name in missing if readings.sent_invalid(name, at)]
         if gone := [name for name in missing if name not in invalid]:
             said.append(f"No valid reading of {', '.join(gone)}.")
-        if invalid:
-            said.append(f"No valid reading of {', '.join(invalid)}: {SENT_INVALID}.")
+        whys = {name: why_invalid(self._description, name) for name in invalid}
+        for why in dict.fromkeys(whys.values()):
+            said.append(
+                f"No valid reading of {', '.join(name for name in invalid if whys[name] == why)}: {why}."
+            )
         if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
             names = ", ".join(map(display_name, anew))
             said.append(f"{names}: readings are back; evidence not re-established yet.")

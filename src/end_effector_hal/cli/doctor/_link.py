@@ -78,6 +78,7 @@ class Heard(NamedTuple):
         errors: by kind, since the first frame: a listener comes in the middle of one.
         lost, reboots: as the decoder counts.
         invalid: channels without a value in the last frame.
+        faults: what is wrong with the answers of single devices, sentences.
         seconds: from the first to the last frame.
     """
 
@@ -87,6 +88,7 @@ class Heard(NamedTuple):
     lost: int = 0
     reboots: int = 0
     invalid: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
     seconds: float = 0.0
 
 
@@ -115,7 +117,11 @@ def _listen(description: Description, name: str, wire: Link) -> CheckResult:
 
 
 def _hear(link: OpenLink, listen_us: int) -> Heard:
-    """For ``listen_us``, or until there are enough frames; raises OSError, LinkError when the port or codec fails."""
+    """For ``listen_us``, twice that if something comes, or until there are enough frames.
+
+    Raises:
+        OSError, LinkError: the port or the codec fails.
+    """
     from end_effector_hal.wires import now_us
 
     end = now_us() + listen_us
@@ -123,6 +129,7 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
     while heard.frames < ENOUGH and (left := end - now_us()) > 0:
         data, frames = link.hear(left / 1e6)
         at = now_us()
+        end += 0 if heard.data or not data else listen_us
         heard = heard._replace(data=heard.data + data)
         if not frames:
             continue
@@ -134,6 +141,7 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
     errors = {kind: count - before.get(kind, 0) for kind, count in counters.errors.items()}
     return heard._replace(
         errors={kind: count for kind, count in errors.items() if count},
+        faults=decoder.faults,
         lost=counters.lost,
         reboots=counters.reboots,
     )
@@ -141,6 +149,8 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
 
 def judged(port: str, heard: Heard, codec: str) -> CheckResult:
     """Args: ``port``: how it is called; ``codec``: the one that was expected, empty where the frame is declared."""
+    if heard.faults and not heard.frames:
+        return _say.missing(f"{port}: no frame", " ".join(heard.faults))
     if not heard.data or not heard.frames:
         what, todo = why_no_frame(heard.data, codec)
         return _say.missing(f"{port}: {what}", todo)
@@ -151,6 +161,7 @@ def judged(port: str, heard: Heard, codec: str) -> CheckResult:
     faults = [f"{count} {kind}" for kind, count in counted.items() if count]
     if heard.invalid:
         faults.append(f"no value of {', '.join(heard.invalid)}")
-    if not faults:
+    if not faults and not heard.faults:
         return _say.ok(text)
-    return _say.warning(f"{text}; {', '.join(faults)}", "See to the cable, its ground and the sensors.")
+    todo = " ".join(heard.faults) or "See to the cable, its ground and the sensors."
+    return _say.warning("; ".join(filter(None, (text, ", ".join(faults)))), todo)

@@ -30,6 +30,8 @@ class ChannelChanges:
 
     def tell(self, now: int) -> None:
         """What is otherwise than it was told."""
+        from end_effector_hal.sensing import why_invalid
+
         heard, seconds = self._heard, round((now - self._heard.begun) / 1e6, 3)
         for name in heard.values:
             state, value = heard.state(name, now), heard.values[name]
@@ -38,11 +40,12 @@ class ChannelChanges:
                 kind, measure = heard.channels.get(name), heard.measure(name)
                 measured = kind in (Kind.PRESSURE, Kind.QUANTITY) and not isinstance(value, bool)
                 unit = {"unit": measure.unit} if measured and value is not None else {}
+                why = {"why": why_invalid(heard.tool, name)} if state == "invalid" else {}
                 shown = None if state else value if value is None or not measured else value / 1000
                 self._tell(
                     {"event": "channel", "time_s": seconds, "channel": name, "raw": heard.raw(name),
                      "value": shown,
-                     **unit, "state": state or "fresh", "rate_hz": round(heard.rate_hz(name, now), 1)}
+                     **unit, **why, "state": state or "fresh", "rate_hz": round(heard.rate_hz(name, now), 1)}
                 )  # fmt: skip
         for actuator, evidence in heard.evidence().items():
             if self._evidence.get(actuator) != evidence:
@@ -92,9 +95,7 @@ def print_words(measure_of: Callable[[str], Measure], content: dict[str, object]
         of = f" of {content['link']}" if "link" in content else ""
         click.echo(f"{at} errors{of}: {said} (newest bytes {content['newest_bytes']})")
     elif content["state"] != "fresh":
-        from end_effector_hal.sensing import SENT_INVALID
-
-        why = f" ({SENT_INVALID})" if content["state"] == "invalid" else ""
+        why = f" ({content['why']})" if "why" in content else ""
         click.echo(f"{at} {content['channel']} is {content['state']}{why}")
     else:
         raw, value, unit = content["raw"], content["value"], content.get("unit")

@@ -116,6 +116,8 @@ class ChannelView:
                 heard = self.links[name]
                 if link.error:
                     raise LinkError(link.error)
+                if link.faults:
+                    raise LinkError(" ".join(link.faults), where=heard.title)
                 what, todo = why_no_frame(bytes(heard.sample), heard.codec)
                 raise LinkError(f"{what}.", where=heard.title, todo=todo)
 
@@ -192,9 +194,10 @@ class ChannelView:
         return tuple([fault.text for fault in sensed.faults.standing(sensed.readings, now)])
 
     def lost(self) -> tuple[str, ...]:
-        """Why links that were open are not, in words; each is opened again as soon as it is back."""
+        """Why links that were open are not, and what is wrong with the answers of single devices, in words."""
         links = self._reader.health.links.values()
-        return tuple([link.error for link in links if link.error and link.opened])
+        lost = [link.error for link in links if link.error and link.opened]
+        return (*lost, *(fault for link in links for fault in link.faults))
 
     def table(self, now: int) -> RenderableType:
         """For a terminal."""
@@ -230,6 +233,7 @@ class ChannelView:
             counted = ", ".join(f"{count} {kind}" for kind, count in errors[name].items()) or "no errors"
             told = link.error or f"{link.bytes} bytes, {link.frames} frames, {counted}"
             yield f"{name and f'{name}: '}{self.links[name].title}: {told}"
+            yield from link.faults
         if inputs := health.inputs:
             told = inputs.error or f"{inputs.frames} frames, {inputs.edges} edges"
             yield f"inputs of the board: {told}"

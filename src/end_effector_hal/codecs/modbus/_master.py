@@ -12,6 +12,19 @@ from end_effector_hal.signals import Frame, Value
 
 MIX_UP_US = 1_000_000
 """An answer that comes later than this is lost."""
+FAULT_US = 2_000_000
+"""So long an answer must be well until what was wrong with the one before is no longer told."""
+_REGISTERS = "Does the device have them (register_type, address: from 0 on)?"
+EXCEPTIONS = {
+    1: ("illegal function", "Does the device have this table (register_type)?"),
+    2: ("illegal data address", _REGISTERS),
+    3: ("illegal data value", f"{_REGISTERS} A smaller gap reads fewer of them at once."),
+    4: ("device failure", "The device has no value: see to its sensor."),
+    6: ("device busy", "Ask it less often: a longer period_ms."),
+    10: ("gateway path unavailable", "See to the gateway."),
+    11: ("gateway target does not respond", "See to the device behind the gateway, and its unit."),
+}
+"""Names of the standard, and what to look at."""
 STANDSTILL_US = 500_000
 """Who asks or reads so late stood still: nobody knows how old an answer is that waited."""
 
@@ -31,14 +44,43 @@ class ReadCycle:
         self.errors: Counter[str] = Counter()
         self._reads = reads
         self._values: dict[str, Value] = {}
+        self._faulty: dict[Read, tuple[int, str]] = {}
 
-    def _taken(self, read: Read, answer: bytes) -> dict[str, Value]:
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What is wrong with the answers, or was a moment ago: sentences."""
+        return tuple([text for _, text in self._faulty.values()])
+
+    def _unheard(self, read: Read, at: int) -> None:
+        self.errors["timeout"] += 1
+        todo = "Is it powered, its wires A and B not exchanged; do unit, baud rate and parity fit?"
+        self._faulty[read] = at, f"{read.place}: no answer. {todo}"
+
+    def _taken(self, read: Read, answer: bytes, at: int) -> dict[str, Value]:
         if answer[1] != read.function:
             self.errors["refused"] += 1
+            name, todo = EXCEPTIONS.get(
+                answer[2], ("unknown to the standard", "See the manual of the device.")
+            )
+            self._faulty[read] = at, f"{read.place}: refused with exception {answer[2]}, {name}. {todo}"
             return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)
         values = {name: value for part in read.registers for name, value in part.values(words).items()}
-        self.errors["range"] += sum(part.implausible(words) for part in read.registers)
+        if wrong := [part for part in read.registers if part.implausible(words)]:
+            self.errors["range"] += len(wrong)
+            names, shown = (
+                ", ".join(name for part in wrong for name in part.channels),
+                " ".join(map(hex, words)),
+            )
+            self._faulty[read] = (
+                at,
+                (
+                    f"{read.place}: no sensor can mean the value of {names} ({shown}). "
+                    "Do value_type, word_order, byte_order, scale and range fit?"
+                ),
+            )
+        elif read in self._faulty and at - self._faulty[read][0] >= FAULT_US:
+            del self._faulty[read]
         return values
 
     def _cycle_over(self, heard_at: int | None) -> tuple[Frame, ...]:
@@ -97,7 +139,7 @@ class ModbusMaster(ReadCycle):
             return Polled()
         frames: tuple[Frame, ...] = ()
         if self._pending is not None:
-            self.errors["timeout"] += 1
+            self._unheard(self._pending, at)
             self._unanswered[self._pending.form] = self._pending, at
             frames = self._end(at)
             if self.due > at:
@@ -128,7 +170,7 @@ class ModbusMaster(ReadCycle):
         if at - self.due > STANDSTILL_US:
             self.errors["late"] += 1
             return list(self._end(at))
-        self._values |= self._taken(self._pending, answer)
+        self._values |= self._taken(self._pending, answer, at)
         self._heard_at = at
         return list(self._end(at, answer))
 

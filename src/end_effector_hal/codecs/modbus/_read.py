@@ -11,6 +11,12 @@ from end_effector_hal.signals import Kind, Value
 COILS, DISCRETE_INPUTS, HOLDING, INPUT = 1, 2, 3, 4
 """Function codes: Read Coils, Read Discrete Inputs, Read Holding Registers, Read Input Registers."""
 BITS = (COILS, DISCRETE_INPUTS)
+TABLES = {
+    COILS: "coil",
+    DISCRETE_INPUTS: "discrete input",
+    HOLDING: "holding register",
+    INPUT: "input register",
+}
 
 
 class Readout(Protocol):
@@ -127,6 +133,14 @@ class Read:
     registers: tuple[Readout, ...]
     count: int = 1
     function: int = HOLDING
+
+    @property
+    def place(self) -> str:
+        """For a sentence: ``Unit 3, holding registers 22 to 23 (bottom)``."""
+        last = self.address + self.count - 1
+        several = f"s {self.address} to {last}" if self.count > 1 else f" {self.address}"
+        names = ", ".join(name for part in self.registers for name in part.channels)
+        return f"Unit {self.unit}, {TABLES[self.function]}{several} ({names})"
 
     @property
     def form(self) -> tuple[int, int, int]:

@@ -85,9 +85,9 @@ class RelayDecoder(ReadCycle):
         self._values = {}
         for read, answer in zip(self._reads, answers, strict=True):
             if answer:
-                self._values |= self._taken(read, answer)
+                self._values |= self._taken(read, answer, self._last)
             else:
-                self.errors["timeout"] += 1
+                self._unheard(read, self._last)
         yield from self._cycle_over(self._last if any(answers) else None)
 
     def _fits(self, answers: Sequence[bytes]) -> bool:

@@ -35,6 +35,8 @@ COUNTS: dict[str, float] = PASCAL | dict.fromkeys(QUANTITIES, 1_000.0)
 """What a value in a frame counts of each unit: Pa, or thousandths."""
 
 HIGHEST_PA = 2**31 - 1
+TINY = 1e-9
+"""Of a unit: a number with a fraction that is smaller and not 0 is none that a sensor means (words in wrong order)."""
 
 ValueType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32", "float32"]
 ByteOrder = Literal["big", "little"]
@@ -260,7 +262,7 @@ class Channel(Part):
 
     def value(self, raw: float) -> Value:
         """What a raw value means: gauge Pa, thousandths of another unit, a bit, a code; None: nothing it can mean."""
-        if raw != raw or raw in self.invalid:
+        if raw != raw or raw in self.invalid or (0 < abs(raw) < 1 and abs(raw * self.scale) < TINY):
             return None
         if self.kind is Kind.CODE:
             code = int(raw) if abs(raw) <= HIGHEST_PA and raw == int(raw) else None
@@ -283,7 +285,8 @@ class Channel(Part):
                 return float(on)
             others = {*self.on, *self.invalid}
             return float(self.on[0] if on else next(n for n in range(len(others) + 1) if n not in others))
-        return (value / COUNTS[self.unit] - self.offset) / self.scale
+        raw = (value / COUNTS[self.unit] - self.offset) / self.scale
+        return raw if abs(raw * self.scale) >= TINY else 0.0
 
 
 class TextFrame(Part):

@@ -98,6 +98,7 @@ class Program(ABC):
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[str, ...] = ()
+        self._link_faults: tuple[str, ...] = ()
         self._reset()
         self._worker = worker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
@@ -286,11 +287,17 @@ class Program(ABC):
             self._why = adoption.outputs.refused = ""
         return answer, statuses
 
+    def see_link_faults(self, faults: tuple[str, ...]) -> None:
+        """What is wrong with the answers of single devices: alarms; for any thread."""
+        if faults != self._link_faults:
+            self._link_faults = faults
+            self._look_around()
+
     def _notices(self) -> tuple[str, ...]:
         """What an operator must know beside the controller's alarms."""
         return tuple(filter(None, (
-            self._adoption.obstacle, self._adoption.outputs.alarm, *self._faults, self._latest.trouble,
-            self._recorder.trouble,
+            self._adoption.obstacle, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
+            self._latest.trouble, self._recorder.trouble,
         )))  # fmt: skip
 
     def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:

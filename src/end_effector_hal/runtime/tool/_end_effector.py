@@ -82,7 +82,7 @@ class EndEffector(Closing):
             undo.callback(self._outputs.close)
             self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
             self._predicates = PredicatePublisher(description, judge=judge)
-            self._reader = SensorReader(description, on_frame=self._frame_came)
+            self._reader = SensorReader(description, self._frame_came, self._link_changed)
             undo.pop_all()
 
     @classmethod
@@ -321,6 +321,12 @@ class EndEffector(Closing):
 
     def _frame_came(self, frame: Frame) -> None:
         self._predicates.frame(frame, self._pass_on)
+
+    def _link_changed(self, _source: str, _health: object) -> None:
+        links = self.links.items()
+        faults = tuple([(name and f"Link {name}: ") + each for name, link in links for each in link.faults])
+        for unit in self._units:
+            unit.see_link_faults(faults)
 
     def _pass_on(self, frame: Frame) -> None:
         for unit in self._units:

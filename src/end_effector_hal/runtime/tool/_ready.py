@@ -69,7 +69,7 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
         yield "its sensors do not say whether the tool is locked"
     told = (description.sensors, *map(description.link_name, description.named_links))
     said = [alarm for alarm in (*grip.alarms, *change.alarms) if not any(each in alarm for each in told)]
-    yield from (alarm.rstrip(".") for alarm in dict.fromkeys(said))
+    yield from (alarm.rstrip(".?") for alarm in dict.fromkeys(said))
 
 
 def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:

@@ -19,6 +19,7 @@ from end_effector_hal.codecs import (
 )
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires.link._arrivals import ArrivalWatch
 from end_effector_hal.wires.link._codec_calls import CodecCalls
 
 MOST_KEPT = 65_536
@@ -55,6 +56,12 @@ class GuardedDecoder:
         self._last = 0
         self._calls_left = 0
         self.counters = self._count()
+        self._says = calls.run("faults", lambda: hasattr(self._decoder, "faults"))
+        self.faults: tuple[str, ...] = ()
+        """What is wrong with what comes, sentences: as the decoder says, and samples that are lost."""
+        self._arrivals = ArrivalWatch(
+            self._kinds, self._period_us, declared=hasattr(codec, "least_period_us"), asked=self._says
+        )
 
     def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
         """The frames that end in what was just read, each stamped with the time at which it came, see `as_they_came`.
@@ -98,9 +105,16 @@ class GuardedDecoder:
             if wrong := frame_fault(frame, self._kinds, self._last, now):
                 raise self._calls.failure(f"{what} returned {wrong}")
             self._last = frame.at
+            self._arrivals.take(frame)
         self.counters = self._count()
+        said = self._calls.run("faults", self._faults) if self._says else ()
+        self.faults = (*said, self._arrivals.text) if self._arrivals.text else said
         self._weigh()
         return frames
+
+    def _faults(self) -> tuple[str, ...]:
+        texts: Iterable[object] = getattr(self._decoder, "faults", ())
+        return tuple([text[:400] for text in islice(texts, MOST_ENDED) if isinstance(text, str)])
 
     def _weigh(self) -> None:
         if self._calls_left > 0:

@@ -57,6 +57,7 @@ class LinkHealth(Counters):
         since: µs, when it became so.
         error: why it is down; a sentence, else "".
         last_frame: µs, when the last frame came; None: none has.
+        faults: what is wrong with the answers of single devices, sentences.
         opened: how many times the port was opened.
         bytes, frames, lost, reboots, errors: counters of the decoders since the start, see `Decoder`;
             ``errors["codec"]``: how often the codec itself failed.
@@ -67,6 +68,7 @@ class LinkHealth(Counters):
     error: str = ""
     last_frame: int | None = None
     opened: int = 0
+    faults: tuple[str, ...] = ()
 
 
 _log = logging.getLogger("end_effector_hal.wires")
@@ -92,7 +94,7 @@ class LinkReader:
         stopbits: after each byte.
         on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read, or, of several that
             waited to be read, at which it must have come.
-        on_change: each change of state, and of the error while it is down.
+        on_change: each change of state, of the error while it is down, and of the faults.
         on_bytes: what was read, before it is decoded.
         connect: opens something else in the place of the port; raises LinkError.
     """
@@ -118,6 +120,7 @@ class LinkReader:
         self._on_frame, self._on_change, self._on_bytes = on_frame, on_change, on_bytes
         self._state, self._since, self._error, self._opened = LinkState.OPENING, now_us(), "", 0
         self._last_frame: int | None = None
+        self._faults: tuple[str, ...] = ()
         self._wait_s = FIRST_WAIT_S
         self._first: OpenPort | None = None
         self._open_now: OpenPort | None = None
@@ -174,6 +177,7 @@ class LinkReader:
             error=error,
             last_frame=self._last_frame,
             opened=self._opened,
+            faults=self._faults,
             **asdict(counters),
         )
 
@@ -263,6 +267,10 @@ class LinkReader:
                 with suppress(BlockingIOError):  # no room: a request that is not answered
                     os.write(fd, polled.data)
                 self._deliver(polled.frames)
+            if decoder.faults != self._faults:
+                self._faults = decoder.faults
+                if self._on_change:
+                    self._call(self._on_change, self.health)
 
     def _deliver(self, frames: Iterable[Frame]) -> None:
         for frame in frames:

@@ -216,3 +216,17 @@ def test_an_address_is_no_port(port: str, refused: bool, tmp_path: Path) -> None
     faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
     assert len(faults) is int(refused), faults
     assert all(each["message"].startswith("'port' is an address in a network (") for each in faults)
+
+
+def test_a_period_with_which_a_silence_is_seen_late_is_warned_of(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    text = PASTED.replace("COMMAND, ", "").replace("FRAME", "")
+    for period, told in (
+        ("", ""),
+        ("period_ms: 150, ", ""),
+        ("period_ms: 2000, ", "only after 6 s, and the link is down after 14 s"),
+    ):
+        path.write_text(text.replace("LINK, ", period), "utf-8")
+        warned = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["warnings"]
+        late = [each for each in warned if "may be seen only after" in each]
+        assert len(late) == bool(told) and all(told in each for each in late), warned
