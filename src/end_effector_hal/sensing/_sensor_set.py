@@ -28,23 +28,18 @@ _RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CO
 
 SENT_INVALID = "frames come, and say that the value is invalid or beyond its range"
 """The link is well; see to the sensor."""
-REGISTERS = {
-    "coil": "coil", "discrete_input": "discrete input", "holding": "holding register", "input": "input register"
-}  # fmt: skip
 
 
 def why_invalid(description: Description, channel: str) -> str:
     """Why a channel that is read has no value, as far as its source can know it."""
     each = description.channels.get(channel)
-    if each is not None and (place := each.modbus) is not None:
-        register = f"unit {place.unit}, {REGISTERS[place.register_type]} {place.address}"
-        return f"{register} does not answer, refuses, or has a value beyond its range"
-    if each is not None and each.analog is not None:
-        source = f"{each.analog.channel} of the analog device {each.analog.device}"
-        return f"{source} cannot be read, or has a value beyond its range"
-    if each is not None and each.digital is not None:
-        return f"the line {each.digital.line} cannot be read"
-    return SENT_INVALID
+    if each and (place := each.modbus):
+        register = " register" if place.register_type in ("holding", "input") else ""
+        table = place.register_type.replace("_", " ") + register
+        return f"unit {place.unit}, {table} {place.address} does not answer, refuses, or is beyond its range"
+    if each and each.analog:
+        return f"{each.analog.channel} of {each.analog.device} cannot be read, or is beyond its range"
+    return f"the line {each.digital.line} cannot be read" if each and each.digital else SENT_INVALID
 
 
 _Proven = tuple[tuple[Evidence, ...], ToolEvidence, tuple[int, ...]]

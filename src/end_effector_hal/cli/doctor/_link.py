@@ -119,8 +119,7 @@ def _listen(description: Description, name: str, wire: Link) -> CheckResult:
 def _hear(link: OpenLink, listen_us: int) -> Heard:
     """For ``listen_us``, twice that if something comes, or until there are enough frames.
 
-    Raises:
-        OSError, LinkError: the port or the codec fails.
+    Raises OSError, LinkError when the port or codec fails.
     """
     from end_effector_hal.wires import now_us
 

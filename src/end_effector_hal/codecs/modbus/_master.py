@@ -14,17 +14,11 @@ MIX_UP_US = 1_000_000
 """An answer that comes later than this is lost."""
 FAULT_US = 2_000_000
 """So long an answer must be well until what was wrong with the one before is no longer told."""
-_REGISTERS = "Does the device have them (register_type, address: from 0 on)?"
 EXCEPTIONS = {
-    1: ("illegal function", "Does the device have this table (register_type)?"),
-    2: ("illegal data address", _REGISTERS),
-    3: ("illegal data value", f"{_REGISTERS} A smaller gap reads fewer of them at once."),
-    4: ("device failure", "The device has no value: see to its sensor."),
-    6: ("device busy", "Ask it less often: a longer period_ms."),
-    10: ("gateway path unavailable", "See to the gateway."),
-    11: ("gateway target does not respond", "See to the device behind the gateway, and its unit."),
-}
-"""Names of the standard, and what to look at."""
+    1: "illegal function", 2: "illegal data address", 3: "illegal data value", 4: "device failure", 6: "device busy",
+    10: "gateway path unavailable", 11: "gateway target does not respond",
+}  # fmt: skip
+"""Names of the standard."""
 STANDSTILL_US = 500_000
 """Who asks or reads so late stood still: nobody knows how old an answer is that waited."""
 
@@ -59,9 +53,9 @@ class ReadCycle:
     def _taken(self, read: Read, answer: bytes, at: int) -> dict[str, Value]:
         if answer[1] != read.function:
             self.errors["refused"] += 1
-            name, todo = EXCEPTIONS.get(
-                answer[2], ("unknown to the standard", "See the manual of the device.")
-            )
+            name, todo = EXCEPTIONS.get(answer[2], "not of the standard"), "See to the device and its sensor."
+            if answer[2] <= 3:
+                todo = "Does the device have them (register_type; address from 0 on; a smaller gap)?"
             self._faulty[read] = at, f"{read.place}: refused with exception {answer[2]}, {name}. {todo}"
             return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)

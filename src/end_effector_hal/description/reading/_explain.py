@@ -70,7 +70,8 @@ def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:
             expected=WORDS.get(split(other[0])[1], ""),
             hint=f"write {other[1]}",
         )
-    around = next((path[:end] for end in range(len(path) - 2, 0, -1) if _has(path[:end], kind, key)), ())
+    outer = (path[:end] for end in range(len(path) - 2, 0, -1))
+    around = next((at for at in outer if (near := stanza_at(at, kind)) and key in fields_of(near)), ())
     hint = key_hint(key, path, known)
     hint = hint or (f"it belongs to {'.'.join(map(str, around))}" if around else did_you_mean(key, known))
     if not hint and (homes := homes_of(key, value)):
@@ -78,11 +79,6 @@ def _unknown_key(path: Keys, kind: str, value: Any, places: Places) -> Fault:
     inside = ".".join(map(str, path[:-1])) or "the description"
     expected = f"a key of {inside}" if hint else f"one of {', '.join(known)}"
     return Fault.at(place, "EE-205", f"unknown key {key!r}", found=found, expected=expected, hint=hint)
-
-
-def _has(path: Keys, kind: str, key: str) -> bool:
-    """Whether the stanza at a path has this key."""
-    return (stanza := stanza_at(path, kind)) is not None and key in fields_of(stanza)
 
 
 def _missing_key(path: Keys, kind: str, places: Places) -> Fault:

@@ -60,7 +60,7 @@ class GuardedDecoder:
         self.faults: tuple[str, ...] = ()
         """What is wrong with what comes, sentences: as the decoder says, and samples that are lost."""
         self._arrivals = ArrivalWatch(
-            self._kinds, self._period_us, declared=hasattr(codec, "least_period_us"), asked=self._says
+            self._period_us, declared=hasattr(codec, "least_period_us"), asked=self._says
         )
 
     def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
@@ -107,12 +107,12 @@ class GuardedDecoder:
             self._last = frame.at
             self._arrivals.take(frame)
         self.counters = self._count()
-        said = self._calls.run("faults", self._faults) if self._says else ()
+        said = self._calls.run("faults", self._said) if self._says else ()
         self.faults = (*said, self._arrivals.text) if self._arrivals.text else said
         self._weigh()
         return frames
 
-    def _faults(self) -> tuple[str, ...]:
+    def _said(self) -> tuple[str, ...]:
         texts: Iterable[object] = getattr(self._decoder, "faults", ())
         return tuple([text[:400] for text in islice(texts, MOST_ENDED) if isinstance(text, str)])
 
