@@ -97,7 +97,7 @@ class PressureNode:
         elif isinstance(health, InputsHealth):
             self._log.info("the %s are read", source)
         else:
-            self._log.info("the %s is %s. %s", source, health.state.value, " ".join(health.faults))
+            self._log.info("%s", " ".join((f"the {source} is {health.state.value}", *health.faults)))
 
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()

@@ -2,7 +2,7 @@
 
 from ._adu import acknowledgement, write_request
 from ._codec import ModbusDevice, ModbusRtu
-from ._master import ModbusMaster
+from ._master import ModbusMaster, exception_words
 from ._presets import EPick, OnRobotVG, Transmitters
 from ._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT, Read, Readout, Register, RegisterWrite
 from ._relay import BusCodec, RelayedBus, cycle_record
@@ -26,5 +26,6 @@ __all__ = [
     "Transmitters",
     "acknowledgement",
     "cycle_record",
+    "exception_words",
     "write_request",
 ]

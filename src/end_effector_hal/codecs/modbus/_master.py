@@ -19,6 +19,13 @@ EXCEPTIONS = {
     10: "gateway path unavailable", 11: "gateway target does not respond",
 }  # fmt: skip
 """Names of the standard."""
+
+
+def exception_words(code: int) -> str:
+    """``exception 2, illegal data address``."""
+    return f"exception {code}, {EXCEPTIONS.get(code, 'not of the standard')}"
+
+
 STANDSTILL_US = 500_000
 """Who asks or reads so late stood still: nobody knows how old an answer is that waited."""
 
@@ -53,10 +60,10 @@ class ReadCycle:
     def _taken(self, read: Read, answer: bytes, at: int) -> dict[str, Value]:
         if answer[1] != read.function:
             self.errors["refused"] += 1
-            name, todo = EXCEPTIONS.get(answer[2], "not of the standard"), "See to the device and its sensor."
+            todo = "See to the device and its sensor."
             if answer[2] <= 3:
                 todo = "Does the device have them (register_type; address from 0 on; a smaller gap)?"
-            self._faulty[read] = at, f"{read.place}: refused with exception {answer[2]}, {name}. {todo}"
+            self._faulty[read] = at, f"{read.place}: refused with {exception_words(answer[2])}. {todo}"
             return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)
         values = {name: value for part in read.registers for name, value in part.values(words).items()}

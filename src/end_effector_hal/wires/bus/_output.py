@@ -59,6 +59,8 @@ class BusOutput:
         """Whether it is written by itself: together with its neighbours it was not acknowledged."""
         self.why = ""
         """Why the last command was given up, a clause; empty: it was not."""
+        self.refusal = ""
+        """With which exception the device refused what was written last, in words; empty: it did not."""
         self._steps: deque[Row | Awaited] = deque()
         self._sent: Row | None = None  # of the last command; its answer is awaited
         self._undecided = False  # whether the device must be activated first is not known yet
@@ -82,6 +84,7 @@ class BusOutput:
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = False
+        self.refusal = ""
         self._sent = None  # the device may have restarted since, and have lost what it had
         activation, handshake = self.stanza.activation, self.stanza.handshake
         self._undecided = level and activation is not None
@@ -141,7 +144,10 @@ class BusOutput:
         """
         if self._give_up_at is not None and self.pending and at >= self._give_up_at:
             step = self._steps[0] if self._steps else None
-            late = step.late if isinstance(step, Awaited) else "no device acknowledged it"
+            unheard = (
+                f"its device refused it with {self.refusal}" if self.refusal else "no device acknowledged it"
+            )
+            late = step.late if isinstance(step, Awaited) else unheard
             self._give_up(NOT_READY if self.activates else late)
         activation = self.stanza.activation
         ready = self.reported(activation.ready, at) if activation else None
@@ -271,6 +277,7 @@ class BusOutput:
             return ""
         shakes = self._repeats or (bool(self._steps) and isinstance(self._steps[0], Awaited))
         why = "its device does not answer the handshake" if shakes else "no device acknowledges it"
+        why = f"its device refuses it with {self.refusal}" if self.refusal and not shakes else why
         return f"is to be {'activated' if self.level else 'deactivated'}, and {why}"
 
     def _give_up(self, why: str) -> None:

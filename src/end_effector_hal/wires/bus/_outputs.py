@@ -77,10 +77,11 @@ class BusOutputs:
         for each in self._sent:
             each.acknowledged(at)
 
-    def failed(self, at: int) -> None:
-        """What was sent last was refused, or not acknowledged."""
+    def failed(self, at: int, refusal: str = "") -> None:
+        """What was sent last was refused, with an exception, or not acknowledged."""
         for each in self._sent:  # also where something else is commanded by now: its answer may come late
             each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
+            each.refusal = refusal
 
     def withdraw(self, names: Iterable[str], why: str) -> None:
         """Activations of these that are not done yet are not done any more."""

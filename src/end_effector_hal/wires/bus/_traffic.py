@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from end_effector_hal.codecs.modbus import ModbusMaster, RegisterWrite, acknowledgement, write_request
+from end_effector_hal.codecs.modbus import (
+    ModbusMaster,
+    RegisterWrite,
+    acknowledgement,
+    exception_words,
+    write_request,
+)
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus._outputs import BusOutputs
 
@@ -132,7 +138,7 @@ class BusTraffic:
         if done in self._rest:
             self._end_write(at, done=True)
         elif (start := self._rest.find(refused)) >= 0 and len(self._rest) - start >= EXCEPTION_BYTES:
-            self._end_write(at, done=False)
+            self._end_write(at, done=False, refusal=exception_words(self._rest[start + 2]))
         return None
 
     @property
@@ -153,7 +159,7 @@ class BusTraffic:
         self._echo.sent(request)
         return request
 
-    def _end_write(self, at: int, *, done: bool) -> None:
+    def _end_write(self, at: int, *, done: bool, refusal: str = "") -> None:
         write, self._write, self._rest = self._write, None, b""
         self._free_at = at + self._master.silence_after_us
         if write is None:
@@ -164,7 +170,7 @@ class BusTraffic:
         else:
             self.unacknowledged += 1
             self._read_next = True
-            self._outputs.failed(at)
+            self._outputs.failed(at, refusal)
 
     def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:
         if self._master.answers is before:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from end_effector_hal.codecs.modbus import RelayedBus
+from end_effector_lab.testbench.modbus import sealed
 from tests.support.robotiq import Gripper2F85
 from tests.support.rtu_server import RtuServer
 from tests.unit.wires.bus.played_bus import (
@@ -87,6 +88,10 @@ def test_what_is_not_acknowledged_is_written_again_and_nobody_knows_how_it_stand
     bus.to(bus.at + 60 * S)
     assert "no device acknowledges it" in bus.outputs.troubles(bus.at)[FINGERS]
     assert len(gripper.written) > 10
+    bus.wire = lambda request, answer: sealed(bytes([9, request[1] | 0x80, 2])) if writes(request) else answer
+    bus.to(bus.at + 1 * S)
+    refused = "is to be deactivated, and its device refuses it with exception 2, illegal data address"
+    assert bus.outputs.troubles(bus.at)[FINGERS] == refused
     bus.wire = lambda request, answer: answer
     bus.to(bus.at + 1 * S)
     assert bus.outputs.known(bus.at) == {FINGERS: False}
