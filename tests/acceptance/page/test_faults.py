@@ -79,6 +79,13 @@ def test_a_grip_fails_by_a_fault_that_was_chosen_here(chromium: Any, nominal: Li
     failed = "Bottom vacuum was not confirmed within 5 s in 3 attempts."
     shows(page, "state-reason", failed, timeout_ms=60_000)
     shows(page, "state-word", "STAND-BY")
+    # what became of the command stands as large as the state, and nothing says that it went well
+    shows(page, "goal-word", "Grip failed")
+    shows(page, "goal-detail", failed)
+    assert page.get_attribute("#panel-goal", "data-tone") == "bad"
+    size = "(name) => parseFloat(getComputedStyle(document.querySelector(name)).fontSize)"
+    assert page.evaluate(size, "#goal-word") > 0.9 * page.evaluate(size, "#state-word")
+    assert page.inner_text("#answer") == ""
     shows(page, "log", "The testbench plays: never-confirms:bottom_vacuum.")
     shows(page, "log", "Page 1: fault, go never-confirms:bottom_vacuum.")
     shot(page, "fault", whole=True)

@@ -175,7 +175,11 @@ def test_an_edge_shows_the_requirements_that_need_it_and_that_speak_of_it(
     chromium: Any, nominal: Live
 ) -> None:
     page = opened(chromium, nominal)
-    page.wait_for_selector("#automata-edge option:nth-child(2)", state="attached")
+    assert not page.is_visible("#automata"), "folded"
+    page.click("#automata-fold > summary")
+    page.wait_for_selector("#automata .place.here")
+    assert not page.is_visible("#automata .spoken"), "on demand"
+    page.click("#automata-requirements > summary")
     choices = page.locator("#automata-edge option").all_inner_texts()
     number = next(at for at, text in enumerate(choices) if text.endswith("StandBy → Activate"))
     page.select_option("#automata-edge", index=number)
@@ -230,6 +234,58 @@ def test_a_hal_that_dies_turns_the_page_grey_and_comes_back(chromium: Any, nomin
     nominal.hal.child.send_signal(signal.SIGCONT)
     page.wait_for_selector("body:not(.stale)", timeout=30_000)
     assert not page.faults
+    page.context.close()
+
+
+def test_a_stop_has_a_card(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    shows(page, "state-word", "STAND-BY")
+    assert not page.is_visible("#panel-e-stop"), "there is no input for it"
+    page.click("#command-stop")
+    shows(page, "e-stop-word", "STOPPED")
+    shows(page, "e-stop-detail", "nothing is activated until the faults are reset")
+    assert page.get_attribute("#panel-e-stop", "data-tone") == "bad"
+    shot(page, "page-stopped")
+    assert not page.faults
+    page.context.close()
+
+
+def test_the_marks_of_a_pressure_have_one_size_on_every_width(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    heights = set()
+    for width in (390, 800, 1440, 2600):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(200)
+        found = page.evaluate(
+            "() => [...document.querySelectorAll('.gauge text')].map((each) => each.getBoundingClientRect())"
+        )
+        assert found
+        heights |= {round(each["height"]) for each in found}
+        bar = page.locator(".gauge").first.bounding_box()
+        assert min(each["left"] for each in found) >= bar["x"] - 1
+    assert len(heights) == 1
+    page.context.close()
+
+
+def test_a_page_that_gets_no_news_says_why_and_can_still_stop(chromium: Any, nominal: Live) -> None:
+    page = opened(chromium, nominal)
+    page.click("#control-take")
+    shows(page, "control-who", "This page has the control.")
+    page.context.route(
+        "**/events*", lambda route: route.fulfill(status=503, body="12 pages are open already.")
+    )
+    other = page.context.new_page()
+    other.goto(nominal.url.split("/?")[0])
+    shows(other, "news-text", "12 pages are open already.")
+    assert other.is_visible("#news-reload")
+    # the stream of the first one breaks off: no control is kept by a page that sees nothing
+    nominal.page.child.send_signal(signal.SIGSTOP)
+    page.wait_for_selector("#news-reload:not([hidden])")
+    shows(page, "why-grip", "This page is not live.")
+    assert page.get_attribute("#command-stop", "aria-disabled") == "false"
+    nominal.page.child.send_signal(signal.SIGCONT)
+    page.click("#command-stop")
+    shows(page, "answer", "Stop:")
     page.context.close()
 
 

@@ -108,6 +108,10 @@ def test_a_recording_is_scrubbed_and_stepped(chromium: Any, served: Any, retried
     for absent in ("#buttons", "#control-take", "#maintenance", "#confirm", "#hold-still"):
         assert page.query_selector(absent) is None
     shows(page, "summaries", "Cylinder, attempt 1 of 3: timed out after 5.00 s")
+    # it opens where something is known, not at its beginning with empty cards
+    assert moment(page) > 0
+    assert page.inner_text("#state-word") != "–"
+    assert "–" not in page.locator("#cards .reading b").all_inner_texts()
     # by the keyboard from transition to transition, until the grip is decided
     states = [page.inner_text("#state-word")]
     while states[-1] != "GRIPPED":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from pydantic_core import to_json
 
 from end_effector_hal.codecs import carrier_of, load_tool, sources_of
 from end_effector_hal.control import Status
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.hal_main._margins import Margins
 from end_effector_hal.nodes.transport import AMBIENT_PA
@@ -26,6 +27,8 @@ from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.places import ROOT
 from tests.support.virtual_tool import VirtualTool
+
+UNTIL_RESET = "nothing is activated until the faults are reset"
 
 
 @cache
@@ -154,12 +157,74 @@ def test_interlocks_say_why(verdin: Description) -> None:
     assert rows["IL-01"]["why"] == "unlock only in STAND_BY; the end-effector is GRIPPED."
 
 
+def test_what_became_of_the_last_command_stands_until_it_is_outdated(verdin: Description) -> None:
+    watched = Watched(verdin)
+    watched.tool.run(1.5)
+    assert watched.shown()["state"]["last"] is None
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(0.2)
+    assert watched.shown()["state"]["last"] is None
+    watched.tool.run(4.0)
+    last = watched.shown()["state"]["last"]
+    assert (last["outcome"], last["word"], last["reason"]) == ("SUCCEEDED", "Grip succeeded", "")
+    assert 0 < last["seconds"] < 4
+    assert watched.tool.command("drop").accepted
+    watched.tool.run(0.05)
+    assert watched.shown()["state"]["last"] is None
+    watched.tool.run(5.0)
+    assert watched.shown()["state"]["last"]["word"] == "Drop succeeded"
+
+
+@pytest.mark.parametrize(
+    ("cancelled", "word", "reason"),
+    [
+        (False, "Grip failed", "Cylinder was not confirmed within 5 s in 3 attempts."),
+        (True, "Grip cancelled", "The grip was cancelled."),
+    ],
+)
+def test_a_grip_that_ends_otherwise_is_said_with_its_reason_once_it_is_unwound(
+    verdin: Description, cancelled: bool, word: str, reason: str
+) -> None:
+    watched = Watched(verdin, "never-confirms:cylinder")
+    watched.tool.run(1.5)
+    assert watched.tool.command("grip").accepted
+    watched.tool.run(3.0)
+    if cancelled:
+        assert watched.tool.command("cancel").accepted
+    watched.tool.run(30.0)
+    shown = watched.shown()["state"]
+    assert (shown["name"], shown["goal"]) == ("STAND_BY", None)
+    assert (shown["last"]["word"], shown["last"]["reason"]) == (word, reason)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "word", "why"),
+    [
+        ("nominal", "CLOSED", ""),
+        ("estop-open", "OPEN", "nothing is activated now"),
+        ("silent-after:1", "NOT KNOWN", "nothing is activated now"),
+    ],
+)
+def test_an_e_stop_has_a_card(tmp_path: Path, scenario: str, word: str, why: str) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(f"{profile_path().read_text()}\ne_stop: {{channel: estop_ok}}\n")
+    watched = Watched(load(path), scenario)
+    watched.tool.run(1.5)
+    assert watched.shown()["state"]["e_stop"] == {"word": word, "why": why}
+    if word == "CLOSED":
+        watched.faults = ("IL-13: the emergency stop was opened; reset the faults first.",)
+        assert watched.tool.command("grip").accepted
+        watched.tool.run(0.2)
+        assert watched.shown()["state"]["e_stop"] == {"word": "STOPPED", "why": UNTIL_RESET}
+
+
 def test_a_stop_is_shown_wherever_the_tool_stands(verdin: Description) -> None:
     """It can be given whatever the programs say, and needs no e-stop input."""
     watched = Watched(verdin)
     assert watched.shown()["buttons"]["stop"] == ""
     watched.tool.run(1.5)
     assert watched.shown()["stop"].startswith("Latched until a reset")
+    assert watched.shown()["state"]["e_stop"] is None
     watched.faults = ("IL-13: the tool was stopped (pid 7): nothing is activated until a reset.",)
     assert watched.tool.command("grip").accepted
     watched.tool.run(0.2)
@@ -168,6 +233,7 @@ def test_a_stop_is_shown_wherever_the_tool_stands(verdin: Description) -> None:
     row = next(row for row in shown["interlocks"] if row["id"] == "IL-13")
     assert row["state"] == "blocking"
     assert row["why"].startswith("the tool was stopped")
+    assert shown["state"]["e_stop"] == {"word": "STOPPED", "why": UNTIL_RESET}
 
 
 def test_an_interlock_of_which_nothing_was_heard_is_not_fulfilled(verdin: Description) -> None:

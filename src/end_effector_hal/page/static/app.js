@@ -28,16 +28,21 @@ function connect() {
   source.addEventListener("drawn", (event) => begin(JSON.parse(event.data)));
   source.addEventListener("view", (event) => {
     heardAt = performance.now();
+    ended = "";
     show(JSON.parse(event.data));
   });
   source.addEventListener("error", () => {
-    if (source.readyState === EventSource.CLOSED) {
-      fetch("/", { method: "HEAD" }).then((answer) => {
-        if (answer.status === 401) ended = "This page belongs to an earlier start. Open the address that eehal page has printed.";
-      }).catch(() => {});
-      setTimeout(connect, 1000);
-    }
+    if (source.readyState !== EventSource.CLOSED) return;
+    whyNot().catch(() => {});
+    setTimeout(connect, 1000);
   });
+}
+
+async function whyNot() {
+  const answer = await fetch(`/events?page=${page}`);
+  if (answer.status === 401) ended = "This page belongs to an earlier start. Open the address that eehal page has printed.";
+  else if (!answer.ok) ended = (await answer.text()).trim();
+  else answer.body.cancel();
 }
 let ended = "";
 
@@ -85,15 +90,16 @@ function freshness(news) {
   bar.hidden = news.fresh;
   if (!news.fresh) {
     const age = news.age_s === null ? "No news yet" : `No news for ${seconds(news.age_s)}`;
-    bar.textContent = `${age}. ${news.why} What you see is old.`;
+    put("news-text", `${age}. ${news.why}${parts ? " What you see is old." : ""}`);
   }
+  byId("news-reload").hidden = !news.deaf;
 }
 
 // The page's own process may be gone as well: then nothing comes at all.
 setInterval(() => {
   const age = (performance.now() - heardAt) / 1000;
-  if (heardAt && age > 1.2) {
-    freshness({ fresh: false, age_s: age, why: ended || "Lost connection to `eehal page`." });
+  if ((heardAt && age > 1.2) || (!heardAt && ended)) {
+    freshness({ fresh: false, deaf: true, age_s: heardAt ? age : null, why: ended || "Lost connection to `eehal page`: this page is not live." });
     if (parts) {
       parts.commands.unheard();
       parts.faults.unheard();
@@ -114,5 +120,6 @@ function facts(view) {
   put("fact-verdict", `${mark} ${view.verdict.text.replace(/ \([^)]*\)\.$/, "")}${when ? `,${when}` : ""}`);
 }
 
+byId("news-reload").onclick = () => location.reload();
 past();
 connect();

@@ -18,7 +18,13 @@ export class Automata {
     this.spoken = make("ul", { className: "spoken" });
     box.replaceChildren(this.clocks, this.figure,
       make("label", { className: "edge-choice" }, "Edge ", this.which),
-      this.neededTitle, this.needed, this.spokenTitle, this.spoken);
+      make("details", { id: "automata-requirements" }, make("summary", { textContent: "Requirements that need this edge, or speak of it" }),
+        this.neededTitle, this.needed, this.spokenTitle, this.spoken));
+    this.fold = box.closest("details");
+    this.fold.ontoggle = () => {  // what is folded has no size to scroll in
+      this.key = "";
+      if (this.last) this.show(...this.last);
+    };
     this.buttons = this.drawn.processes.map((process) => {
       const label = process.who ? this.cards[process.who] : process.name;
       const button = make("button", { type: "button", className: "small", textContent: label });
@@ -127,6 +133,7 @@ export class Automata {
 
   show(automata, at) {
     this.last = [automata, at];
+    if (!this.fold.open) return;
     const now = automata[this.process.name];
     if (!now) {
       if (this.key) this.choose(this.process, null);

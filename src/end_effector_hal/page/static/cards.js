@@ -1,7 +1,6 @@
 // A card for each actuator: output, evidence, measured values against their marks, attempts, the time-out, the hold.
 import { make, put, svg, seconds } from "/static/dom.js";
 
-const WIDTH = 360;
 const EVIDENCE = { UNKNOWN: "? unknown", GONE: "○ gone", PARTIAL: "◐ partial", CONFIRMED: "● confirmed" };
 
 export class Cards {
@@ -108,39 +107,51 @@ class Gauge {
 
   x(value) {
     const { low, most } = this.drawn;
-    return Math.max(0, Math.min(WIDTH, (WIDTH * (value - low)) / (most - low)));
+    return Math.max(0, Math.min(this.width, (this.width * (value - low)) / (most - low)));
   }
 
+  // Drawn for the width that it has: its words have one size on every card.
   makeBar() {
+    this.width = 0;
     this.fill = svg("rect", { class: "fill", x: 0, y: 18, width: 0, height: 14, rx: 3 });
-    const box = svg("svg", { class: "gauge", viewBox: `0 0 ${WIDTH} 54`, preserveAspectRatio: "none", "aria-hidden": "true" });
-    box.append(svg("rect", { class: "track", x: 0, y: 18, width: WIDTH, height: 14, rx: 3 }), this.fill);
-    box.setAttribute("preserveAspectRatio", "xMidYMid meet");
-    // words above and below in turn, moved apart so that none lies over another
+    const box = svg("svg", { class: "gauge", "aria-hidden": "true" });
+    new ResizeObserver(([{ contentRect }]) => {
+      if (!contentRect.width || contentRect.width === this.width) return;
+      this.width = contentRect.width;
+      box.replaceChildren(svg("rect", { class: "track", x: 0, y: 18, width: this.width, height: 14, rx: 3 }), this.fill, ...this.makeMarks());
+      this.fillTo(this.shown);
+    }).observe(box);
+    return box;
+  }
+
+  // Words above and below in turn, moved apart so that none lies over another.
+  makeMarks() {
     const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
     const ends = [-10, -10];
     const pen = document.createElement("canvas").getContext("2d");
-    pen.font = `10.5px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;
-    marks.forEach((mark, index) => {
+    pen.font = `12px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;
+    return marks.flatMap((mark, index) => {
       const below = index % 2;
       const text = `${mark.word} ${+mark.at.toFixed(this.drawn.decimals)}`;
       const { width } = pen.measureText(text);
-      const left = Math.min(WIDTH - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
+      const left = Math.min(this.width - width, Math.max(ends[below] + 6, mark.x - width / 2, 0));
       ends[below] = left + width;
-      const y = below ? 48 : 10;
-      box.append(svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }));
-      box.append(svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }));
-      const words = svg("text", { x: left, y });
+      const words = svg("text", { x: left, y: below ? 49 : 10 });
       words.textContent = text;
-      box.append(words);
+      return [svg("line", { class: "mark", x1: mark.x, x2: mark.x, y1: 16, y2: 34 }),
+        svg("line", { class: "lead", x1: mark.x, x2: left + width / 2, y1: below ? 34 : 16, y2: below ? 39 : 12 }), words];
     });
-    return box;
+  }
+
+  fillTo(value) {
+    this.shown = value;
+    this.fill.setAttribute("width", value === null || value === undefined ? 0 : this.x(value));
   }
 
   show(value, margin) {
     const { decimals } = this.drawn;
     put(this.value, value === null ? "–" : (Math.abs(value) < 0.5 / 10 ** decimals ? 0 : value).toFixed(decimals));
-    this.fill.setAttribute("width", value === null ? 0 : this.x(value));
+    this.fillTo(value);
     put(this.margin, value === null ? "no valid reading" : margin === null ? "" : `margin ${margin >= 0 ? "+" : "−"}${Math.abs(margin).toFixed(1)} kPa`);
   }
 }

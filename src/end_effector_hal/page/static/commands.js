@@ -5,6 +5,7 @@ const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", stop: "Stop", loc
 const STYLES = { drop: "danger", cancel: "cancel", stop: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
 const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A suspended part will fall."] };
 const ALWAYS = { cancel: "No emergency stop.", stop: "Not a safety function." };
+const GOALS = ["grip", "drop", "lock", "unlock"];
 const csrf = document.querySelector("meta[name=csrf]").content;
 
 export class Commands {
@@ -28,7 +29,7 @@ export class Commands {
     this.take = byId("control-take");
     this.take.onclick = () => this.control(this.mine ? "release" : "take");
     clearInterval(Commands.renewal);
-    Commands.renewal = setInterval(() => { if (this.mine) this.control("renew"); }, 3000);
+    Commands.renewal = setInterval(() => { if (this.mine && !this.deaf) this.control("renew"); }, 3000);
   }
 
   make(word) {
@@ -77,6 +78,12 @@ export class Commands {
 
   show(view) {
     const control = view.control;
+    this.deaf = false;
+    this.lastAt = view.state?.last?.at ?? null;
+    if (this.before !== undefined && this.lastAt !== null && this.lastAt !== this.before) {
+      this.answer("", null);  // what has become of it stands above, among the states
+      this.before = undefined;
+    }
     this.mine = control.holder === this.page;
     const who = byId("control-who");
     who.classList.toggle("mine", this.mine);
@@ -90,9 +97,11 @@ export class Commands {
     this.showDrives(view);
   }
 
+  // Nothing comes: what needs no look at the tool can still be sent, and the control ends by itself.
   unheard() {
-    const unheard = "Lost connection to `eehal page`.";
-    for (const word of Object.keys(this.buttons)) this.set(word, unheard, unheard);
+    const unheard = "This page is not live.";
+    this.deaf = true;
+    for (const word of Object.keys(this.buttons)) this.set(word, ALWAYS[word] ? "" : unheard, ALWAYS[word] ? `${ALWAYS[word]} ${unheard} It is sent all the same.` : unheard);
     for (const drive of this.drives) {
       drive.refusal = unheard;
       drive.button.setAttribute("aria-disabled", "true");
@@ -115,8 +124,11 @@ export class Commands {
     }
     if (ASKS[word] && !(await confirmed(...ASKS[word]))) return;
     this.answer(`${LABELS[word]} …`, null);
+    const before = this.lastAt;
     const said = await this.post("/command", word);
-    this.answer(`${LABELS[word]}: ${said.accepted ? said.reason || "accepted." : said.reason}`, said.accepted);
+    const begun = said.accepted && GOALS.includes(word);  // its outcome comes later
+    this.answer(`${LABELS[word]}: ${said.accepted ? said.reason || "accepted." : said.reason}`, begun ? null : said.accepted);
+    this.before = begun ? before : undefined;
   }
 
   async control(word) {

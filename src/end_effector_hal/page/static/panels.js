@@ -4,6 +4,8 @@ import { byId, make, put, setTone, seconds } from "/static/dom.js";
 const STATE_TONES = {
   OFF: "idle", STAND_BY: "idle", GRIPPING: "busy", GRIPPED: "ok", RELEASING: "release", GRIP_ERROR: "bad", RELEASE_ERROR: "bad",
 };
+const STOP_TONES = { CLOSED: "ok", OPEN: "bad", STOPPED: "bad", "NOT KNOWN": "warn" };
+const OUTCOME_TONES = { SUCCEEDED: "ok", FAILED: "bad", CANCELLED: "warn" };
 const CHANGER_TONES = { LOCKED: "ok", UNLOCKED: "warn", UNLOCKING: "busy", LOCKING: "busy", FAULT: "bad", UNKNOWN: "warn" };
 
 export function identity(drawn) {
@@ -11,7 +13,6 @@ export function identity(drawn) {
   put("tool-name", drawn.name);
   put("tool-summary", drawn.summary);
   const changer = drawn.lanes.some((lane) => lane.name === "tool changer");
-  document.querySelector(".overview").classList.toggle("no-changer", !changer);
   byId("panel-changer").hidden = !changer;
 }
 
@@ -30,12 +31,14 @@ export function lateness(state) {
   put("fact-late", state && state.worst_late_ms !== null ? `${state.worst_late_ms.toFixed(1)} ms of ${state.bound_ms} ms${state.missed ? `, ${state.missed} deadlines missed` : ""}` : "–");
 }
 
+const PANELS = ["state", "held", "lift", "changer", "e-stop", "goal"];
+
 export function overview(view) {
   const state = view.state;
   if (!state) {
-    for (const name of ["state", "held", "lift", "changer", "goal"]) put(`${name}-word`, "–");
-    for (const name of ["state-reason", "held-detail", "lift-detail", "changer-detail", "goal-detail"]) put(name, "");
-    for (const name of ["state", "held", "lift", "changer", "goal"]) setTone(`panel-${name}`, "idle");
+    for (const name of PANELS) put(`${name}-word`, "–");
+    for (const name of ["state-reason", "held-detail", "lift-detail", "changer-detail", "e-stop-detail", "goal-detail"]) put(name, "");
+    for (const name of PANELS) setTone(`panel-${name}`, "idle");
     byId("goal-bar").style.width = "0";
     alarms([]);
     return;
@@ -53,12 +56,28 @@ export function overview(view) {
     setTone("panel-changer", CHANGER_TONES[state.changer] || "idle");
     put("changer-detail", [state.unlock_output ? "unlock output on" : "unlock output off", state.armed ? "armed" : ""].filter(Boolean).join(", "));
   }
-  const goal = state.goal;
-  const soFar = goal ? (view.at - goal.since) / 1e6 : 0;
-  put("goal-word", goal ? goal.name : "Nothing");
-  setTone("panel-goal", goal ? "busy" : "idle");
-  byId("goal-bar").style.width = goal && goal.at_most_s ? `${Math.min(100, 100 * soFar / goal.at_most_s)}%` : "0";
-  put("goal-detail", goal ? `${seconds(soFar)} so far${goal.at_most_s ? `, at most ${goal.at_most_s.toFixed(2)} s${view.proven ? " (proven)" : ""}` : ""}` : "");
+  const stop = state.e_stop;
+  byId("panel-e-stop").hidden = !stop;
+  if (stop) {
+    put("e-stop-word", stop.word);
+    setTone("panel-e-stop", STOP_TONES[stop.word]);
+    put("e-stop-detail", stop.why);
+  }
+  const flags = document.querySelectorAll(".panel.flag:not([hidden])").length;
+  document.querySelector(".overview").style.setProperty("--flags", flags);
+  goal(view, state.goal, state.goal ? null : state.last);
+}
+
+// What runs; while nothing runs what has become of the last command.
+function goal(view, running, last) {
+  const soFar = running ? (view.at - running.since) / 1e6 : 0;
+  put("goal-caption", last ? "Last command" : "Running");
+  put("goal-word", running ? running.name : last ? last.word : "Nothing");
+  setTone("panel-goal", running ? "busy" : last ? OUTCOME_TONES[last.outcome] : "idle");
+  byId("goal-course").hidden = Boolean(last);
+  byId("goal-bar").style.width = running && running.at_most_s ? `${Math.min(100, 100 * soFar / running.at_most_s)}%` : "0";
+  put("goal-detail", running ? `${seconds(soFar)} so far${running.at_most_s ? `, at most ${running.at_most_s.toFixed(2)} s${view.proven ? " (proven)" : ""}` : ""}`
+    : last ? last.reason || `after ${last.seconds.toFixed(2)} s` : "");
 }
 
 function held(state, cards) {

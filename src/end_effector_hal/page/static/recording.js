@@ -69,6 +69,12 @@ class Recording {
     return this.events[index];
   }
 
+  // Where something is known: before it every card is empty.
+  firstEvent() {
+    const found = this.events.find((entry) => MARKED.has(entry.kind) && this.view(this.seconds(entry)).state);
+    return found ? Math.max(this.begin, this.seconds(found)) : this.begin;
+  }
+
   firstGrip() {
     const found = this.content.changes.find((change) => change.lane === "" && change.word === "GRIPPING");
     return found ? this.seconds(found) : null;
@@ -95,7 +101,7 @@ class Player {
   constructor(recordings) {
     this.recordings = recordings;
     this.main = recordings[0];
-    this.at = this.main.begin;
+    this.at = this.main.firstEvent();
     this.shift = 0;
     this.playing = false;
     this.dirty = true;

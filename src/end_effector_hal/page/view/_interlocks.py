@@ -6,7 +6,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted
-from end_effector_hal.vocabulary import OVER, EndEffectorState
+from end_effector_hal.vocabulary import OVER, EndEffectorState, latched_il_13
 
 RULES = {
     "IL-01": "Unlock only when nothing is gripped or held",
@@ -66,6 +66,18 @@ class InterlockTable:
             said |= self._by_status(status, change)
         gripping = status is not None and status.ee not in _AT_REST
         return [self._row(name, said, gripping=gripping, known=name not in unknown) for name in RULES]
+
+    def e_stop(self, status: Status, change: Controller | None) -> dict[str, str] | None:
+        """The e-stop in a word and a sentence; None: there is no input for it, and no stop is latched."""
+        e_stop, latched = self._description.e_stop, bool(latched_il_13(status.alarms))
+        closed: object = e_stop is None
+        if e_stop is None and not latched:
+            return None
+        if e_stop is not None and change is not None:
+            closed = change.senses.now.readings.get(e_stop.channel, change.at)
+        word = ("STOPPED" if latched else "CLOSED") if closed else "OPEN" if closed is False else "NOT KNOWN"
+        why = "nothing is activated until the faults are reset" if latched else "nothing is activated now"
+        return {"word": word, "why": "" if word == "CLOSED" else why}
 
     def _row(self, name: str, said: dict[str, str], *, gripping: bool, known: bool) -> dict[str, str]:
         row = {"id": name, "rule": RULES[name], "blocks": _BLOCKS.get(name, "")}

@@ -7,7 +7,7 @@ from typing import Any
 
 from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import PROGRAMS, Status, network_of
-from end_effector_hal.control.goals import tool_status
+from end_effector_hal.control.goals import CHANNELS, GOAL_COMMANDS, Outcome, judge, tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
@@ -22,6 +22,7 @@ from ._log import EventLog
 from ._replica import Replica
 from ._timeline import TimeLine
 
+_ASKED = {Command.GRIP: "Grip", Command.RELEASE: "Drop", Command.LOCK: "Lock", Command.UNLOCK: "Unlock"}
 STALE_US = 1_200_000
 """No news for so long: nothing that is shown counts as present."""
 _RATE_US = 2_000_000
@@ -61,6 +62,9 @@ class ToolView:
         self._frames = [deque[int](maxlen=400) for _ in self._sources]
         self._command: tuple[Command, int] = (Command.NONE, at)
         self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
+        self._asked: tuple[Command, int] = (Command.NONE, at)
+        """What runs may change, from a grip that fails to the release of what it engaged: this one was asked for."""
+        self._last: dict[str, Any] | None = None
         self._kept: Verdict | None = None
         self._verdict_due = at
         self._heard: dict[str, bool] = dict.fromkeys(PROGRAMS, False)
@@ -228,6 +232,8 @@ class ToolView:
             "missed": status.missed,
             "bound_ms": self.description.bounds.reaction_ms,
             "goal": None if command is Command.NONE else self._goal(command, since),
+            "last": self._last,
+            "e_stop": self._interlocks.e_stop(status, self._replicas["tool_change"].controller),
         }
 
     def _goal(self, command: Command, since: int) -> dict[str, Any]:
@@ -281,10 +287,23 @@ class ToolView:
 
     def _follow(self, status: Status) -> None:
         self.timeline.status(status)
-        if status.command is not self._command[0]:
-            self._command = status.command, status.at
         if status.ee is not self._state[0]:
             self._state = status.ee, status.at
+            if self._last is not None and self._last["outcome"] == Outcome.SUCCEEDED.name:
+                self._last = None  # what it has reached is over
+        if status.command is not self._command[0]:
+            if self._command[0] is Command.NONE:
+                self._asked, self._last = (status.command, status.at), None
+            self._command = status.command, status.at
+            if status.command is Command.NONE and self._asked[0] in GOAL_COMMANDS:
+                self._last = self._outcome(*self._asked, status)
+
+    def _outcome(self, command: Command, since: int, status: Status) -> dict[str, Any]:
+        own = self._replicas[program_of(CHANNELS[command])].status or status
+        outcome, reason = judge(command, own)
+        seconds = (status.at - since) / 1e6
+        word = f"{_ASKED[command]} {outcome.name.lower()}"
+        return {"outcome": outcome.name, "word": word, "reason": reason, "at": status.at, "seconds": seconds}
 
     def _readings(self, program: str) -> dict[str, Any]:
         controller = self._replicas[program].controller
