@@ -36,6 +36,13 @@ def chunks(path: Path) -> int:
     return len(summary.chunk_indexes)
 
 
+def indexed(folder: Path) -> Path:
+    """On a busy machine by the other process."""
+    path = write(folder)
+    wait_until("its index", lambda: chunks(path) > 1)
+    return path
+
+
 def numbers(path: Path) -> list[int]:
     found = read_trace(path)
     assert (found.complete, found.damaged, found.note) == (True, False, "")
@@ -53,8 +60,7 @@ def plain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_closed_segment_is_sorted_by_time_and_has_an_index(tmp_path: Path) -> None:
     from mcap.reader import SeekingReader
 
-    path = write(tmp_path)
-    assert chunks(path) > 1
+    path = indexed(tmp_path)
     with path.open("rb") as file:
         reader = SeekingReader(file, validate_crcs=True)
         found = [(message.log_time, message.sequence) for _, _, message in reader.iter_messages()]
@@ -71,7 +77,7 @@ def test_a_closed_segment_is_sorted_by_time_and_has_an_index(tmp_path: Path) -> 
 
 
 def test_one_that_is_indexed_stays_as_it_is(tmp_path: Path) -> None:
-    path = write(tmp_path)
+    path = indexed(tmp_path)
     before = path.read_bytes()
     write_indexed(path)
     assert path.read_bytes() == before
@@ -123,14 +129,13 @@ def test_a_long_segment_is_indexed_by_a_process_of_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_trace_writer, "INDEX_S", -1.0)
-    path = write(tmp_path)
-    wait_until("its index", lambda: chunks(path))
+    path = indexed(tmp_path)
     assert numbers(path) == list(range(len(TIMES) * 300))
 
 
 def test_a_record_that_is_missing_ends_what_is_read(tmp_path: Path) -> None:
     """In a file that was cut off later, a chunk has records that were written after one that is missing."""
-    path = write(tmp_path)
+    path = indexed(tmp_path)
     cut = tmp_path / "cut.mcap"
     shutil.copy(path, cut)
     os.truncate(cut, path.stat().st_size // 3)

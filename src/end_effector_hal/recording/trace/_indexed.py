@@ -21,6 +21,9 @@ from end_effector_hal.recording._limits import MEGABYTE
 CHUNK_BYTES = 64 * 1024
 """A file that is cut off later loses at most one chunk more than what was cut."""
 NAME = ".{}.indexed"
+_PROGRAM = (
+    f"import os, sys, pathlib, {__name__} as i; os.nice(19); i.write_indexed(pathlib.Path(sys.argv[1]))"
+)
 
 
 class TooLongError(Exception):
@@ -62,14 +65,13 @@ def write_indexed(path: Path, until: float | None = None) -> None:
 
 
 def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
-    """False: there is nothing to sort."""
+    """False: there is nothing to sort. Both number schemas and channels in their order."""
     from mcap.data_stream import ReadDataStream
     from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Message, Schema
     from mcap.stream_reader import StreamReader
     from mcap.writer import CompressionType, Writer
 
     writer = Writer(target, CHUNK_BYTES, CompressionType.NONE, enable_data_crcs=True)
-    schemas, channels = {0: 0}, dict[int, int]()
     places: list[tuple[int, int]] = []
     begin = 0
     for record in StreamReader(source, emit_chunks=True, validate_crcs=True).records:
@@ -81,10 +83,9 @@ def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
             times = record.create_time, record.log_time
             writer.add_attachment(*times, record.name, record.media_type, record.data)
         elif isinstance(record, Schema):
-            schemas[record.id] = writer.register_schema(record.name, record.encoding, record.data)
+            writer.register_schema(record.name, record.encoding, record.data)
         elif isinstance(record, Channel):
-            kind = record.message_encoding, schemas[record.schema_id]
-            channels[record.id] = writer.register_channel(record.topic, *kind, record.metadata)
+            writer.register_channel(record.topic, record.message_encoding, record.schema_id, record.metadata)
         elif isinstance(record, Chunk):
             return False
         elif isinstance(record, DataEnd):
@@ -94,9 +95,8 @@ def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
     for _, place in sorted(places):
         source.seek(place + 1)
         stream = ReadDataStream(source)
-        found = Message.read(stream, stream.read8())
-        channel = channels[found.channel_id]
-        writer.add_message(channel, found.log_time, found.data, found.publish_time, found.sequence)
+        each = Message.read(stream, stream.read8())
+        writer.add_message(each.channel_id, each.log_time, each.data, each.publish_time, each.sequence)
         _check(until)
     if places:
         writer.finish()  # type: ignore[no-untyped-call]
@@ -110,9 +110,8 @@ def _check(until: float | None) -> None:
 
 def start_indexing(path: Path) -> None:
     """Have it done by a process of its own, which goes on after the end of this one; raises OSError."""
-    nothing = subprocess.DEVNULL
-    command = [sys.executable, "-m", __package__, str(path)]
-    child = subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing, start_new_session=True)
+    quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    child = subprocess.Popen([sys.executable, "-c", _PROGRAM, path], start_new_session=True, **quiet)
     threading.Thread(target=child.wait, name="trace-indexing", daemon=True).start()
 
 

@@ -29,7 +29,7 @@ RETRY_S = 1.0
 """After this a disk that failed is tried again."""
 END_S = 2.0
 """So long the end of a program waits for its disk."""
-INDEX_S = 1.0
+INDEX_S = 1.5
 """So long the thread of the writer sorts a short segment, or the last one; the others get a process of their own."""
 HEADER = "header"
 
