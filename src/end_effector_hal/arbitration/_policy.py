@@ -15,6 +15,7 @@ from end_effector_hal.sensing import (
     NO_LATCHED_FAULT,
     NOTHING_GRIPPED,
     PARKED,
+    PRESENT,
     predicates_fitted,
     proven_by_arbiter,
 )
@@ -30,6 +31,7 @@ IL_01 = Need(
 )
 IL_02 = Need(PARKED, "IL-02", "the tool is in its stand", "the tool is neither in its stand nor absent")
 IL_05 = Need(LOCKED, "IL-05", "the tool is locked", "the tool is not proven to be locked")
+IL_05_PRESENT = Need(PRESENT, "IL-05", "the tool is present", "the sensor shows no tool")
 IL_13 = Need(
     E_STOP_CLOSED, "IL-13", "the emergency stop is closed", "the emergency stop is open",
     latched="the emergency stop was opened",
@@ -109,6 +111,7 @@ def _needs(description: Description, line: str) -> list[Need]:
         (IL_01, unlocks and locks.il_01),
         (IL_02, unlocks and locks.il_02),
         (IL_05, grips and locks.il_05),
+        (IL_05_PRESENT, grips and locks.il_05),
         (IL_13, True),
     ]
     asked += [(_no_fault(predicate), grips) for predicate in sorted(fitted) if ":" in predicate]

@@ -5,7 +5,7 @@ from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
-from ._status import Answer, Status, StepReport
+from ._status import Answer, Status, StepReport, told_to_grip
 from .words import StatusLines, alarm_changes, refused, transition, unanswered, unread_e_stop, word_of
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "model_constants",
     "network_of",
     "refused",
+    "told_to_grip",
     "transition",
     "unanswered",
     "unread_e_stop",

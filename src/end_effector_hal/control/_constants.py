@@ -12,7 +12,7 @@ from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
-LATER_CONSTANTS = ("SHOWS_EMPTY", "BLOWS", "T_BLOW", "T_GAP", "IL_08_GAP", "UNTIL_GONE")
+LATER_CONSTANTS = ("PRESENCE", "SHOWS_EMPTY", "BLOWS", "T_BLOW", "T_GAP", "IL_08_GAP", "UNTIL_GONE")
 """Constants that automata of earlier versions do not have: these behave as they did."""
 
 
@@ -59,6 +59,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
             "T_UNLOCK": _ms(changer.unlock_max_s),
             "T_ARM": _ms(changer.arm_s),
             "STAND": changer.stand_bit in carried,
+            "PRESENCE": locks.il_05 and changer.present_bit in carried,
         }
     return constants
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import LOCKED, FrameJudge, HoldMonitor, SensorSet, predicates_fitted
+from end_effector_hal.sensing import FrameJudge, HoldMonitor, SensorSet
 from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
@@ -59,8 +59,8 @@ class Controller:
         self._description = description
         self._program = program
         carrier = carrier_of(description)
-        self._senses = SensorSet(description, carrier, judge)
-        self._lock_fitted = LOCKED in predicates_fitted(description, carrier)
+        shows_absent = any(each.name == f"tool_is[{int(ToolEvidence.ABSENT)}]" for each in network.channels)
+        self._senses = SensorSet(description, carrier, judge, shows_absent=shows_absent)
         self._hold = HoldMonitor(description, self._senses, carrier, devices=program == "grip")
         processes = getattr(description.automata, program)
         interface = description.automata.interface
@@ -132,7 +132,7 @@ class Controller:
             # it turned stale between the frame and now: `deadline` says only what comes after now
             statuses += self._look(self._at)[0]
             told = True
-        return statuses if statuses or not (events or told) else [self.status()]
+        return self._watched(statuses if statuses or not (events or told) else [self.status()])
 
     def pass_over(self, frame: Frame) -> list[Status]:
         """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it."""
@@ -149,15 +149,18 @@ class Controller:
         return statuses if statuses or not told else [self.status()]
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """Interface variables of the other program: ``ee`` or ``unlock_valve``."""
+        """Interface variables of the other program: ``ee``, or ``unlock_valve`` and whether the tool is ``loose``.
+
+        Loose: the unlock output is active, or the tool changer is in FAULT; default: as ``unlock_valve``.
+        """
         at = self._until(at)
         statuses = self._due_before(at)
         if "ee" in values:
             self._execution.write({"told[0]": int(values["ee"] in _AT_REST)})
         if "unlock_valve" in values:
-            self._execution.write({"told[1]": values["unlock_valve"]})
+            self._execution.write({"told[1]": values.get("loose", values["unlock_valve"])})
         self._statuses.know(values)
-        return statuses + self._told(self._execution.advance(at))
+        return self._watched(statuses + self._told(self._execution.advance(at)))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
         """A command by the name of its channel; whether it is accepted is an edge of the automaton."""
@@ -168,7 +171,7 @@ class Controller:
             return Answer(False, why), statuses
         reaction = self._execution.receive(event, at)
         if not reaction.taken:
-            why = refusal(self._description, name, self.status(), self._senses.now, at)
+            why = self._refusal(name, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
             self._statuses.blame(Cause.NONE, -1, self._at)
@@ -182,12 +185,13 @@ class Controller:
         """
         if self._execution.takes(Event(name)):
             return self._faulty(self._at) if name == "grip" else ""
-        return refusal(self._description, name, self.status(), self._senses.now, self._at)
+        return self._refusal(name, self._at)
 
     @property
     def blocking(self) -> dict[str, str]:
         """What each interlock says against a grip or an unlock now, a sentence; empty: nothing."""
-        said = blocking(self._description, self.status(), self._senses.now, self._at)
+        fault, senses = self._statuses.fault, self._senses.now
+        said = blocking(self._description, self.status(), senses, self._at, fault=fault)
         return said | {"IL-07": said["IL-07"] or self._faulty(self._at)}
 
     @property
@@ -222,14 +226,7 @@ class Controller:
         """Why the line of an actuator may not be driven in maintenance now (IL-12); empty: it may."""
         if refused := no_maintenance(EndEffectorState(self._statuses.values["ee"]), held=self._statuses.held):
             return refused
-        needs_lock = active and self._description.interlocks.il_05 and self._lock_fitted
-        if needs_lock and self._senses.now.tool is not ToolEvidence.LOCKED:
-            return (
-                f"IL-05: the tool is not proven to be locked (its sensors say {self._senses.now.tool.name})."
-            )
-        if active and self._description.interlocks.il_05 and self._statuses.values["unlock_valve"]:
-            return "IL-05: the unlock output is active."
-        return ""
+        return self.blocking["IL-05"] if active else ""
 
     def advance(self, at: int) -> list[Status]:
         """Everything that is due at or before ``at``."""
@@ -265,10 +262,20 @@ class Controller:
         recall(self, snapshot.memory)
         self._statuses.know({})
 
+    def _refusal(self, name: str, at: int) -> str:
+        senses, fault = self._senses.now, self._statuses.fault
+        return refusal(self._description, name, self.status(), senses, at, fault=fault)
+
     def _faulty(self, at: int) -> str:
         """Why a device refuses a grip, a sentence; empty: none does."""
         why = self._hold.fault(at)
         return f"IL-07: {why}" if why else ""
+
+    def _watched(self, statuses: list[Status]) -> list[Status]:
+        """These, and another one where the tool of a held part is loose now, or is not any more (IL-05)."""
+        held = self._statuses.held and self._statuses.adopted
+        loose = self._statuses.loose if held else ""
+        return [*statuses, self.status()] if held and self._hold.tool(loose, self._at) else statuses
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:
@@ -310,7 +317,7 @@ class Controller:
         self._write_levels()
         told = self._hold.sample(at, held=self._statuses.held and self._statuses.adopted)
         statuses = [status for event in events for status in self._receive(event, self._at, stamp)]
-        return statuses, bool(events) or told
+        return self._watched(statuses), bool(events) or told
 
     def _receive(self, event: Event, at: int, stamp: int | None = None) -> list[Status]:
         if event.channel not in self._execution.inputs:  # nobody waits for it: it is a level only
@@ -331,7 +338,7 @@ class Controller:
         }
         changer = self._description.tool_changer
         if changer is not None:
-            locked = self._senses.now.tool is ToolEvidence.LOCKED
+            locked = self._senses.now.tool in (ToolEvidence.LOCKED, ToolEvidence.ABSENT)
             adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
         self._execution.write(adopted)  # before the event: whoever receives it asks for these levels

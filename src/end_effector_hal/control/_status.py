@@ -89,3 +89,9 @@ class Status:
     def arbiter_lost(self) -> bool:
         """Whether ``held`` and the outputs are the last known ones, and not known now."""
         return any(alarm.startswith(ARBITER_LOST) for alarm in self.alarms)
+
+
+def told_to_grip(status: Status) -> dict[str, int]:
+    """The variables of the tool changer in the gripping network; loose: its unlock output is active, or it is in FAULT."""
+    loose = status.unlock_output or status.changer is ChangerState.FAULT
+    return {"unlock_valve": int(status.unlock_output), "loose": int(loose)}

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 from end_effector_hal.description import Description, used_channels
-from end_effector_hal.sensing import HoldMonitor, SensorSet
+from end_effector_hal.sensing import KEPT, HoldMonitor, SensorSet
 from end_effector_hal.signals import PART
-from end_effector_hal.vocabulary import Cause, ChangerFault, ChangerState, Command, EndEffectorState
-from timed_automata import Execution, Step
+from end_effector_hal.vocabulary import (
+    Cause,
+    ChangerFault,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    ToolEvidence,
+)
+from timed_automata import Execution, Network, Step
+from timed_automata.document import Text
+from timed_automata.language import parse_expression
+from timed_automata.queries import compile_integer
 
 from ._status import Status
 from ._steps import StepLog
-from .words import explain, explain_changer, latched, left_active
+from .words import explain, explain_changer, latched, left_active, loose
 
 CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 # a lookup costs less than a conversion, and there is one for each status
@@ -25,6 +35,9 @@ _CHANGER_FAULTS = {int(each): each for each in ChangerFault}
 _SCALARS = (
     "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
 )  # fmt: skip
+
+
+Condition = Callable[[tuple[int, ...], tuple[int, ...]], Any]
 
 
 class StatusBuilder:
@@ -78,6 +91,8 @@ class StatusBuilder:
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
+        self._fastened = _condition(execution.network, "fastened")
+        self._liftable = _condition(execution.network, "liftable")
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
             name: execution.value(name)
@@ -152,11 +167,11 @@ class StatusBuilder:
         if seen != self._seen:
             self._seen = seen
             self._look(at)
-        proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed
+        proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
         step, fault = steps.step, values["changer_fault"]
         reason = self._why if self._left else self._reason
-        if fault and not reason:
-            reason = explain_changer(self._description, fault)
+        if not self._grips and not reason:
+            reason = explain_changer(self._description, fault) or self._vacant
         return Status(
             at=at,
             ee=ee,
@@ -216,6 +231,35 @@ class StatusBuilder:
         return tuple(alarms)
 
     @property
+    def fault(self) -> bool:
+        """Whether the other program says that the tool changer is in FAULT."""
+        return bool(self.values.get("loose")) and not self.values["unlock_valve"]
+
+    @property
+    def loose(self) -> str:
+        """What speaks against it that the tool of a held part is locked, a sentence (IL-05); empty: nothing does.
+
+        Sensors that are only silent are an alarm of their own.
+        """
+        told = bool(self.values.get("loose", self.values["unlock_valve"]))
+        if self._is(self._fastened) or (self._senses.now.tool is ToolEvidence.UNCLEAR and not told):
+            return ""
+        unlocking = bool(self.values["unlock_valve"])
+        why = loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
+        return f"IL-05: {why} while a part is held: do not lift; {KEPT}." if why else ""
+
+    def _is(self, condition: Condition | None) -> bool:
+        """Whether a condition of the automata holds; of earlier versions that do not have it, yes."""
+        state = self._execution.state
+        return condition is None or bool(condition(state.values, state.locations))
+
+    @property
+    def _vacant(self) -> str:
+        changer = self._description.tool_changer
+        absent = changer is not None and self._senses.now.tool is ToolEvidence.ABSENT
+        return f"There is no tool ({changer.present_bit} is off)." if changer and absent else ""
+
+    @property
     def latched_error(self) -> str:
         """An error that no reset clears, in words; empty: there is none."""
         return latched(EndEffectorState(self.values["ee"]), self._why) if self._latched else ""
@@ -223,3 +267,10 @@ class StatusBuilder:
     @property
     def _why(self) -> str:
         return " ".join(filter(None, (self._reason, self._left)))
+
+
+def _condition(network: Network, name: str) -> Condition | None:
+    """A function of the automata that asks no clock; None: they have none of that name."""
+    if name not in network.scope.symbols:
+        return None
+    return compile_integer(network, parse_expression(Text.plain(f"{name}()", f"function {name}")))

@@ -50,6 +50,7 @@ class AlarmKind(Enum):
     STALE = "no valid reading"
     SUPPLY = "supply pressure"
     DEVICE = "device"
+    TOOL = "tool changer"
 
 
 class HoldFinding(NamedTuple):

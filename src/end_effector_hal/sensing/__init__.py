@@ -4,7 +4,7 @@ In ``detectors`` stands what belongs to no kind of device; how an actuator is ju
 """
 
 from ._frame_judge import FrameJudge
-from ._hold_monitor import HoldMonitor
+from ._hold_monitor import KEPT, HoldMonitor
 from ._predicates import (
     E_STOP_CLOSED,
     LOCKED,
@@ -12,6 +12,7 @@ from ._predicates import (
     NO_LATCHED_FAULT,
     NOTHING_GRIPPED,
     PARKED,
+    PRESENT,
     Predicates,
     predicates_fitted,
     proven_by_arbiter,
@@ -23,11 +24,13 @@ from ._stand import ToolPlace, tool_place
 
 __all__ = [
     "E_STOP_CLOSED",
+    "KEPT",
     "LOCKED",
     "NOTHING_GRIPPED",
     "NO_FAULT",
     "NO_LATCHED_FAULT",
     "PARKED",
+    "PRESENT",
     "SENT_INVALID",
     "FrameJudge",
     "HoldMonitor",

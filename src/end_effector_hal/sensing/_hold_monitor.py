@@ -108,6 +108,17 @@ class HoldMonitor:
         newly_secure = now.confirmed and self._watched_secure is not was_secure
         return newly_secure or self.alarms != told
 
+    def tool(self, loose: str, at: int) -> bool:
+        """What speaks against it that the tool of a held part is locked (IL-05), a sentence; empty: nothing.
+
+        Returns whether that is news.
+        """
+        if loose:
+            return self._log.raise_(AlarmKind.TOOL, "", loose, at)
+        return self._log.end(
+            AlarmKind.TOOL, "", "The tool was not proven to be locked while a part was held."
+        )
+
     def fault(self, at: int) -> str:
         """Why no grip begins: what a device says is wrong, or has said since the last reset; empty: nothing is."""
         faults, readings = self._senses.now.faults, self._senses.now.readings

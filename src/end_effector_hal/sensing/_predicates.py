@@ -13,7 +13,9 @@ from ._frame_judge import FrameJudge
 from ._sensor_set import SensorSet
 
 LOCKED = "locked"
-"""The tool is proven to be locked (IL-05)."""
+"""The tool is proven to be locked, and present where a sensor shows it (IL-05)."""
+PRESENT = "present"
+"""The tool is present, where no other sensor of the tool changer is fitted (IL-05)."""
 NOTHING_GRIPPED = "nothing_gripped"
 """Everything is released, and what is left of a vacuum is vented for a while: by what is fitted (IL-01)."""
 PARKED = "parked"
@@ -32,6 +34,8 @@ def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[s
     fitted = set()
     if changer and changer.locked_bit in carried and changer.unlocked_bit in carried:
         fitted.add(LOCKED)
+    elif changer and changer.present_bit in carried:
+        fitted.add(PRESENT)
     proving = (channel for _, part in description.ordered for channel in kind_of(part).channel_names(part))
     if changer and any(channel in carried for channel in proving):
         fitted.add(NOTHING_GRIPPED)
@@ -50,7 +54,8 @@ def proven_by_arbiter(description: Description, carrier: Carrier) -> frozenset[s
     changer, e_stop, own = description.tool_changer, description.e_stop, description.arbiter_inputs
     needs: dict[str, tuple[str, ...]] = {E_STOP_CLOSED: (e_stop.channel,)} if e_stop else {}
     if changer:
-        needs[LOCKED] = changer.locked_bit, changer.unlocked_bit
+        needs[LOCKED] = changer.locked_bit, changer.unlocked_bit, changer.present_bit
+        needs[PRESENT] = (changer.present_bit,)
         needs[PARKED] = changer.stand_bit, changer.present_bit
     fitted = predicates_fitted(description, carrier)
     return frozenset(
@@ -75,6 +80,7 @@ class Predicates:
         self._senses = SensorSet(description, carrier, judge)
         self._fitted = predicates_fitted(description, carrier)
         self._e_stop = description.e_stop.channel if description.e_stop else None
+        self._present = description.tool_changer.present_bit if description.tool_changer else None
 
     def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:
         """What holds after a frame, by name; only what is fitted.
@@ -123,6 +129,7 @@ class Predicates:
         now = self._senses.now
         all_said = {
             LOCKED: now.tool is ToolEvidence.LOCKED,
+            PRESENT: bool(now.readings.get(self._present, at)) and now.tool is not ToolEvidence.ABSENT,
             NOTHING_GRIPPED: now.nothing_gripped,
             PARKED: now.in_stand,
         }

@@ -65,8 +65,12 @@ class SensorState:
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
-        bits = (changer.locked_bit, changer.unlocked_bit) if changer and description.interlocks.il_05 else ()
+        bits: tuple[str, ...] = ()
+        if changer and description.interlocks.il_05:
+            bits = changer.locked_bit, changer.unlocked_bit
         self._lock_bits = bits if all(bit in carrier.channels for bit in bits) else ()
+        if changer and self._lock_bits and changer.present_bit in carrier.channels:
+            self._lock_bits = (*self._lock_bits, changer.present_bit)
         self._was_clear = False
         self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)

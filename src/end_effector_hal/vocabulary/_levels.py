@@ -26,6 +26,8 @@ class ToolEvidence(IntEnum):
     UNLOCKED = 2
     FAULTY = 3
     """Both bits or neither, for too long (IL-04)."""
+    ABSENT = 4
+    """Not unlocked, and a sensor shows that there is no tool (IL-05)."""
 
 
 class ChangerState(TableState):

@@ -13,10 +13,11 @@ Rule 4 (unlock): the unlock output is active only after an accepted unlock, with
     tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not for longer
     than its longest time while the line arbiter lives (IL-03).
 Rule 5 (switching): a line stays as it is for its least time (IL-10); only an arbiter that ends cuts a pulse.
-Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so; a release
-    ends in STAND_BY only when every device is gone. What has changed within the time of a reading may not be known yet.
+Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so, and the
+    tool is locked and present; a release ends in STAND_BY only when every device is gone. What has changed within
+    the time of a reading may not be known yet.
 Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
-    the tool is not locked (IL-05 to IL-07); a refusal has a reason.
+    the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
 Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
 Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
 Rule 10 (latched): what the line arbiter has latched, and the sensor fault of the tool changer, stay until a reset, also
@@ -389,8 +390,8 @@ class Judge:
         """Whether GRIPPED, and a leave to lift, are still justified."""
         if status.ee != GRIPPED:
             return
-        if status.lift_allowed and self._reality.lasts("silent"):
-            self._object("evidence", "the link is silent, and a lift is allowed")
+        if status.lift_allowed and (why := next(self._reality.against_a_lift(), "")):
+            self._object("evidence", f"{why}, and a lift is allowed")
         if not self._reality.is_read:
             return
         for name in self._sequence:

@@ -8,7 +8,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Kind
-from end_effector_hal.vocabulary import ChangerFault, to_us
+from end_effector_hal.vocabulary import ChangerFault, ChangerState, to_us
 from end_effector_lab.matrix import LYING
 from end_effector_lab.testbench import TOOL_CHANGER
 from end_effector_lab.virtual import VirtualTool
@@ -20,6 +20,9 @@ BELIEVED_US = 1_000_000
 NOISE_KPA, FRAMES_US = 1.0, 100_000
 """By so much, and for so long, what is read differs from what is there."""
 NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
+_LOOSE = {
+    "unlocked": "the tool is not locked", "absent": "there is no tool", "fault": "the tool changer is in FAULT",
+}  # fmt: skip
 
 
 class Reality:
@@ -28,7 +31,8 @@ class Reality:
     def __init__(self, description: Description, tool: VirtualTool) -> None:
         self._description, self._tool = description, tool
         self._faults: frozenset[str] = frozenset()
-        carried, parts = carrier_of(description).channels, description.ordered
+        self._carried = carried = carrier_of(description).channels
+        parts = description.ordered
         self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
         self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
         self._opens_kpa = {
@@ -125,8 +129,21 @@ class Reality:
                     yield f"{name} still grips (IL-07)"
         if rules.il_06 and self.lasts("low"):
             yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
-        if rules.il_05 and self.lasts("unlocked"):
-            yield "the tool is not locked (IL-05)"
+        yield from self._loose()
+
+    def against_a_lift(self) -> Iterator[str]:
+        """Why what is held may not be lifted, clauses."""
+        if self.lasts("silent"):
+            yield "the link is silent"
+        if self.is_known:
+            yield from self._loose()
+
+    def _loose(self) -> Iterator[str]:
+        """What speaks against the tool, by IL-05."""
+        if self._description.interlocks.il_05:
+            for what, clause in _LOOSE.items():
+                if self.lasts(what):
+                    yield f"{clause} (IL-05)"
 
     def against_an_unlock(self) -> Iterator[str]:
         """Why the unlock output may not become active now, clauses."""
@@ -153,6 +170,8 @@ class Reality:
             tool.bench.silent(tool.at, name) for name in self._description.links
         )
         if changer is not None:
+            found["absent"] = not scenario.tool_present and changer.present_bit in self._carried
+            found["fault"] = "tool_change" in tool.living and tool.changes[-1].changer is ChangerState.FAULT
             found["unlocked"] = not devices[TOOL_CHANGER].bits["locked"]
             found["vented"] = all(
                 abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA

@@ -6,14 +6,15 @@ Rule 1: A fault changes what the sensor of its place shows: whether a new activa
 Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. A step that is not confirmed in its
     attempts, a loss, or an activation that an interlock refuses ends it: what was engaged is unwound.
 Rule 3: After an unwinding or a release the tool is at rest if all that was engaged is proven gone, else RELEASE_ERROR.
-Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm.
+Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm, and
+    so is a tool that is not locked, or absent.
 Rule 5: A cancel counts in a grip only, a drop while something is held or latched; other commands then are refused.
     Right after the first activation, before its line may be deactivated (IL-10), the last reading may still prove
     that nothing is there.
 Rule 6: The death of the gripping program has the declared ending; the program that starts again adopts what it finds.
     The deaths of the tool changer's program and of the line arbiter move nothing.
 Rule 7: A grip is refused while a sensor shows what should not be there, the link is down, the air is too low, the tool
-    is not proven to be locked, or the emergency stop is open.
+    is not proven to be locked and present, or the emergency stop is open.
 Rule 8: An output on a bus moves when its device has acknowledged that. Where the bus is silent or damaged, or the line
     arbiter dies, it may stay as it was, which is then held, with an alarm. A device that lets go when it hears nothing
     (`on_link_loss`) may have done so.
@@ -112,6 +113,16 @@ def lets_go(description: Description, cell: Cell) -> bool:
     return hears_nothing and any(each.on_link_loss == "release" and each.keep_alive_ms for each in outputs)
 
 
+def is_loose(description: Description, cell: Cell) -> bool:
+    """Whether the sensors of the tool changer show that the tool is not locked, or absent (IL-05)."""
+    changer, carried = description.tool_changer, carrier_of(description).channels
+    if changer is None or not description.interlocks.il_05:
+        return False
+    if cell.name == "no-tool":
+        return changer.present_bit in carried
+    return (cell.name, cell.number) in (("locked-shows", 0.0), ("unlocked-shows", 1.0))
+
+
 class _Rules:
     def __init__(self, description: Description, cell: Cell) -> None:
         self._description, self._cell = description, cell
@@ -125,8 +136,13 @@ class _Rules:
         if self._is_late:
             outcomes, why = outcomes | self._not_acknowledged(), f"{why}, rule 8"
         latched = {Outcome.HELD, Outcome.STILL_THERE, Outcome.FAILED, Outcome.REFUSED}
-        blind = self._phase == HELD and (self._is_blind() or self._is_frozen())
+        blind = self._phase == HELD and (self._is_blind() or self._is_frozen() or self._is_loose)
         return ExpectedOutcome(frozenset(outcomes), outcomes <= latched or (blind and self._goes_on), why)
+
+    @property
+    def _is_loose(self) -> bool:
+        """Whether the tool is not proven to be locked while a part is held, which is an alarm."""
+        return is_loose(self._description, self._cell) and self._cell.command != "drop"
 
     @property
     def _goes_on(self) -> bool:
@@ -404,7 +420,7 @@ class _Rules:
         if cell.name == "estop-open" and description.e_stop:
             return {YES}
         if changer and description.interlocks.il_05:
-            if (cell.name, cell.number) in (("locked-shows", 0.0), ("unlocked-shows", 1.0)):
+            if is_loose(description, cell):
                 return {YES}
             if cell.name in ("locked-shows", "unlocked-shows", "swapped", *DAMAGING):
                 return {NO, YES} if cell.name in DAMAGING and (cell.number or 0) > 0.001 else set()

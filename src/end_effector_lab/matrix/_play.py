@@ -14,7 +14,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.virtual import switchings
 
 from ._cells import BOTH, NOTHING, Cell
-from ._expected import LYING, expected, lets_go
+from ._expected import LYING, expected, is_loose, lets_go
 from ._judging import Monitors, is_still, not_gripping
 from ._outcome import Outcome
 from ._script import GRIP, RELEASE, REST, Script, prepared
@@ -229,6 +229,8 @@ class CellRun:
             or not tool.status.lift_allowed
         ):
             return []
+        if is_loose(self._description, self._cell):
+            return ["lifting is allowed, and the tool is not locked"]
         missing = not_gripping(self._description, tool)
         return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
 

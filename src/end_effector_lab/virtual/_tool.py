@@ -9,7 +9,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from end_effector_hal.arbitration import PredicatePublisher, program_lines, wired_lines
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, Status, told_to_grip
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, WireError
@@ -416,7 +416,7 @@ class VirtualTool:
         if name == "grip" and (change := self._programs.get("tool_change")):
             change.update_peer(ee=status.ee)
         if name == "tool_change" and (grip := self._programs.get("grip")):
-            grip.update_peer(unlock_valve=int(status.unlock_output))
+            grip.update_peer(**told_to_grip(status))
 
     def _obey(self, name: str, level: bool) -> None:
         """An output was commanded over its bus."""

@@ -18,18 +18,28 @@ from end_effector_hal.recording import read_run
 from end_effector_lab.processes import EEHAL
 from tests.support.nightly import first_of
 from tests.support.patience import wait_until
+from tests.support.places import ROOT
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(100)]
 LONG_S = 90.0
+TWO_COILS = ROOT / "examples/tools/two_coil_changer/end_effector.yaml"
 
 
 class Started:
     """The command, with the folder for everything temporary."""
 
-    def __init__(self, *options: str) -> None:
+    def __init__(self, *options: str, file: Path | None = None) -> None:
         self.temporary = Path(mkdtemp(prefix="simulated-", dir="/tmp"))  # a socket's path is short
         self.process = subprocess.Popen(
-            ["env", "--default-signal=INT", *EEHAL, "run", "--simulate", str(profile_path()), *options],
+            [
+                "env",
+                "--default-signal=INT",
+                *EEHAL,
+                "run",
+                "--simulate",
+                str(file or profile_path()),
+                *options,
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -104,6 +114,32 @@ def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[
     assert leek == "refused: scenario. no fault is named 'leek'. Did you mean 'leak'?"
     assert rest == ["scenario: nominal", "GRIP: succeeded", "RELEASE: succeeded"]
     assert tool.process.returncode == 1
+
+
+@pytest.mark.alone  # as above
+@pytest.mark.parametrize(
+    ("file", "bit"), [(profile_path(), "tool_present"), (TWO_COILS, "coupled")], ids=["shipped", "two_coils"]
+)
+def test_without_a_tool_nothing_is_locked_or_gripped_and_no_lift_is_allowed(
+    started: list[Started], file: Path, bit: str
+) -> None:
+    script = (
+        "wait 1; lock; grip; scenario nominal; wait 1; grip; status; scenario no-tool; wait 1; status; drop"
+    )
+    tool = Started("--scenario", "no-tool", "--script", script, file=file)
+    started.append(tool)
+    out, _ = tool.process.communicate(timeout=LONG_S)
+    told = re.compile("refused|[A-Z]+: succeeded")
+    assert [line for line in out.splitlines() if told.match(line)] == [
+        f"refused: lock. A lock is refused: there is no tool ({bit} is off).",
+        f"refused: grip. IL-05: there is no tool ({bit} is off).",
+        "GRIP: succeeded",
+        "RELEASE: succeeded",
+    ]
+    held, gone = out.split("scenario: no-tool")
+    assert "GRIPPED; a part is held, lift allowed" in held
+    assert f"IL-05: there is no tool ({bit} is off) while a part is held: do not lift" in gone
+    assert "GRIPPED; a part is held, lift not allowed" in gone
 
 
 @pytest.mark.alone  # as above

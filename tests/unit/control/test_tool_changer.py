@@ -108,7 +108,6 @@ def test_il_01_only_what_grip_has_said_counts(description: Description) -> None:
         (False, True, False),
         (False, False, True),
         (None, False, False),
-        (False, None, False),
     ],
 )
 def test_il_02_the_tool_is_in_its_stand_or_absent(
@@ -117,6 +116,58 @@ def test_il_02_the_tool_is_in_its_stand_or_absent(
     answer = Changer(description, in_stand=in_stand, tool_present=present).give("unlock")
     assert answer.accepted is accepted
     assert accepted or answer.reason.startswith("IL-02: ")
+
+
+def test_without_a_reading_of_the_tool_nothing_is_locked(description: Description) -> None:
+    tool = Changer(description, tool_present=None)
+    assert tool.state is ChangerState.UNKNOWN
+    assert "it is UNKNOWN" in tool.give("unlock").reason
+
+
+def test_locked_needs_the_tool_and_an_absent_one_refuses_a_lock(description: Description) -> None:
+    tool = Changer(description, tool_present=False)
+    assert tool.state is ChangerState.UNKNOWN
+    assert tool.give("lock") == Answer(False, "A lock is refused: there is no tool (tool_present is off).")
+    tool.shows(tool_present=True)
+    tool.run(0.2)
+    assert tool.state is ChangerState.LOCKED
+    tool.shows(tool_present=False)
+    tool.run(0.05)
+    assert tool.state is ChangerState.LOCKED  # it lasts for 100 ms, as the other bits do
+    tool.run(0.1)
+    assert tool.state is ChangerState.UNKNOWN
+
+
+def test_without_a_tool_the_changer_opens_to_take_one(description: Description) -> None:
+    tool = Changer(description, tool_present=False)
+    assert tool.give("unlock").accepted
+    tool.shows(locked=False, unlocked=True)
+    tool.run(0.2)
+    assert tool.state is ChangerState.UNLOCKED
+    assert tool.give("lock").accepted  # its output goes inactive, whatever the sensors show
+    tool.shows(locked=True, unlocked=False)
+    tool.run(0.2)
+    assert tool.state is ChangerState.UNKNOWN
+    assert tool.status.reason == "There is no tool (tool_present is off)."
+    assert tool.status.changer_fault is ChangerFault.NONE
+
+
+def test_a_fault_without_a_tool_is_left_by_a_reset_alone(description: Description) -> None:
+    tool = Changer(description)
+    tool.shows(locked=False, unlocked=True)
+    tool.run(0.2)
+    assert tool.state is ChangerState.FAULT
+    tool.shows(locked=True, unlocked=False, tool_present=False)
+    tool.run(0.2)
+    assert not tool.give("lock").accepted
+    assert tool.give("reset").accepted
+    assert tool.state is ChangerState.UNKNOWN
+
+
+def test_without_a_sensor_of_the_stand_an_absent_tool_is_armed_too(blind: Description) -> None:
+    tool = Changer(blind, tool_present=False)
+    assert tool.give("arm").accepted
+    assert tool.give("unlock").accepted
 
 
 def test_il_02_where_no_sensor_shows_it_an_unlock_is_armed_first(blind: Description) -> None:

@@ -134,7 +134,8 @@ def shown_in(description: Description, network: Network, state: State, *, supply
     evidence = tuple(value(name) for name in network.offsets if name.startswith("evidence["))
     if changer is None:
         return Shown(evidence, ToolEvidence.UNCLEAR, supply_ok, vented=False, parked=False)
-    parked = bool(value("parked")) and changer.stand_bit in channels
+    absent = value("tool") == ToolEvidence.ABSENT  # then nothing can be away from its stand
+    parked = (bool(value("parked")) or absent) and changer.stand_bit in channels
     return Shown(evidence, value("tool"), supply_ok, bool(value("vented")), parked)
 
 
@@ -237,8 +238,10 @@ class Placed:
             ToolEvidence.LOCKED: (True, False),
             ToolEvidence.UNLOCKED: (False, True),
             ToolEvidence.FAULTY: (True, True),
+            ToolEvidence.ABSENT: (True, False),
         }[ToolEvidence(shown.tool)]
-        values |= {"locked": locked, "unlocked": unlocked, "tool_present": True, "in_stand": shown.parked}
+        present = shown.tool != ToolEvidence.ABSENT
+        values |= {"locked": locked, "unlocked": unlocked, "tool_present": present, "in_stand": shown.parked}
         return values
 
 

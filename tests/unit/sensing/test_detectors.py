@@ -21,7 +21,8 @@ class Feed:
         self.senses = SensorSet(description, self.codec)
         self.at = 1_000_000
         self.tool = False  # whether to tell the events of the tool changer
-        bits = {"locked": True, "unlocked": False, "cylinder_extended": False, "cylinder_retracted": True}
+        bits = {"locked": True, "unlocked": False, "tool_present": True}
+        bits |= {"cylinder_extended": False, "cylinder_retracted": True}
         self.values: dict[str, int | bool | None] = {
             "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, **bits
         }  # fmt: skip
@@ -171,6 +172,17 @@ def test_what_fell_during_a_silence_is_lost_at_the_first_samples(feed: Feed) -> 
     feed.senses.advance(feed.at + 150_000)
     feed.at += 200_000
     assert "gone[0]" in feed(bottom=0)
+
+
+@pytest.mark.parametrize(("present", "shown"), [(False, "tool_is[4]"), (None, "tool_is[0]")])
+def test_locked_needs_the_tool_where_a_sensor_shows_it(feed: Feed, present: bool | None, shown: str) -> None:
+    feed(10)
+    assert feed.senses.now.tool is ToolEvidence.LOCKED
+    feed.tool = True
+    assert shown in feed(10, tool_present=present)
+    assert "tool_is[1]" in feed(10, tool_present=True)
+    if present is not None:  # of an unlocked one nothing depends on it
+        assert feed(10, tool_present=present, locked=False, unlocked=True) == ["tool_is[2]"]
 
 
 def test_lock_is_proven_by_both_bits_for_100_ms(feed: Feed) -> None:

@@ -6,7 +6,14 @@ from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.sensing import SensorState
-from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, Evidence, display_name
+from end_effector_hal.vocabulary import (
+    ChangerFault,
+    ChangerState,
+    EndEffectorState,
+    Evidence,
+    ToolEvidence,
+    display_name,
+)
 
 _REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
@@ -22,6 +29,28 @@ def explain_changer(description: Description, fault: int) -> str:
             f"{changer.fault_s:g} s: a sensor fault, until a reset."
         )
     return "The tool changer is not where it should be, as its sensors have it: lock it again, or reset."
+
+
+def loose(description: Description, senses: SensorState, *, unlocking: bool, fault: bool) -> str:
+    """What speaks against it that the tool is locked (IL-05), a clause; empty: nothing that is fitted does.
+
+    Args:
+        description: the tool.
+        senses: what the sensors prove.
+        unlocking: the unlock output is active.
+        fault: the tool changer is in FAULT.
+    """
+    changer = description.tool_changer
+    if changer is None or not description.interlocks.il_05:
+        return ""
+    if senses.tool is ToolEvidence.ABSENT:
+        return f"there is no tool ({changer.present_bit} is off)"
+    fitted = {changer.locked_bit, changer.unlocked_bit} <= senses.readings.carried.keys()
+    if fitted and senses.tool is not ToolEvidence.LOCKED:
+        return f"the tool is not proven to be locked (its sensors say {senses.tool.name})"
+    if unlocking:
+        return "the unlock output is active"
+    return "the tool changer is in FAULT" if fitted and fault else ""
 
 
 def feedback(description: Description, senses: SensorState) -> str:
@@ -41,6 +70,8 @@ def changer_refusal(description: Description, command: str, status: Status, sens
     changer, state = description.tool_changer, status.changer
     if changer is None:
         return "The tool has no tool changer."
+    if command == "lock" and senses.tool is ToolEvidence.ABSENT:
+        return f"A lock is refused: there is no tool ({changer.present_bit} is off)."
     if state is ChangerState.FAULT:
         if command == "reset":
             return (
@@ -56,6 +87,10 @@ def changer_refusal(description: Description, command: str, status: Status, sens
     return f"A lock is not accepted now; the tool changer is {state.name}."
 
 
+def _vacant(state: ChangerState, senses: SensorState) -> bool:
+    return state is ChangerState.UNKNOWN and senses.tool is ToolEvidence.ABSENT
+
+
 def _fault(description: Description, status: Status) -> str:
     return explain_changer(description, status.changer_fault)
 
@@ -63,7 +98,7 @@ def _fault(description: Description, status: Status) -> str:
 def _unlock_refusal(
     description: Description, changer: ToolChanger, status: Status, senses: SensorState
 ) -> str:
-    if status.changer is not ChangerState.LOCKED:
+    if status.changer is not ChangerState.LOCKED and not _vacant(status.changer, senses):
         return f"An unlock is accepted when the tool changer is LOCKED; it is {status.changer.name}."
     found = unlock_blocking(description, changer, status, senses)
     untold = (
@@ -109,6 +144,6 @@ def _arm_refusal(
         return "IL-02 is switched off in the description: an unlock needs no arming."
     if changer.stand_bit in senses.readings.carried:
         return f"A sensor ({changer.stand_bit}) shows where the tool is: an unlock needs no arming."
-    if state is not ChangerState.LOCKED:
+    if state is not ChangerState.LOCKED and not _vacant(state, senses):
         return f"An unlock is armed when the tool changer is LOCKED; it is {state.name}."
     return f"An unlock cannot be armed now; the tool changer is {state.name}."

@@ -6,9 +6,9 @@ from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of, lost_words
 from end_effector_hal.sensing import SensorState
-from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence, display_name
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, display_name
 
-from ._changer_reasons import changer_refusal, feedback, unlock_blocking
+from ._changer_reasons import changer_refusal, feedback, loose, unlock_blocking
 
 
 def explain(description: Description, cause: int, cause_at: int, senses: SensorState, at: int) -> str:
@@ -68,13 +68,22 @@ def _present(description: Description, senses: SensorState) -> str:
     return f"{', '.join(names) or 'a sensor'} still show{'' if len(names) > 1 else 's'}"
 
 
-def refusal(description: Description, command: str, status: Status, senses: SensorState, at: int) -> str:
-    """Why a command is not accepted now."""
+def refusal(
+    description: Description,
+    command: str,
+    status: Status,
+    senses: SensorState,
+    at: int,
+    *,
+    fault: bool = False,
+) -> str:
+    """Why a command is not accepted now; ``fault``: the other program says that the tool changer is in FAULT."""
     state = status.ee
     if command == "grip":
         if state is not EndEffectorState.STAND_BY:
             return f"A grip is accepted in STAND_BY only; the end-effector is {_name(state)}."
-        return _grip_refusal(description, status, senses, at)
+        found = blocking(description, status, senses, at, fault=fault)
+        return found["IL-07"] or found["IL-05"] or found["IL-06"] or "The grip is not accepted now."
     if command == "drop":
         if state is EndEffectorState.RELEASING:
             return "A release is running already."
@@ -86,12 +95,9 @@ def refusal(description: Description, command: str, status: Status, senses: Sens
     return f"{command!r} is not accepted now; the end-effector is {_name(state)}."
 
 
-def _grip_refusal(description: Description, status: Status, senses: SensorState, at: int) -> str:
-    found = blocking(description, status, senses, at)
-    return found["IL-07"] or found["IL-05"] or found["IL-06"] or "The grip is not accepted now."
-
-
-def blocking(description: Description, status: Status, senses: SensorState, at: int) -> dict[str, str]:
+def blocking(
+    description: Description, status: Status, senses: SensorState, at: int, *, fault: bool = False
+) -> dict[str, str]:
     """What each interlock of the programs says against a grip or an unlock now, a sentence; empty: nothing.
 
     Of those that a description can switch off; the line arbiter has its own.
@@ -102,13 +108,9 @@ def blocking(description: Description, status: Status, senses: SensorState, at: 
     elif locks.il_07 and (present := feedback(description, senses)):
         said["IL-07"] = f"IL-07: {present}"
     if (changer := description.tool_changer) is not None:
-        if locks.il_05 and senses.tool is not ToolEvidence.LOCKED:
-            said["IL-05"] = (
-                f"IL-05: the tool is not proven to be locked (its sensors say {senses.tool.name})."
-            )
+        if why := loose(description, senses, unlocking=status.unlock_output, fault=fault):
+            said["IL-05"] = f"IL-05: {why}."
         said |= unlock_blocking(description, changer, status, senses)
-    if locks.il_05 and status.unlock_output and not said["IL-05"]:
-        said["IL-05"] = "IL-05: the unlock output is active."
     if locks.il_06 and not senses.supply.ok:
         said["IL-06"] = f"IL-06: {_no_air(description, senses)}"
     return said

@@ -55,7 +55,8 @@ class ToolChanger(Part):
         description="IL-02: bit: the tool is in its stand; none: no such sensor",
     )
     present_bit: Name = Field(
-        default="tool_present", description="IL-02: bit: there is a tool; none: no such sensor"
+        default="tool_present",
+        description="IL-05: bit: there is a tool (asked by IL-02, too); none: no such sensor",
     )
     arm_s: Seconds = Field(
         default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
@@ -161,7 +162,9 @@ class Interlocks(Part):
     il_02: bool = Field(
         default=True, alias="IL-02", description="unlock only with the tool in its stand or absent, or armed"
     )
-    il_05: bool = Field(default=True, alias="IL-05", description="no gripping unless the tool is locked")
+    il_05: bool = Field(
+        default=True, alias="IL-05", description="no gripping unless the tool is locked and present"
+    )
     il_06: bool = Field(
         default=True, alias="IL-06", description="no new grip under the least supply pressure"
     )

@@ -19,6 +19,7 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.transport import NodeTransport, StampCheck, StatusMessage
 from end_effector_hal.runtime import GripProgram, PlainOutputs, reset, stop
+from end_effector_hal.vocabulary import ChangerState
 
 from ._program_node import ProgramNode
 
@@ -30,7 +31,7 @@ class GripNode:
         self._description = node.description()
         self._node = ProgramNode(node, self._description, GripProgram, GRIP_STATE, GRIP_COMMAND)
         self._program = self._node.program
-        self._unlock: bool | None = None
+        self._told: dict[str, int] = {}
         self._stamps = StampCheck("States of ToolChange", node.log)
         fitted = self._description.tool_changer is not None
         self._changer = node.command_client(TOOL_CHANGE_COMMAND) if fitted else None
@@ -59,9 +60,13 @@ class GripNode:
 
     def _on_tool_change(self, message: StatusMessage) -> None:
         accepted = self._stamps.accepts(message.since_us, message.at_us)
-        if accepted and message.unlock_output != self._unlock:
-            self._unlock = message.unlock_output
-            self._program.update_peer(unlock_valve=int(message.unlock_output))
+        told = {
+            "unlock_valve": int(message.unlock_output),
+            "loose": int(message.unlock_output or message.tool_changer == ChangerState.FAULT),
+        }
+        if accepted and told != self._told:
+            self._told = told
+            self._program.update_peer(**told)
 
     def _setter(self, name: str, switch: Callable[[str, bool], Answer]) -> Callable[[Any], Answer]:
         def answer(request: Any) -> Answer:

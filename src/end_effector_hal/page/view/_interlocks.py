@@ -13,7 +13,7 @@ RULES = {
     "IL-02": "Unlock only in the stand, or armed",
     "IL-03": "The unlock output ends by itself",
     "IL-04": "Locked is proven by both bits",
-    "IL-05": "No gripping unless the tool is locked",
+    "IL-05": "No gripping and no lift unless the tool is locked and present",
     "IL-06": "No new grip under the least supply pressure",
     "IL-07": "No grip with feedback present or invalid",
     "IL-08": "Never suction and blow-off together",

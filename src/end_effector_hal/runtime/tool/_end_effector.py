@@ -12,7 +12,7 @@ from typing import Self
 from end_effector_hal._closing import Closing
 from end_effector_hal.arbitration import PredicatePublisher
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Answer, Status, ending_in_words
+from end_effector_hal.control import Answer, Status, ending_in_words, told_to_grip
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
@@ -304,7 +304,7 @@ class EndEffector(Closing):
             self._publish(self._merged(status, status.at))
 
     def _changer_moved(self, status: Status) -> None:
-        self._grip.update_peer(unlock_valve=int(status.unlock_output))
+        self._grip.update_peer(**told_to_grip(status))
         with self._lock:
             # the one that was told last: the program may be further, and tells what lies between in its order
             grip = self._gripping or self._grip.status

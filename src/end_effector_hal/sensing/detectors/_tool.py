@@ -1,4 +1,4 @@
-"""From the two bits of a tool changer to what they prove (IL-04)."""
+"""From the bits of a tool changer to what they prove (IL-04, IL-05)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from end_effector_hal.vocabulary import ToolEvidence, to_us
 
 
 class ToolDetector:
-    """Locked or unlocked once the bits say so for 100 ms; faulty when both or neither for 0.5 s; unclear when stale."""
+    """Locked or unlocked once the bits say so for 100 ms; faulty when both or neither for 0.5 s; unclear when stale.
+
+    Where a sensor shows whether there is a tool, locked needs one: without it the tool is absent.
+    """
 
     MEMORY: ClassVar = {"_streaks": PART, "level": ToolEvidence}
 
@@ -22,20 +25,34 @@ class ToolDetector:
 
     def sample(self, readings: Readings, at: int) -> ToolEvidence:
         """The evidence after one more sample at ``at`` µs."""
-        locked = readings.get(self._changer.locked_bit, at)
-        unlocked = readings.get(self._changer.unlocked_bit, at)
-        if locked is None or unlocked is None:
+        changer = self._changer
+        bits = (changer.locked_bit, changer.unlocked_bit, changer.present_bit)
+        said = self._shown(readings, at)
+        if said is ToolEvidence.UNCLEAR:
             self._streaks = {level: Streak() for level in ToolEvidence}
-            self.level = ToolEvidence.UNCLEAR
+            self.level = said
             return self.level
-        if not (readings.arrived(self._changer.locked_bit) or readings.arrived(self._changer.unlocked_bit)):
+        if not any(map(readings.arrived, bits)):
             return self.level
-        said = ToolEvidence.FAULTY
-        if bool(locked) != bool(unlocked):
-            said = ToolEvidence.LOCKED if locked else ToolEvidence.UNLOCKED
         for level, streak in self._streaks.items():
             streak.take(level is said, at)
-        wait_s = self._changer.fault_s if said is ToolEvidence.FAULTY else self._changer.proven_s
+        wait_s = changer.fault_s if said is ToolEvidence.FAULTY else changer.proven_s
         if self._streaks[said].lasted(at, to_us(wait_s)):
             self.level = said
         return self.level
+
+    def _shown(self, readings: Readings, at: int) -> ToolEvidence:
+        """What this sample alone shows."""
+        changer, carried = self._changer, readings.carried
+        locked, unlocked = readings.get(changer.locked_bit, at), readings.get(changer.unlocked_bit, at)
+        present = readings.get(changer.present_bit, at)
+        absent = present is not None and not present
+        if changer.locked_bit not in carried and changer.unlocked_bit not in carried:
+            return ToolEvidence.ABSENT if absent else ToolEvidence.UNCLEAR  # more cannot be shown
+        if locked is None or unlocked is None or (present is None and changer.present_bit in carried):
+            return ToolEvidence.UNCLEAR
+        if bool(locked) == bool(unlocked):
+            return ToolEvidence.FAULTY
+        if unlocked:
+            return ToolEvidence.UNLOCKED
+        return ToolEvidence.ABSENT if absent else ToolEvidence.LOCKED

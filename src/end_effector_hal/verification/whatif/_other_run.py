@@ -8,7 +8,7 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
-from end_effector_hal.control import PROGRAMS, Controller, Status, model_constants, network_of
+from end_effector_hal.control import PROGRAMS, Controller, Status, model_constants, network_of, told_to_grip
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.plugins import named
@@ -283,4 +283,4 @@ class _Side:
         """What the other program is told of a status."""
         if self.program == "grip":
             return {"ee": int(status.ee)}
-        return {"unlock_valve": int(status.unlock_output)}
+        return told_to_grip(status)

@@ -134,7 +134,7 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         if changer.stand_bit not in channels:
             yield f"tool changer: stand_bit: {changer.stand_bit}: an unlock is armed first (IL-02)"
         elif changer.present_bit not in channels:
-            yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02)"
+            yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02, IL-05)"
     for name, line in description.blow_off_lines.items():
         if name not in description.blow_offs:
             guarded = "is guarded by the line arbiter (IL-08)"
