@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass
 
 
@@ -52,6 +53,12 @@ class ReportedError(Exception):
         place = f"{self.where}: " if self.where else ""
         advice = f" {self.todo}" if self.todo else ""
         return f"{place}{self.what}{advice}"
+
+    @property
+    def sentence(self) -> str:
+        """The whole text for a person: it begins upper case, if it begins with a word and not with a place."""
+        text, placed = str(self), any(each.file for each in self.diagnostics)
+        return text if placed or not re.match(r"[a-z]+ ", text) else text[0].upper() + text[1:]
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

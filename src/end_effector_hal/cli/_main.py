@@ -247,7 +247,7 @@ def _wants_json() -> bool:
 
 def _report(error: ReportedError) -> None:
     if not _wants_json():
-        click.echo(str(error), err=True)
+        click.echo(error.sentence, err=True)
         return
     # in one line: what prints JSON lines may end with it
     faults = [fault.as_json() for fault in error.diagnostics]

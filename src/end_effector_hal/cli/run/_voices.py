@@ -143,7 +143,7 @@ class Words:
 
     def error(self, error: ReportedError) -> None:
         """The sentence."""
-        self._say(str(error), err=True, timed=False)
+        self._say(error.sentence, err=True, timed=False)
 
     def _paced(
         self, allowance: Allowance, text: str, at: int, *, urgent: bool = False, fg: str | None = None

@@ -1,0 +1,47 @@
+"""What a command prints of an error is a sentence: it begins upper case, unless a place or a name begins it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from end_effector_hal.description import examine_text, profile_path
+from end_effector_hal.errors import DescriptionError, UsageError
+from end_effector_lab.processes import EEHAL
+from tests.support.places import DOCS, ROOT
+
+sys.path.insert(0, str(DOCS))
+from _site._errors import _raised
+
+LISTED = sorted({says for name, rows in _raised().items() if name.endswith("Error") for says, _ in rows})
+"""All that docs/reference/errors.md lists for programs that run."""
+
+
+def test_every_text_that_is_listed_begins_upper_case() -> None:
+    assert len(LISTED) > 200
+    lower = [text for text in LISTED if re.match(r"[a-z]+\s", UsageError(text).sentence)]
+    assert lower == []
+
+
+def test_a_place_begins_as_it_is_written() -> None:
+    assert UsageError("it cannot be written.", where="out.csv").sentence == "out.csv: it cannot be written."
+    faulty = DescriptionError(examine_text("name: 1\n", "my tool.yaml").diagnostics)
+    assert faulty.sentence.startswith("my tool.yaml:1:")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("run", "--simulate", "--scenario", "leek", str(profile_path())), "No fault is named 'leek'."),
+        (("testbench", "--lines", "nowhere"), "Lines cannot be seen at 'nowhere'."),
+        (("demo", "--only", "nominall", "--no-ros"), "There is no scenario"),
+        (("arbiter", "--profile", "nobody"), "No profile is named 'nobody'."),
+    ],
+)
+def test_what_a_command_refuses(words: tuple[str, ...], said: str) -> None:
+    done = subprocess.run([*EEHAL, *words], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith(said), done.stderr
