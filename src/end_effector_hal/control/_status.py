@@ -92,6 +92,6 @@ class Status:
 
 
 def told_to_grip(status: Status) -> dict[str, int]:
-    """The variables of the tool changer in the gripping network; loose: its unlock output is active, or it is in FAULT."""
+    """The tool changer's variables in the gripping network; loose: unlock output active, or FAULT."""
     loose = status.unlock_output or status.changer is ChangerState.FAULT
     return {"unlock_valve": int(status.unlock_output), "loose": int(loose)}
