@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 LONGEST = 200
 LOAD_S = 15.0
 """The longest that the import of a plug-in of another distribution may take."""
-_OURS = ("end_effector_hal.", "end_effector_lab.")
 Plugin = TypeVar("Plugin")
 
 
@@ -44,17 +43,12 @@ class Plugins(Generic[Plugin]):
     ) -> None:
         self._group, self._noun, self._own, self._check, self._make = group, noun, dict(own), check, make
         self._made: dict[str, Plugin] = {}
-        self._broken: dict[str, UsageError] = {}
+        self._begun: dict[str, list[Any]] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
         """All that are installed, our own first."""
         return (*self._own, *sorted(self._added().names - set(self._own)))
-
-    @property
-    def loaded(self) -> tuple[str, ...]:
-        """Those of other distributions that were wanted by name so far, and can be loaded."""
-        return tuple(known.partition("=")[0] for known in self._made if known not in self._own)
 
     def get(self, name: str) -> Plugin:
         """The plug-in of that name, which is made once.
@@ -75,11 +69,7 @@ class Plugins(Generic[Plugin]):
             try:
                 # loaded once: a program that restarts needs it again
                 if (known := f"{name}={entry.value}") not in self._made:
-                    if known in self._broken:
-                        raise self._broken[known]
-                    ours = entry.value.startswith(_OURS)
-                    made = self._made_of(entry) if ours else self._in_time(known, entry)
-                    self._made[known] = self._check(made)
+                    self._made[known] = self._check(self._load(known, entry))
                 return self._made[known]
             except UsageError as error:
                 what = f"the {self._noun} {name}: {error.what}"
@@ -96,32 +86,27 @@ class Plugins(Generic[Plugin]):
             f"there is no {self._noun} {name!r}.", todo=f"{hint}There are: {', '.join(self.names)}."
         )
 
-    def _made_of(self, entry: EntryPoint) -> Any:
-        return self._wanted(entry.load())
-
-    def _in_time(self, known: str, entry: EntryPoint) -> Any:
-        """The plug-in, loaded in a thread of its own: one whose import does not end is left behind."""
-        done: list[tuple[Any, BaseException | None]] = []
+    def _load(self, known: str, entry: EntryPoint) -> Any:
+        """What an entry point names; a thread imports what is not ours, and is left behind if that does not end."""
 
         def load() -> None:
             try:
-                done.append((self._made_of(entry), None))
-            except BaseException as error:  # noqa: BLE001 it is raised where it is wanted
-                done.append((None, error))
+                done.append(self._wanted(entry.load()))
+            except BaseException as error:  # noqa: BLE001 it is raised where the plug-in is wanted
+                done.append(error)
 
-        thread = threading.Thread(target=load, name=f"load {entry.value}", daemon=True)
-        thread.start()
-        thread.join(LOAD_S)
+        if entry.value.startswith(("end_effector_hal.", "end_effector_lab.")):
+            return self._wanted(entry.load())
+        if (done := self._begun.get(known, [])) or known not in self._begun:
+            done = self._begun[known] = []
+            (thread := threading.Thread(target=load, daemon=True)).start()
+            thread.join(LOAD_S)
         if not done:
-            self._broken[known] = UsageError(
-                f"its import has not ended after {LOAD_S:g} s.",
-                todo="Repair or remove the distribution that provides it.",
-            )
-            raise self._broken[known]
-        made, error = done[0]
-        if error is not None:
-            raise error
-        return made
+            todo = "Repair or remove the distribution that provides it."
+            raise UsageError(f"its import has not ended after {LOAD_S:g} s.", todo=todo)
+        if isinstance(done[0], BaseException):
+            raise done[0]
+        return done[0]
 
     def _missing_extra(self, name: str, error: BaseException) -> MissingExtraError | None:
         if isinstance(error, ModuleNotFoundError):

@@ -95,6 +95,7 @@ def get_kind(name: str) -> DeviceKind[Any]:
         raise UsageError(
             f"the entry point {name} names the kind {kind.name}.", todo="Both have the same name."
         )
+    _WANTED[name] = None
     return kind if name in OWN else attempt(f"The kind {name}", lambda: GuardedKind(kind))
 
 
@@ -121,7 +122,7 @@ def usable_kinds(names: Iterable[str] = ()) -> Mapping[str, DeviceKind[Any]]:
     One that no description names is not loaded: whatever its import does disturbs nobody.
     """
     found = {}
-    for name in dict.fromkeys((*OWN, *_KINDS.loaded, *names)):
+    for name in dict.fromkeys((*OWN, *_WANTED, *names)):
         try:
             found[name] = get_kind(name)
         except UsageError:
@@ -143,4 +144,6 @@ def recorded_kind(name: str, kinds: Mapping[str, str]) -> DeviceKind[Any]:
     return get_kind(next((kind for kind in OWN if kind in name), next(iter(OWN))))
 
 
+_WANTED: dict[str, None] = {}
+"""What was asked for by name, and could be loaded."""
 _KINDS: Plugins[DeviceKind[Any]] = Plugins(GROUP, "kind of actuator", OWN, checked)

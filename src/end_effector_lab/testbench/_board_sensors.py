@@ -77,8 +77,8 @@ class BoardSensors:
         levels: dict[str, bool] = {}
         for name, value in carried(values, self._kinds, self._description).items():
             if digital := (channel := self._channels[name]).digital:
-                line = digital.line
-                levels[line] = self._pulls[line] == "up" if value is None else bool(channel.raw(value))
+                pulled_up = self._pulls[digital.line] == "up"
+                levels[digital.line] = pulled_up if value is None else bool(channel.raw(value))
         return levels
 
     def close(self) -> None:

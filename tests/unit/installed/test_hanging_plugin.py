@@ -58,7 +58,7 @@ def evil(hanging: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
     monkeypatch.setattr(plugins, "LOAD_S", 0.2)
     for plugged in (codecs._CODECS, kinds._KINDS):
-        monkeypatch.setattr(plugged, "_broken", {})
+        monkeypatch.setattr(plugged, "_begun", {})
 
 
 TOOL = """\

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
@@ -10,7 +9,6 @@ from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import STOPPED, hint
 
-_log = logging.getLogger("end_effector_hal.arbiter")
 STOP = "stop"
 """The name of the fault that a stop latches: without an e-stop input as well, it refuses what an open one does."""
 
@@ -92,9 +90,7 @@ class SensorPredicates:
 
     def latch(self, name: str, why: str) -> None:
         """Keep a fault that the arbiter has found itself until a reset; the first reason stays."""
-        if name not in self.faults:
-            self.faults[name] = why
-            _log.warning("latched: %s", why)
+        self.faults.setdefault(name, why)
 
     def check_client_fault(self, name: str) -> None:
         """Raises UsageError if clients may not latch it, for the policy does not list it."""

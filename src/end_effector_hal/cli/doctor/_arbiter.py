@@ -39,8 +39,7 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     except ReportedError as error:
         yield _unreachable(path, error)
         return
-    # an output whose position is not known has no level
-    owned = status.get("lines", list(levels))
+    owned = status.get("lines", list(levels))  # an output whose position is not known has no level
     if set(owned) != set(lines):
         yield _say.missing(
             f"pid {status.get('pid')} at {path} owns other lines: {', '.join(owned)}",

@@ -211,8 +211,7 @@ def _own_folder(folder: Path) -> Path:
     own, number = folder, 1
     with os_errors("The recording cannot be written", folder, todo="Name another folder."):
         while any(next(own.glob(files), None) for files in ("states*.csv", "*.mcap")):
-            number += 1
-            own = folder.with_name(f"{folder.name}-{number}")
+            own = folder.with_name(f"{folder.name}-{(number := number + 1)}")
     if own != folder:
         click.echo(f"{folder} holds a recording already: this run is recorded into {own}.", err=True)
     return own

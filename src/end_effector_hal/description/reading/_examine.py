@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,6 @@ from end_effector_hal.description.rules import (
     shared_faults,
 )
 from end_effector_hal.errors import DescriptionError, Diagnostic
-from end_effector_hal.kinds import usable_kinds
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
 from ._likely import likely
@@ -93,7 +91,6 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     if not isinstance(tree, dict):
         what = Fault.at(places.value(), "EE-203", "this is not a description", expected="keys with values")
         return None, [*faults, what], set()
-    usable_kinds(_named_kinds(tree))
     faults += read_as_meant(tree, places)
     broken = set(reader.refused)
     plain = _plain_outputs(tree)
@@ -116,14 +113,6 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     faults += [fault for rule in rules for fault in rule(facts)]
     broken |= {("actuators", name) for name in guessed}
     return likely(tree, places, broken) if faults else description, faults, broken
-
-
-def _named_kinds(tree: dict[str, Any]) -> Iterator[str]:
-    """Kinds that a stanza names, under whatever key: a hint may be about their keys."""
-    for stanzas in tree.values():
-        for each in stanzas.values() if isinstance(stanzas, dict) else ():
-            if isinstance(each, dict) and isinstance(kind := each.get("kind"), str):
-                yield kind
 
 
 def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:

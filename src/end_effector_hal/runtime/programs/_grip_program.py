@@ -91,9 +91,9 @@ class GripProgram(Program):
     def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
         completed, adoption = super()._completed(status, notices), self._adoption
         written = adoption.outputs
-        if completed.blowing and written.refused:  # an output that was not activated blows nothing off
-            blow_off, names = self._description.blow_off_lines, self._description.sequence
-            blown = tuple(each for each in completed.blowing if blow_off[names[each]] in written.activated)
+        if completed.blowing and written.refused:  # inactive: no air
+            air, names = self._description.blow_off_lines, self._description.sequence
+            blown = tuple(each for each in completed.blowing if air[names[each]] in written.activated)
             completed = replace(completed, blowing=blown)
         if adoption.lost:  # as last known; what was never known is in doubt active
             known = written.known

@@ -183,7 +183,7 @@ class EndEffector(Closing):
         if why := latched(self._grip.status):
             raise NotReadyError(
                 f"{self.description.name} is not ready: latched: {why}",
-                todo="Remove the cause, then reset the faults: `reset` at the prompt, or eehal reset DESCRIPTION.",
+                todo="Remove the cause, then `reset` at the prompt, or eehal reset DESCRIPTION.",
             )
         ready = ready and self._change.wait(
             lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -62,9 +62,9 @@ class VirtualChip:
         claim = chip.claim()
         try:
             pull_of = {name: (pulls or {}).get(name, "down") for name in names}
-            at, pid = now_us(), os.getpid()
-            driven = [record(Edge(at, *each, pid)) for each in _inputs(names, levels or {})]
-            write_owned(chip.path, header(label, pull_of, at) + b"".join(driven))
+            at, pid, driven = now_us(), os.getpid(), (levels or {}).items()
+            records = [record(Edge(at, name, "in", level, pid)) for name, level in driven]
+            write_owned(chip.path, header(label, pull_of, at) + b"".join(records))
         except OSError as error:
             raise WireError(
                 f"the virtual chip cannot be made: {error.strerror}.",
@@ -112,11 +112,6 @@ class VirtualChip:
                 todo="Give another path, or delete the file.",
             )
         return log.state
-
-
-def _inputs(names: Sequence[str], levels: Mapping[str, bool]) -> Iterator[tuple[str, Direction, bool]]:
-    """The lines of a chip that are driven from outside."""
-    return ((name, "in", level) for name, level in levels.items() if name in names)
 
 
 def _same(fd: int, path: Path) -> bool:

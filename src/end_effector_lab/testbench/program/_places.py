@@ -64,9 +64,10 @@ def open_inputs(
         others = [*description.register_outputs, *description.blow_off_lines.values()]
         plain = [each.line for each in description.outputs.values()]
         lines = [*dict.fromkeys([*lines, *others, *plain])]
-        # from its beginning: the line arbiter may read it before the testbench plays
         shown = Bench(description, scenario).sample(0) if pulled else {}
-        levels = BoardSensors(description, rest).levels(shown)
+        levels = BoardSensors(description, rest).levels(
+            shown
+        )  # the line arbiter may read them before they are played
         return VirtualInputs(rest, lines, power_cycle=power_cycle, pulled=pulled, levels=levels)
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
