@@ -159,8 +159,8 @@ class Bench:
         carried, used = carrier_of(description).channels, used_channels(description)
         self._at_rest: dict[str, Value] = {
             name: False if carried[name] is Kind.BIT else 0
-            for name in description.channels
-            if name in carried and name not in used
+            for name in carried
+            if name not in used and (name in description.channels or carried[name] is not Kind.BIT)
         }
         """Channels that nothing uses: a device sends them all the same."""
         self._quantities = frozenset(name for name, kind in carried.items() if kind is Kind.QUANTITY)

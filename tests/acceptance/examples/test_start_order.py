@@ -77,7 +77,8 @@ def test_a_simulated_tool_starts_and_grips_twice(name: str, tmp_path: Path) -> N
         eehal("doctor", copy, "--only", "description,lines,arbiter,link,inputs")
         changer = load_tool(copy).tool_changer is not None
         for _ in range(2):
-            eehal("run", copy, "--script", "lock; grip; drop" if changer else "grip; drop")
+            said = eehal("run", copy, "--script", "lock; grip; drop" if changer else "grip; drop")
+            assert "say hello" not in said
 
 
 def test_an_e_stop_that_was_opened_is_named_before_the_first_grip(tmp_path: Path) -> None:

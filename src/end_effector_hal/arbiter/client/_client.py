@@ -98,7 +98,7 @@ class ArbiterClient:
         with self._lock:
             self._alive, self._faults = alive, ()
             self._on_lost, self._on_faults = on_lost, on_faults
-        if on_faults and (lost := self._renew()) and on_lost:
+        if on_faults and self._lines and (lost := self._renew()) and on_lost:
             on_lost(lost)
 
     def levels(self) -> dict[str, bool]:
