@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.arbiter import LineArbiter, Policy, Role
+from end_effector_hal.arbiter.records import NO_ANSWER, Records
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
 from end_effector_hal.arbiter.rules import DrivenLine, left_behind, read_arbiter_state
@@ -140,3 +141,32 @@ def test_a_line_that_no_record_knows_is_held_until_a_reset() -> None:
     new.reset(9 * S)
     new.advance(9 * S)
     assert not new.levels[UNLOCK]
+
+
+@pytest.mark.parametrize(
+    ("late", "said"),
+    [
+        (JournalEntry({}, boot="now", driven=roles(None)), "top was top"),
+        (JournalEntry({}, doubt="it is damaged"), "No record says"),
+        (JournalEntry({}, boot="before", driven=roles(None)), ""),
+    ],
+)
+def test_a_journal_that_comes_late_refuses_an_unlock(late: JournalEntry, said: str) -> None:
+    """The disk did not answer at the start, and there is no session record."""
+
+    class Sessions:
+        boot, trouble = "now", ""
+        read = begin = keep = staticmethod(lambda *_: None)
+
+    class Slow:
+        trouble = ""
+        read = staticmethod(lambda: NO_ANSWER)
+        late = staticmethod(lambda: late)
+        keep = staticmethod(lambda *_: None)
+
+    records = Records(Sessions(), Slow())  # type: ignore[arg-type]
+    arbiter = LineArbiter(Lines(), changed(top=""), 0, records.before)
+    assert "former lines" not in arbiter.predicates.faults
+    records.keep(arbiter)
+    assert said in arbiter.predicates.faults.get("former lines", "")
+    assert bool(said) is ("former lines" in arbiter.predicates.faults)

@@ -48,7 +48,7 @@ def recall(record: ArbiterState | None, journal: JournalEntry, boot: str = "") -
     driven = _driven(journal, boot)
     if record is not None and record.driven:
         driven = {line: each._replace(active=True) for line, each in record.driven.items()}
-    if journal.doubt and not driven:
+    if journal.doubt and not driven and not journal.unread:
         faults[FORMER] = UNKNOWN_ROLES.format(journal.doubt)
     if record is not None:
         active = {line: level for line, level in pulsed.items() if level}
@@ -138,10 +138,10 @@ class Records:
         """Keep its state; call it before any client learns what has changed."""
         if late := self._journal.late():
             self._unread = False
-            if not self.before.driven and not late.doubt:
-                arbiter.predicates.faults.pop(FORMER, None)
+            if not self.before.driven:
                 late_roles = ArbiterState(driven=_driven(late, self._sessions.boot))
-                if why := left_behind(late_roles, arbiter.policy):
+                unknown = UNKNOWN_ROLES.format(late.doubt) if late.doubt and not late.driven else ""
+                if why := left_behind(late_roles, arbiter.policy) or unknown:
                     arbiter.predicates.latch(FORMER, why)
             for name, why in late.faults.items():
                 arbiter.predicates.latch(name, why)
