@@ -185,8 +185,10 @@ class SensorSet:
         if down and not self._named:
             return tuple(said)
         said += self._findings(at)
-        silent = {channel for source in down for channel in source.channels} | self.now.mixed(at)
-        stale = [name for name in readings.stale(at) if name not in silent]
+        silent = {channel for source in down for channel in source.channels}
+        if stale := [name for name in readings.stale(at) if name not in silent]:
+            silent |= self.now.mixed(at)
+            stale = [name for name in stale if name not in silent]
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
