@@ -14,13 +14,12 @@ from end_effector_hal.plugins import Plugins
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunDifference, RunInfo, RunTables, StatesLog
     from end_effector_hal.verification.tune import Tuning
-    from end_effector_hal.verification.whatif import WhatIf
     from timed_automata import Template
 
 GROUP = "end_effector_hal.figures"
 NAME = "lab"
 FORMATS = ("png", "svg")
-_NAMED = ("timeline", "overlay", "what_if", "tuning", "draw_template", "save")
+_NAMED = ("timeline", "overlay", "tuning", "draw_template", "save")
 
 
 class Figures(Protocol):
@@ -38,10 +37,6 @@ class Figures(Protocol):
         names: tuple[str, str],
     ) -> object:
         """Two runs over each other, their differences marked."""
-        ...
-
-    def what_if(self, told: WhatIf) -> object:
-        """A recorded run and what another description would have made of it."""
         ...
 
     def tuning(self, found: Tuning) -> object:

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from ._save import save
     from ._timeline import timeline
     from ._tuning import tuning
-    from ._what_if import what_if
     from .automata import draw_template
 
 __all__ = [
@@ -27,7 +26,6 @@ __all__ = [
     "save",
     "timeline",
     "tuning",
-    "what_if",
 ]
 _MODULES = {"draw_template": "automata"}
 """Where a function is that is not in the module of its own name."""

@@ -510,39 +510,3 @@ def test_the_live_page_lists_what_was_recorded_and_opens_it(
         shows(page, "state-word", "STAND-BY")
         assert not page.faults
         page.context.close()
-
-
-def test_what_if_stands_below_the_recording(chromium: Any, served: Any, retried: Path) -> None:
-    """Values typed into the page, refused in words until they make a tool; then both runs, and where it is a guess."""
-    page = opened(chromium, served(str(retried)))
-    page.set_default_timeout(120_000)
-    for text, said in (
-        ("actuators.bottom_vacuum.timeut_s: 2", "did you mean 'timeout_s'"),
-        ("actuators.bottom_vacuum.lost_kpa: 60", "expected more than lost_kpa = 60"),
-    ):
-        page.fill("#what-if-text", text)
-        page.click("#what-if-play")
-        shows(page, "what-if-answer", said)
-    page.faults.clear()  # the browser reports each refusal as an error
-    page.fill("#what-if-text", "actuators.bottom_vacuum.timeout_s: 0.25")
-    page.click("#what-if-play")
-    page.wait_for_selector("#compare:not([hidden])", timeout=READ_MS)
-    is_read(page)
-    shows(page, "about", "what another description would have made of it")
-    shows(page, "second-name", "a guess")
-    shows(page, "notes", "actuators.bottom_vacuum.timeout_s: 5.0 → 0.25")
-    page.click('[data-span="NaN"]')
-    page.select_option("#shown", "1")
-    page.fill("#scrub", "2.0")
-    shows(
-        page,
-        "log",
-        "From here on a guess: Bottom vacuum is inactive here and was active in the recorded run.",
-    )
-    shot(page, "what-if", whole=True)
-    # another one takes its place
-    page.fill("#what-if-text", "actuators.bottom_vacuum.timeout_s: 4")
-    page.click("#what-if-play")
-    page.wait_for_selector("#notes li:has-text('5.0 → 4.0')")
-    shows(page, "differences-said", "counted from their first command", READ_MS)
-    close(page)

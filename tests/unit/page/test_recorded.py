@@ -356,7 +356,6 @@ def test_a_page_of_a_folder_of_runs_says_what_to_name(grip: Path, tmp_path: Path
     for words in (
         ("page", "runs"),
         ("report", "runs", "runs/a"),
-        ("report", "runs", "--what-if", "tool.yaml"),
     ):
         ran = CliRunner().invoke(eehal, [each.replace("runs", str(tmp_path / "runs")) for each in words])
         assert isinstance(ran.exception, UsageError)
@@ -369,7 +368,7 @@ def test_a_page_of_a_folder_of_runs_says_what_to_name(grip: Path, tmp_path: Path
         (["page", "DESCRIPTION", "DESCRIPTION"], "One description is shown at a time."),
         (
             ["page", "DESCRIPTION", "--from", "3"],
-            "--from, --to, --description and --what-if are for recordings.",
+            "--from, --to and --description are for recordings.",
         ),
         (["page", "RUN", "RUN", "RUN"], "3 recordings cannot be compared."),
         (["page", "RUN", "--from", "3", "--to", "2"], "--to 2 is not after --from 3."),

@@ -37,7 +37,6 @@ def command(
     names: tuple[str, ...],
     recordings: Path | None,
     description: Path | None,
-    other: Path | None,
     since: float | None,
     until: float | None,
 ) -> None:
@@ -63,14 +62,12 @@ def command(
     if not any(is_recording(each) for each in what):
         if len(what) > 1:
             raise UsageError("One description is shown at a time.", todo="Two recordings can be compared.")
-        if (since, until, description, other) != (None,) * 4:
-            raise UsageError(
-                "--from, --to, --description and --what-if are for recordings.", where=str(what[0])
-            )
+        if (since, until, description) != (None,) * 3:
+            raise UsageError("--from, --to and --description are for recordings.", where=str(what[0]))
         from end_effector_hal.codecs import load_tool
 
         serve_page(load_tool(what[0]), address, recordings or Path("runs"), ready)
         return
     if recordings is not None:
         raise UsageError("--recordings is for a live tool.", where=str(what[0]))
-    serve_recordings(open_recordings(what, description, other), part_of(since, until), address, ready)
+    serve_recordings(open_recordings(what, description), part_of(since, until), address, ready)

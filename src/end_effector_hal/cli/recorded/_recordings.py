@@ -20,7 +20,7 @@ from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
+    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, RecordingPart
 
 TRACE, BAGS = ".mcap", (".bag", ".active", ".db3")
 TABLE, OF_BAG = "states.csv", "metadata.yaml"
@@ -31,7 +31,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def recording_options(command: Command) -> Command:
-    """``--description``, ``--what-if``, ``--from`` and ``--to``: ``description``, ``other``, ``since``, ``until``."""
+    """``--description``, ``--from`` and ``--to``: ``description``, ``since``, ``until``."""
     seconds = click.FloatRange(min=0)
     for option in (
         click.option("--to", "until", metavar="SECONDS", type=seconds, help="Show a recording up to there."),
@@ -43,13 +43,6 @@ def recording_options(command: Command) -> Command:
             metavar="FILE",
             type=PathName(),
             help="For a bag, which holds none; or to use another tool.",
-        ),
-        click.option(
-            "--what-if",
-            "other",
-            metavar="FILE",
-            type=PathName(),
-            help="For a recording with traces: show beside it what this description would have made of it.",
         ),
     ):
         command = option(command)
@@ -82,16 +75,11 @@ def _is_run(names: Sequence[str]) -> bool:
     return any(name in (TABLE, OF_BAG) or name.endswith(TRACE) for name in names)
 
 
-def open_recordings(
-    paths: Sequence[Path], description: Path | None, other: Path | None = None
-) -> list[RecordingFiles | OtherFiles | RecordedTables]:
+def open_recordings(paths: Sequence[Path], description: Path | None) -> list[RecordingFiles | RecordedTables]:
     """Those of one page; raises UsageError for what is none, and for more than two."""
-    if len(paths) + (other is not None) > 2:
-        raise UsageError(
-            f"{len(paths) + (other is not None)} recordings cannot be compared.", todo="Name one, or two."
-        )
-    opened = [_open(each, description) for each in paths]
-    return [*opened, _played(opened[0], other)] if other is not None else [*opened]
+    if len(paths) > 2:
+        raise UsageError(f"{len(paths)} recordings cannot be compared.", todo="Name one, or two.")
+    return [_open(each, description) for each in paths]
 
 
 def part_of(since_s: float | None, until_s: float | None) -> RecordingPart:
@@ -125,19 +113,6 @@ def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTabl
             todo = f"{error.todo} A ROS bag is shown with --description FILE.".strip()
             raise UsageError(error.what, where=error.where, todo=todo) from None
         raise
-
-
-def _played(files: RecordingFiles | RecordedTables, other: Path) -> OtherFiles:
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.page.recorded import OtherFiles, RecordingFiles
-
-    if not isinstance(files, RecordingFiles):
-        raise UsageError(
-            "Without traces there are no inputs that another description could be played on.",
-            where=str(files.path),
-            todo="`eehal run --record` and the nodes write traces.",
-        )
-    return OtherFiles(files, load_tool(other))
 
 
 def _tool(path: Path, description: Path | None) -> Description:

@@ -9,19 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import need_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli._table_output import print_table
 from end_effector_hal.errors import UsageError
 
-from ._what_if import draw_what_if, play_other, print_what_if
-
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_hal.verification.replay import Review, SegmentEnd
-    from end_effector_hal.verification.whatif import WhatIf
 
 
 @click.command(name="replay")
@@ -32,15 +28,8 @@ if TYPE_CHECKING:
     type=PathName(),
     help="Replay with this tool and its automata instead of those that were recorded.",
 )
-@click.option(
-    "-o",
-    "--output",
-    metavar="FILE.(png|svg)",
-    type=PathName(),
-    help="With --description: both stories in one figure, on one axis of time.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print {ok, traces, what_if} as JSON.")
-def command(recording: Path, description: Path | None, output: Path | None, as_json: bool) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print {ok, traces} as JSON.")
+def command(recording: Path, description: Path | None, as_json: bool) -> None:
     """Feed a recorded run to the same controller, and judge it by its network.
 
     Says whether the decisions are identical, with the first difference, and whether the automata allow each recorded
@@ -51,24 +40,16 @@ def command(recording: Path, description: Path | None, output: Path | None, as_j
 
     FOLDER may also hold folders of runs, however deep: then what is not as recorded is printed, and a table ends it.
 
-    With --description the whole other story is told beside the recorded one: outcomes, attempts, alarms, and what
-    happened in one of them only. From the first instant at which an output would have been another one the readings
-    are those of a tool that did not see it: there the story says that it is a guess, and until when.
+    With --description the first decision is printed that another tool would have made: the recorded readings answer
+    the outputs of the recorded tool, so nothing behind it says what would have happened.
 
     Exit code 0: identical, and every step allowed; 1: not; 2: no recording, or a trace of it cannot be read.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.verification.replay import runs_of
 
-    if output is not None and description is None:
-        raise UsageError(
-            "Without another description there is nothing to draw beside the recording.",
-            todo="Name one: --description FILE. `eehal plot` draws a recording alone.",
-        )
     tool = load_tool(description) if description is not None else None
     folders = runs_of(recording)
-    if output is not None:
-        _one_figure(folders, output)
     many = folders != (recording,)
     runs: list[_Run] = []
     for number, folder in enumerate(folders, start=1):
@@ -84,24 +65,10 @@ def command(recording: Path, description: Path | None, output: Path | None, as_j
                 runs[-1].reviews.append(found)
                 if not as_json and not (many and found.ok):
                     _tell(found)
-        if tool is not None and runs[-1].reviews:
-            runs[-1].other = told = play_other(folder, tool, shown=not as_json)
-            if not as_json and not (many and told.same):
-                print_what_if(told)
-            if output is not None:
-                drawn = draw_what_if(told, output)
-                if not as_json:
-                    click.echo(str(drawn))
     ok = all(each.ok for run in runs for each in run.reviews)
     refused = [each for run in runs for each in run.refused]
     if as_json:
-        document: dict[str, object] = {
-            "ok": ok and not refused,
-            "traces": [each for run in runs for each in run.as_json()],
-        }
-        if tool is not None:
-            document["what_if"] = [run.other.as_json() | {"run": run.name} for run in runs if run.other]
-        print_document(document)
+        print_document({"ok": ok and not refused, "traces": [each for run in runs for each in run.as_json()]})
     elif many:
         _print_table(runs)
     if not ok:
@@ -117,7 +84,6 @@ class _Run:
     name: str
     reviews: list[Review] = field(default_factory=list)
     refused: dict[Path, UsageError] = field(default_factory=dict)
-    other: WhatIf | None = None
 
     @property
     def verdict(self) -> str:
@@ -132,16 +98,6 @@ class _Run:
         for path, error in self.refused.items():
             faults = [each.as_json() for each in error.diagnostics]
             yield {"trace": str(path), "ok": False, "faults": faults}
-
-
-def _one_figure(folders: tuple[Path, ...], output: Path) -> None:
-    if len(folders) > 1:
-        raise UsageError(
-            f"One figure shows one run, and there are {len(folders)}.",
-            where=str(output),
-            todo="Name one of them.",
-        )
-    need_figure(output)
 
 
 def _judged(

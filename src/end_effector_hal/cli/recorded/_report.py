@@ -20,7 +20,6 @@ from ._recordings import open_recordings, part_of, recording_options, runs_in
 if TYPE_CHECKING:
     from end_effector_hal.page.recorded import (
         FoldedRecording,
-        OtherFiles,
         RecordedTables,
         RecordingFiles,
         RecordingPart,
@@ -41,7 +40,6 @@ def command(
     recordings: tuple[Path, ...],
     output: Path | None,
     description: Path | None,
-    other: Path | None,
     since: float | None,
     until: float | None,
     as_json: bool,
@@ -57,13 +55,13 @@ def command(
     Exit code 0: written, and the replay agrees; 1: written, and it does not, or something cannot be read.
     """
     if output is not None:
-        _check_name(output, recordings, [each for each in (description, other) if each is not None])
+        _check_name(output, recordings, [] if description is None else [description])
     part = part_of(since, until)
-    if runs := runs_in(recordings[0]) if len(recordings) == 1 and other is None else ():
+    if runs := runs_in(recordings[0]) if len(recordings) == 1 else ():
         html, told = _runs(recordings[0], runs, description, part, shown=not as_json)
         stem = recordings[0].resolve().stem
     else:
-        html, told, stem = _one(open_recordings(recordings, description, other), part, shown=not as_json)
+        html, told, stem = _one(open_recordings(recordings, description), part, shown=not as_json)
     target = output or Path(f"{stem}.html")
     write_whole(target, html.encode())
     code = int(any(not each.good for each in told))
@@ -106,7 +104,7 @@ class _Reported:
 
 
 def _read(
-    files: RecordingFiles | OtherFiles | RecordedTables,
+    files: RecordingFiles | RecordedTables,
     part: RecordingPart,
     name: str,
     place: str,
@@ -125,7 +123,7 @@ def _read(
 
 
 def _one(
-    files: Sequence[RecordingFiles | OtherFiles | RecordedTables], part: RecordingPart, *, shown: bool
+    files: Sequence[RecordingFiles | RecordedTables], part: RecordingPart, *, shown: bool
 ) -> tuple[str, list[_Reported], str]:
     """A recording, or two that are compared: the file, what is told, and its name."""
     from end_effector_hal.page import report_html

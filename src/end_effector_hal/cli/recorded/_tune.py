@@ -21,7 +21,7 @@ from ._recordings import open_recordings
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles
+    from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
     from end_effector_hal.verification.tune import GripCollector, Tried, Tuning
 
 MOST_RECORDINGS = 2000
@@ -157,7 +157,7 @@ def _runs(paths: tuple[Path, ...]) -> Iterator[Path]:
     yield from found
 
 
-def _opened(path: Path, description: Path | None) -> RecordingFiles | OtherFiles | RecordedTables:
+def _opened(path: Path, description: Path | None) -> RecordingFiles | RecordedTables:
     """With the tool that was recorded, if it is there."""
     try:
         (found,) = open_recordings([path], None)

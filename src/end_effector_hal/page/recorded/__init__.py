@@ -10,5 +10,4 @@ from ._document import FoldedRecording, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
 from ._judged import judge_recording
-from ._other_files import OtherFiles
 from ._tables import RecordedTables

@@ -16,11 +16,9 @@ from end_effector_hal.recording import product_version, run_info
 from end_effector_hal.runtime.boundary import PUBLISHED, Published
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
-from end_effector_hal.verification.whatif import GUESS, GUESS_OVER
 
 from ._compared import ComparedRecording, TablesBuilder
 from ._files import TOLD, RecordingFiles
-from ._other_files import OtherFiles
 from ._samples import Samples
 from ._summary import Summary
 from ._tables import RecordedTables
@@ -32,7 +30,6 @@ LEAST_STEP_US = 20_000
 MOST_MOMENTS = 60_000
 MOST_EVENTS = 20_000
 MOST_CHANGES = 1_500_000
-MOST_GUESSES = 2_000
 """Of single values; what these three bound is the size of a document."""
 _READINGS = ("frame", "time")
 """Records after which nothing but readings may have changed; the rest shows itself in a step or a status."""
@@ -62,7 +59,7 @@ class FoldedRecording:
 
 
 def read_recording(
-    files: RecordingFiles | OtherFiles | RecordedTables,
+    files: RecordingFiles | RecordedTables,
     part: RecordingPart | None = None,
     progress: Progress = lambda _: None,
 ) -> FoldedRecording:
@@ -81,7 +78,7 @@ def read_recording(
 
 class _Fold:
     def __init__(
-        self, files: RecordingFiles | OtherFiles | RecordedTables, part: RecordingPart, progress: Progress
+        self, files: RecordingFiles | RecordedTables, part: RecordingPart, progress: Progress
     ) -> None:
         self._files, self._progress = files, progress
         self._epoch = files.begin
@@ -151,9 +148,6 @@ class _Fold:
             return kind == "unreadable"
         if kind == TOLD:
             view.log.told(at, record)
-            return True
-        if kind in (GUESS, GUESS_OVER):
-            view.log.add(at, "alarm" if kind == GUESS else "over", record)
             return True
         try:
             if kind == "status":
@@ -268,8 +262,6 @@ class _Fold:
                 "begin_s": max(0.0, (self._since - self._epoch) / 1e6),
                 "end_s": max(0.0, (end - self._epoch) / 1e6),
                 "step_s": self._step_us / 1e6,
-                "what_if": isinstance(files, OtherFiles),
-                "guesses": self._guesses(end),
             },
             "summary": self._summary.as_json(proven),
             "times": self._tracks.times,
@@ -286,12 +278,6 @@ class _Fold:
         tables = self._tables.tables(states, self._info)
         part = recording["begin_s"], recording["end_s"]
         return ComparedRecording(files.name, tables, *part, recording["step_s"], files.whole)
-
-    def _guesses(self, end: int) -> list[list[float]]:
-        """From when to when what is shown is a guess, s."""
-        spans = self._files.spans if isinstance(self._files, OtherFiles) else ()
-        ends = [(span.since, end if span.until is None else span.until) for span in spans[:MOST_GUESSES]]
-        return [[(each - self._epoch) / 1e6 for each in span] for span in ends]
 
 
 def _rounded(view: dict[str, Any], decimals: list[list[int]]) -> dict[str, Any]:

@@ -8,18 +8,15 @@ from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.verification.replay import Review, SegmentEnd, review
 
 from ._files import RecordingFiles
-from ._other_files import OtherFiles
 from ._tables import RecordedTables
 
 MOST_OBJECTIONS = 20
 
 
-def judge_recording(files: RecordingFiles | OtherFiles | RecordedTables) -> dict[str, Any]:
+def judge_recording(files: RecordingFiles | RecordedTables) -> dict[str, Any]:
     """Replay every trace and judge it by its network: whether all is well (None: nobody can say), and why."""
     if isinstance(files, RecordedTables):
         return {"ok": None, "text": "Replay and monitor: there is no trace to judge.", "traces": []}
-    if isinstance(files, OtherFiles):
-        return {"ok": None, "text": "What if: played on the recorded inputs, by no real tool.", "traces": []}
     rows: list[dict[str, Any]] = []
     before: SegmentEnd | None = None
     for each in files.paths:

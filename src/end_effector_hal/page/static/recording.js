@@ -113,7 +113,6 @@ class Player {
     this.lines = recordings.map((each, index) => new TimeLine(byId(index ? "second" : "timeline"), each.drawn, index ? (entry, at) => this.openOther(entry, at) : open));
     recordings.forEach((each, index) => {
       const [times, ...columns] = each.content.samples;
-      this.lines[index].guess(each.content.recording.guesses);
       this.lines[index].load([times.map((ms) => ms / 1000), ...columns], each.content.changes, each.events.filter((entry) => MARKED.has(entry.kind)), each.end);
     });
     this.show(0);
@@ -161,8 +160,7 @@ class Player {
     if (this.recordings.length < 2) return;
     byId("compare").hidden = byId("first-name").hidden = byId("second-name").hidden = false;
     put("first-name", this.main.content.recording.name);
-    const { name, guesses } = this.recordings[1].content.recording;
-    put("second-name", `${name}${guesses.length ? " (hatched, from a red line on: a guess)" : ""}`);
+    put("second-name", this.recordings[1].content.recording.name);
     byId("shown").replaceChildren(...this.recordings.map((each, index) => make("option", { value: index, textContent: each.content.recording.name })));
     byId("shown").onchange = (event) => this.show(Number(event.target.value));
     byId("shift").oninput = (event) => this.shiftTo(Number(event.target.value) || 0);
@@ -308,9 +306,8 @@ class Player {
 }
 
 function about(recordings) {
-  const played = recordings.some((each) => each.content.recording.what_if);
-  const days = recordings.filter((each) => !each.content.recording.what_if).map((each) => each.content.recording.started.slice(0, 19).replace("T", " "));
-  put("about", `Recording of ${days.join(" and of ")} UTC${played ? ", and what another description would have made of it" : ""}, nothing is commanded here.`);
+  const days = recordings.map((each) => each.content.recording.started.slice(0, 19).replace("T", " "));
+  put("about", `Recording of ${days.join(" and of ")} UTC, nothing is commanded here.`);
   const notes = recordings.flatMap((each) => each.content.recording.notes.map((note) => (recordings.length > 1 ? `${each.content.recording.name}: ${note}` : note)));
   tell(notes);
   const first = recordings[0].content;
@@ -385,8 +382,7 @@ function ready(contents) {
 // From the process of `eehal page`: the recordings, then what the replay says, then whether there is more by now.
 async function fromProcess() {
   const contents = [];
-  const { count, what_if: playable } = await asked("recordings", () => {});
-  if (playable) whatIf();
+  const { count } = await asked("recordings", () => {});
   for (let number = 0; number < count; number += 1) {
     contents.push(await asked(`recording/${number}`, (said) => put("news", said.progress === null ? "Reading the recording …" : `Reading the recording: ${Math.round(said.progress * 100)} %`)));
   }
@@ -408,31 +404,6 @@ async function fromProcess() {
       put("news", "The recording has grown since it was read. Load the page again to see the rest.");
     } catch { /* the page works without its process */ }
   }, GROWN_MS);
-}
-
-// Another description for the same inputs: the process checks it, then the page has two runs.
-function whatIf() {
-  const [text, file, play, answer] = ["text", "file", "play", "answer"].map((name) => byId(`what-if-${name}`));
-  byId("what-if").hidden = false;
-  file.onchange = async () => {
-    if (file.files[0]) text.value = await file.files[0].text();
-  };
-  play.onclick = async () => {
-    play.disabled = true;
-    put(answer, "Being checked …");
-    try {
-      const headers = { "x-eehal-csrf": document.querySelector("meta[name=csrf]").content };
-      const said = await fetch("what-if", { method: "POST", headers, body: text.value });
-      if (said.ok) {
-        location.reload();
-        return;
-      }
-      put(answer, (await said.text()).trim());
-    } catch {
-      put(answer, "Lost connection to `eehal page`.");
-    }
-    play.disabled = false;
-  };
 }
 
 function fromFile(text) {

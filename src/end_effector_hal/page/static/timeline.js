@@ -18,7 +18,6 @@ export class TimeLine {
     this.data = [[], ...drawn.curves.map(() => [])];
     this.changes = Object.fromEntries(drawn.lanes.map((lane) => [lane.name, []]));
     this.events = [];
-    this.guesses = [];
     this.from = -this.span;
     this.to = 0;
     this.end = 0;
@@ -122,11 +121,6 @@ export class TimeLine {
     for (const { plot, group } of this.plots) plot.setData(this.slice(group));
   }
 
-  // From when to when the readings answer other outputs than these.
-  guess(spans = []) {
-    this.guesses = spans;
-  }
-
   // Another part of what was loaded.
   look(from, to) {
     this.from = from;
@@ -190,7 +184,6 @@ export class TimeLine {
         if (text === change.word || text.length > 4) pen.fillText(text, from + 5, y + LANE / 2 - 2);
       });
     });
-    for (const [since, until] of this.guesses) this.hatch(pen, Math.max(this.labels, this.x(since, width)), Math.min(width - RIGHT, this.x(until, width)), height, colour);
     for (const entry of this.events) {
       const x = this.x((entry.at - this.drawn.epoch) / 1e6, width);
       if (x < this.labels || x > width - RIGHT) continue;
@@ -201,25 +194,6 @@ export class TimeLine {
       pen.lineTo(x + 4, 5);
       pen.fill();
     }
-  }
-
-  hatch(pen, from, to, height, colour) {
-    if (to <= from) return;
-    pen.save();
-    pen.beginPath();
-    pen.rect(from, 18, to - from, height - 22);
-    pen.clip();
-    pen.strokeStyle = colour("--muted");
-    pen.globalAlpha = 0.35;
-    pen.beginPath();
-    for (let x = from - height; x < to; x += 9) {
-      pen.moveTo(x, height);
-      pen.lineTo(x + height, 0);
-    }
-    pen.stroke();
-    pen.restore();
-    pen.fillStyle = colour("--bad");
-    pen.fillRect(from - 1, 16, 2, height - 20);
   }
 
   click(event) {

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 
 from pydantic_core import to_json
 from starlette.applications import Starlette
-from starlette.requests import ClientDisconnect, Request
+from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError
 from end_effector_hal.page._html import page_html
 from end_effector_hal.page.recorded import (
     ComparedRecording,
-    OtherFiles,
     RecordedTables,
     RecordingFiles,
     RecordingPart,
@@ -24,7 +23,6 @@ from end_effector_hal.page.recorded import (
     judge_recording,
     read_recording,
 )
-from end_effector_hal.verification.whatif import MOST_TEXT, changed_description, in_short
 
 from ._address import PageAddress
 from ._app import Guarded, static_route
@@ -41,7 +39,7 @@ class ServedRecording:
         compared: what another one is compared with; None: it has not been read, or cannot be.
     """
 
-    def __init__(self, files: RecordingFiles | OtherFiles | RecordedTables, part: RecordingPart) -> None:
+    def __init__(self, files: RecordingFiles | RecordedTables, part: RecordingPart) -> None:
         self._files, self._part = files, part
         self.progress = 0.0
         self.compared: ComparedRecording | None = None
@@ -58,31 +56,6 @@ class ServedRecording:
     def grown(self) -> bool:
         """Whether it is another one than was read."""
         return self._files.grown
-
-    def played(self, text: str) -> ServedRecording:
-        """What a description that somebody typed would have made of it.
-
-        Raises:
-            UsageError: there are no traces, or nothing is said.
-            DescriptionError: it is not valid.
-        """
-        if not isinstance(self._files, RecordingFiles):
-            raise UsageError(
-                "Without traces there are no inputs that another description could be played on."
-            )
-        return ServedRecording(
-            OtherFiles(self._files, changed_description(text, self._files.description)), self._part
-        )
-
-    @property
-    def can_be_played(self) -> bool:
-        """Whether there are inputs for another description."""
-        return isinstance(self._files, RecordingFiles)
-
-    @property
-    def is_played(self) -> bool:
-        """Whether it is what another description would have made of a recording."""
-        return isinstance(self._files, OtherFiles)
 
     def refresh(self) -> None:
         """Somebody loads the page: what was read long ago is read again, if there is more by now."""
@@ -167,32 +140,7 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
         )
 
     async def overview(_: Request) -> Response:
-        return JSONResponse(
-            {"count": len(shown), "grown": any(each.grown for each in shown), "what_if": _playable(shown)}
-        )
-
-    async def what_if(request: Request) -> Response:
-        if not _playable(shown):
-            return PlainTextResponse(
-                "Here two recordings are compared already, or there are no traces.\n", 409
-            )
-        body = b""
-        try:
-            async for piece in request.stream():
-                body += piece
-                if len(body) > MOST_TEXT:
-                    return PlainTextResponse(f"At most {MOST_TEXT} bytes are taken.\n", 413)
-            other = await asyncio.to_thread(shown[0].played, body.decode())
-        except UnicodeDecodeError:
-            return PlainTextResponse("This is no text.\n", 400)
-        except ClientDisconnect:
-            return PlainTextResponse("", 400)
-        except ReportedError as error:
-            return PlainTextResponse(f"{in_short(error)}\n", 400)
-        for each in shown[1:]:
-            each.cancel()
-        shown[1:] = [other]
-        return JSONResponse({"count": len(shown)})
+        return JSONResponse({"count": len(shown), "grown": any(each.grown for each in shown)})
 
     async def document(request: Request) -> Response:
         return await _answer(request, verdict=False)
@@ -224,14 +172,8 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
         Route("/", page),
         Route("/static/{name}", static_route),
         Route("/recordings", overview),
-        Route("/what-if", what_if, methods=["POST"]),
         Route("/differences", differences),
         Route("/recording/{number}", document),
         Route("/recording/{number}/verdict", verdict),
     ]
     return Guarded(Starlette(routes=routes), address)
-
-
-def _playable(shown: Sequence[ServedRecording]) -> bool:
-    """Whether what another description would have made of the first one may be shown beside it."""
-    return shown[0].can_be_played and all(each.is_played for each in shown[1:])

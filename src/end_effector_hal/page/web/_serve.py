@@ -18,7 +18,7 @@ from starlette.types import ASGIApp
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.link import TestbenchLink, ToolLink
-from end_effector_hal.page.recorded import OtherFiles, RecordedTables, RecordingFiles, RecordingPart
+from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, RecordingPart
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.wires import now_us
 
@@ -69,7 +69,7 @@ def serve_page(description: Description, address: PageAddress, recordings: Path,
 
 
 def serve_recordings(
-    files: Sequence[RecordingFiles | OtherFiles | RecordedTables],
+    files: Sequence[RecordingFiles | RecordedTables],
     part: RecordingPart,
     address: PageAddress,
     on_ready: Ready,
