@@ -65,7 +65,7 @@ T = TypeVar("T")
     "most_gib",
     type=click.FloatRange(0.1),
     metavar="GIB",
-    help="Stop beyond it; default: at three times what the machine, or the container, has left.",
+    help="Stop beyond it; default: 75 % of the memory that the machine, or the container, has for it.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Of dask.distributed: its workers prove the sweep.")
 def command(
@@ -204,28 +204,27 @@ def _keep(description: Description, content: str, proof: Proof) -> None:
 
 
 def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every: bool, free: bool) -> None:
+    what = "tool" if source.description is not None else "model"
     if every:
         for finding in proof.findings:
             _print_line(finding)
     else:
-        _print_what_is_to_be_said(source, proof)
+        _print_what_is_to_be_said(source, proof, what)
     _print_bounds(proof)
     if computed := _computed(source):
         click.echo(f"bounds that are not written are what the steps add up to: {', '.join(computed)}")
     for note in _first(source.network.document.notes, every=every):
         click.echo(f"note: {note}")
-    if proof.off:
-        click.echo(
-            f"\n{len(proof.off)} edges can never be taken with the values of this description; --json lists them"
-        )
+    if proof.off and every:
+        click.echo(_wrapped(f"\n{len(proof.off)} edges are for other {what}s: {', '.join(proof.off)}", ""))
     _print_runs(source, proof, files, every=every)
     if not files and any(finding.trace for finding in proof.findings):
         click.echo("-o DIR writes the runs and draws them.")
     _print_verdict(proof, every=every, free=free)
 
 
-def _print_what_is_to_be_said(source: Source, proof: Proof) -> None:
-    """Of each requirement that does not hold why; which hold and say nothing here; what was asked for as a number."""
+def _print_what_is_to_be_said(source: Source, proof: Proof, what: str) -> None:
+    """Of each requirement that does not hold why; how many do not apply; what was asked for as a number."""
     from end_effector_hal.verification.proof import UNMET
 
     failing = [each for each in proof.findings if not each.holds and each.decided]
@@ -234,10 +233,10 @@ def _print_what_is_to_be_said(source: Source, proof: Proof) -> None:
         _print_line(finding, most=_MOST_NOTES)
         if finding.trace is not None and finding is not run:
             click.echo(_wrapped(_why(source, finding), _INDENT))
-    empty = [each for each in proof.findings if each.holds and each.remark == UNMET]
-    for more, what in ((failing[_MOST_LISTED:], "fail as well"), (empty, f"hold, but {UNMET}")):
-        if more:
-            click.echo(_wrapped(f"{len(more)} {what}: {_ids(more)}", ""))
+    if more := failing[_MOST_LISTED:]:
+        click.echo(_wrapped(f"{len(more)} fail as well: {_ids(more)}", ""))
+    if empty := sum(each.holds and each.remark == UNMET for each in proof.findings):
+        click.echo(f"{empty} {'does' if empty == 1 else 'do'} not apply to this {what}")
     told = [
         each for each in proof.findings if not each.decided or (each.holds and each.remark not in ("", UNMET))
     ]

@@ -118,7 +118,7 @@ def test_however_much_fails_it_is_told_on_a_page() -> None:
     assert "steps more" not in whole
 
 
-def test_what_holds_and_says_nothing_is_told_in_short_too() -> None:
+def test_what_does_not_apply_is_counted_and_all_lists_it() -> None:
     written(
         "clock x; bool b;",
         PRESSES,
@@ -127,7 +127,8 @@ def test_what_holds_and_says_nothing_is_told_in_short_too() -> None:
         ("sup: x", "[all] How long in all."),
     )
     told = run("--model", "model.xml").stdout
-    assert "1 hold, but it says nothing here: its condition is never met: empty" in told
+    assert "1 does not apply to this model\n" in told
+    assert "does not apply here: its condition is never met" in run("--model", "model.xml", "--all").stdout
     assert "holds  How long." in told
     assert "       3\n" in told
     assert "FAILS  How long in all." in told

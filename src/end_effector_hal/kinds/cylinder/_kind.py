@@ -64,8 +64,8 @@ class Cylinder(DeviceKind[CylinderActuator]):
     def not_fitted(self, part: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Which sensor proves a position alone, and what is not seen then."""
         if part.channel not in carried:
-            proof = f"{part.extended_bit} alone proves extended, thresholds are off"
-            yield f"channel: {part.channel}: {proof}: that its air is lost is not seen"
+            proof = f"only {part.extended_bit} confirms that it is extended, thresholds are off"
+            yield f"channel: {part.channel}: {proof}: lost air is not detected"
         for key, bit in (("extended_bit", part.extended_bit), ("retracted_bit", part.retracted_bit)):
             if bit not in carried:
                 yield f"{key}: {bit or NO_CHANNEL}: {self._instead(part, key.removesuffix('_bit'), carried)}"
@@ -82,7 +82,7 @@ class Cylinder(DeviceKind[CylinderActuator]):
 
     def _instead(self, part: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:
         if part.channel in carried:
-            return f"the pressure {part.channel} alone proves {position}: a rod that is stuck is not seen"
+            return f"only the pressure {part.channel} confirms that it is {position}: a stuck rod is not detected"
         if position == "extended":
             return "extended cannot be proven"
         return "retracted is taken as the opposite of extended: a rod that stops on its way is taken for retracted"

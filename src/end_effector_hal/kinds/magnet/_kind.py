@@ -37,5 +37,5 @@ class Magnet(DeviceKind[MagnetActuator]):
     def not_fitted(self, part: MagnetActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """What proves a release."""
         if part.gone_bit not in carried:
-            proof = f"{part.part_bit} off alone proves a release"
-            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {proof}: a part that only lost its grip is not seen"
+            proof = f"only {part.part_bit} off confirms a release"
+            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {proof}: a part that only lost its grip is not detected"

@@ -105,7 +105,7 @@ class Vacuum(DeviceKind[VacuumActuator]):
         if self.preset(part) is None:
             return
         if part.channel not in carried:
-            yield f"channel: {part.channel}: {part.part_bit} alone decides: a weak grip and a leak are not seen"
+            yield f"channel: {part.channel}: only {part.part_bit} shows a part: a weak grip and a leak are not detected"
         if part.gone_bit not in carried:
             left = "what is left of a vacuum under its threshold is not seen"
             yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off is taken for vented: {left}"

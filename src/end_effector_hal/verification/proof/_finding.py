@@ -14,7 +14,7 @@ from timed_automata.queries import Query
 
 _COMMENT = re.compile(r"\s*\[([a-z0-9][a-z0-9-]*)\]\s*(.*)", re.DOTALL)
 
-UNMET = "it says nothing here: its condition is never met"
+UNMET = "does not apply here: its condition is never met"
 """The remark of a requirement that holds and proves nothing."""
 
 
@@ -54,7 +54,7 @@ class Finding:
         holds: whether it does.
         states: symbolic states of the exploration that decided it.
         seconds: its share of the time of that exploration.
-        remark: what else is to be said: what was found, or that the requirement says nothing here.
+        remark: what else is to be said: what was found, or that the requirement does not apply here.
         trace: the shortest run found that shows why not; None where there is none to show.
         worst: for ``A[] p imply x <= c``.
         decided: whether it was looked at; what was not does not hold either.

@@ -19,8 +19,8 @@ class MemoryBound:
     """Stops an exploration that takes too much memory. Where the system does not say how much that is, nothing does.
 
     Args:
-        most_bytes: that this process may take; None: three times what is left, of the machine and of each control
-            group (a container, a slice of systemd) that it is in.
+        most_bytes: that this process may take; None: 75 % of the memory that the machine, and each control group (a
+            container, a slice of systemd) that it is in, has for it.
         root: of the file system.
     """
 
@@ -36,7 +36,10 @@ class MemoryBound:
                 most, because = self._most, f"--memory allows {self._most / GIB:.2f} GiB"
             else:
                 left = self._left()
-                most, because = TIMES_LEFT * left, f"{left / GIB:.2f} GiB are left"
+                most, because = (
+                    TIMES_LEFT * left,
+                    f"that is 75 % of the memory, {left / GIB:.2f} GiB are left",
+                )
         except (OSError, ValueError):
             return
         if taken > most:

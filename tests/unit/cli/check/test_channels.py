@@ -113,8 +113,8 @@ def test_a_cylinder_may_be_confirmed_by_its_bit_alone(check: Check) -> None:
     result = check("--json", replace=replace)
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
-        "that its air is lost is not seen",
+        "cylinder: channel: none: only cylinder_extended confirms that it is extended, "
+        "thresholds are off: lost air is not detected",
         NO_E_STOP,
     ]
     replace = {"channel: cylinder": "channel: none\n    extended_bit: ~\n    retracted_bit: ~"}

@@ -110,8 +110,8 @@ def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
         "bottom_vacuum: bottom is a switch, on or off, and no pressure: thresholds are off",
-        "cylinder: channel: none: cylinder_extended alone proves extended, thresholds are off: "
-        "that its air is lost is not seen",
+        "cylinder: channel: none: only cylinder_extended confirms that it is extended, "
+        "thresholds are off: lost air is not detected",
         "cylinder: retracted_bit: none: retracted is taken as the opposite of extended: "
         "a rod that stops on its way is taken for retracted",
         "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
@@ -126,9 +126,10 @@ def test_pressures_alone_prove_less_as_well(check: Check) -> None:
     result = check("--json", replace=TRANSMITTERS | {"bounds:": "e_stop: {channel: none}\n\nbounds:"})
     assert result.exit_code == 0, result.stdout
     assert [each for each in json.loads(result.stdout)["not_fitted"] if "frozen_s" not in each] == [
-        "cylinder: extended_bit: none: the pressure cylinder alone proves extended: a rod that is stuck is not seen",
-        "cylinder: retracted_bit: none: the pressure cylinder alone proves retracted: "
-        "a rod that is stuck is not seen",
+        "cylinder: extended_bit: none: only the pressure cylinder confirms that it is extended: "
+        "a stuck rod is not detected",
+        "cylinder: retracted_bit: none: only the pressure cylinder confirms that it is retracted: "
+        "a stuck rod is not detected",
         "tool changer: locked_bit: none, unlocked_bit: none: a lock cannot be proven: IL-04 and IL-05 are off",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
         "e_stop: channel: none: an open e-stop is not seen: IL-13 knows a stop of the software only",

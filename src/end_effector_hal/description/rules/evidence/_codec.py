@@ -135,19 +135,18 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
             yield f"tool changer: stand_bit: {changer.stand_bit}: an unlock is armed first (IL-02)"
         elif changer.present_bit not in channels:
             yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02, IL-05)"
-    for name, line in description.blow_off_lines.items():
-        if name not in description.blow_offs:
-            guarded = "is guarded by the line arbiter (IL-08)"
-            yield f"{name}: blow_off: its line {line} {guarded}, but without duration_s nothing drives it"
-    yield from _blown_while_others_suck(description)
     if e_stop is None:
         yield "e-stop: none in the description: IL-13 knows a stop of the software only"
     elif e_stop.channel not in channels:
         yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 knows a stop of the software only"
 
 
-def _blown_while_others_suck(description: Description) -> Iterator[str]:
-    """The order of a release decides what is still active while a cup is blown off."""
+def _blow_offs(description: Description) -> Iterator[str]:
+    """Those that nothing drives; and the order of a release decides what is still active while a cup is blown off."""
+    for name, line in description.blow_off_lines.items():
+        if name not in description.blow_offs:
+            guarded = "is guarded by the line arbiter (IL-08)"
+            yield f"{name}: blow_off: its line {line} {guarded}, but without duration_s nothing drives it"
     order = description.releasing
     for at, name in enumerate(order):
         if name in description.blow_offs and at + 1 < len(order):
@@ -156,14 +155,14 @@ def _blown_while_others_suck(description: Description) -> Iterator[str]:
 
 
 def slow(description: Description, codec: CodecChannels) -> list[str]:
-    """A sentence for each time-out that may end while the link still counts what it showed before.
+    """What works otherwise than one may expect: above all each time-out that may end while an old reading still counts.
 
     A reading counts until it is stale, so that a time-out must last longer; what one attempt shows must not be
-    read in the next, so that the pause between them lasts longer than a period. And one for evidence that contradicts
-    itself.
+    read in the next, so that the pause between them lasts longer than a period. And evidence that contradicts itself,
+    and blow-offs.
     """
     early, twice = _ends_too_early(description, codec), _read_twice(description, codec)
-    return [*early, *twice, *overlapping_evidence(description), *_cut_e_stop(description)]
+    return [*early, *twice, *overlapping_evidence(description), *_cut_e_stop(description), *_blow_offs(description)]
 
 
 def _cut_e_stop(description: Description) -> Iterator[str]:
