@@ -7,12 +7,12 @@ record keeps the order of writing, in which `read_trace` gives them.
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 import threading
 import time
 from contextlib import suppress
 from pathlib import Path
+from subprocess import DEVNULL, Popen
 from typing import IO
 
 from end_effector_hal.recording._files import lock, still_there
@@ -110,8 +110,9 @@ def _check(until: float | None) -> None:
 
 def start_indexing(path: Path) -> None:
     """Have it done by a process of its own, which goes on after the end of this one; raises OSError."""
-    quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    child = subprocess.Popen([sys.executable, "-c", _PROGRAM, path], start_new_session=True, **quiet)
+    child = Popen(
+        [sys.executable, "-c", _PROGRAM, path], 0, None, DEVNULL, DEVNULL, DEVNULL, start_new_session=True
+    )
     threading.Thread(target=child.wait, name="trace-indexing", daemon=True).start()
 
 
