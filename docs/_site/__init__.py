@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.environment import BuildEnvironment
 
-__all__ = ["COMMITTED", "committed_page", "setup"]
+__all__ = ["COMMITTED", "committed_page", "setup", "with_levels"]
 
 PARTS: dict[str, Callable[[], str]] = {
     "automata": automata,
@@ -37,6 +37,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("source-read", _write)
     app.connect("autodoc-skip-member", stands_elsewhere)
     app.connect("env-get-outdated", _outdated)
+    app.connect("html-page-context", with_levels, priority=900)  # when the theme has made its own
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -56,3 +57,10 @@ def _outdated(
 ) -> list[str]:
     """What they are written from is anywhere in the source: they are never up to date."""
     return [name for name in env.found_docs if _MARK.search(env.doc2path(name).read_text(encoding="utf-8"))]
+
+
+def with_levels(app: Sphinx, name: str, template: str, context: dict[str, object], tree: object) -> None:
+    """Sphinx writes the captions of a toctree as headings without a level, which a screen reader needs."""
+    for key, html in context.items():
+        if isinstance(html, str) and 'role="heading"' in html:
+            context[key] = html.replace('role="heading"', 'role="heading" aria-level="2"')

@@ -15,7 +15,7 @@ from tests.support.places import DOCS
 from tests.unit.campaign.mutants.page import wrong_products
 
 sys.path.insert(0, str(DOCS))
-from _site import COMMITTED, committed_page
+from _site import COMMITTED, committed_page, with_levels
 
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
 OF_TESTS = {"fmea": fmea_page, "wrong_products": wrong_products}
@@ -43,3 +43,12 @@ def test_a_page_says_what_the_program_says(name: str) -> None:
 )
 def test_what_is_generated_is_there(name: str, written: str) -> None:
     assert written in (DOCS / "reference" / f"{name}.md").read_text(encoding="utf-8")
+
+
+def test_the_captions_of_the_site_are_headings_with_a_level() -> None:
+    context: dict[str, object] = {"furo_navigation_tree": '<p class="caption" role="heading">', "title": None}
+    with_levels(None, "", "", context, None)  # type: ignore[arg-type]
+    assert context == {
+        "furo_navigation_tree": '<p class="caption" role="heading" aria-level="2">',
+        "title": None,
+    }
