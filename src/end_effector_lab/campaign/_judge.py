@@ -301,8 +301,9 @@ class Judge:
                 self._object("order", f"{name} was deactivated before {other}")
 
     def _is_late(self, each: Switching) -> bool:
-        """Whether no command was at work, nor has begun or ended just then."""
-        if self._description.actuators[each.name].line in self._description.register_outputs:
+        """Whether no command was at work, nor has begun or ended just then, and no program has just started."""
+        on_bus = self._description.actuators[each.name].line in self._description.register_outputs
+        if on_bus or self._tool.statuses[-1].ee == EndEffectorState.OFF:
             return False
         for status in reversed(self._tool.statuses):
             if status.command != Command.NONE:

@@ -2,4 +2,4 @@
 
 from ._maintenance import Maintenance
 from ._output_mapping import ChangerOutputs, GripOutputs, OutputMapping
-from ._outputs import DECLARED_DEAD, RESTARTED, RETRY_US, UNKNOWN, LineWriter, Outputs
+from ._outputs import DECLARED_DEAD, RESTARTED, RETRY_US, LineWriter, Outputs, unknown

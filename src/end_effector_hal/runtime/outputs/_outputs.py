@@ -14,7 +14,6 @@ from ._output_mapping import OutputMapping
 RETRY_US = 200_000
 """What could not be done with the lines is tried again after this."""
 RESTARTED = "the program has restarted."
-UNKNOWN = f"{ARBITER_LOST}: what is held and the outputs are the last known ones, and are not known now."
 DECLARED_DEAD = f"The line arbiter declared this program dead and executed its last will; {RESTARTED}"
 
 
@@ -146,7 +145,7 @@ class Outputs:
         except ReportedError as error:
             if isinstance(error, LineRefusedError):
                 self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
-            self.alarm = f"{UNKNOWN if self.lost else 'The lines could not be written:'} {error}"
+            self.alarm = unknown(error) if self.lost else f"The lines could not be written: {error}"
             self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
         self._fail(asked.changes)
 
@@ -190,7 +189,7 @@ class Outputs:
     def lose(self, error: WireError, at: int) -> None:
         """The line arbiter was lost; nothing is written until `agree` has been asked."""
         self.lost, self.retry_at = True, at
-        self.alarm = f"{UNKNOWN} {error}"
+        self.alarm = unknown(error)
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
         """Deactivate what maintenance has activated; tried again until it is done, else the last will does it."""
@@ -250,6 +249,12 @@ class Outputs:
         if any(changes.values()):
             self.refused = ""
         return delay_us
+
+
+def unknown(error: ReportedError) -> str:
+    """The alarm while the line arbiter is lost."""
+    why = f"what is held and the outputs are the last known ones, and are not known now ({str(error).rstrip('.')})"
+    return f"{ARBITER_LOST}: {why}."
 
 
 def _nothing() -> int:

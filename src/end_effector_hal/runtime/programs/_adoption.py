@@ -9,7 +9,7 @@ from dataclasses import replace
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
-from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, UNKNOWN, LineWriter, Outputs
+from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs, unknown
 from end_effector_hal.vocabulary import EndEffectorState
 
 
@@ -76,7 +76,7 @@ class Adoption:
             found = sensor_fault()
         except WireError as error:
             self._unreachable = isinstance(error, ArbiterError)
-            self.obstacle = f"{UNKNOWN} {error}" if self._unreachable else str(error)
+            self.obstacle = unknown(error) if self._unreachable else str(error)
             self._begin_at = at + RETRY_US
             return []
         self.begun, self._unreachable, self.obstacle, self._begin_at = True, False, "", None
@@ -122,7 +122,7 @@ class Adoption:
                 # its will is being executed, or somebody else has its lines
                 raise DeclaredDeadError(f"{DECLARED_DEAD} {error}") from error
             except WireError as error:
-                self.outputs.alarm = f"{UNKNOWN} {error}"
+                self.outputs.alarm = unknown(error)
         if not self.outputs.lost:
             return [*statuses, self.now(at)]
         # before it is told nothing is held: the will that holds must have arrived, or the owner may still unwind
