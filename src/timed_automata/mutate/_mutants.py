@@ -1,7 +1,8 @@
-"""All mutants of the templates of a file, in the order of the file."""
+"""All mutants of the templates of a file and of its global declarations, in the order of the file."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -24,7 +25,13 @@ from timed_automata.language import (
     parse_synchronisation,
     parse_updates,
 )
-from timed_automata.mutate._text_edits import TextEdit, in_function, in_guard, in_updates
+from timed_automata.mutate._text_edits import (
+    TextEdit,
+    in_declarator,
+    in_function,
+    in_guard,
+    in_updates,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +40,7 @@ class Mutant:
 
     Attributes:
         operator: the kind of edit: ``comparison``, ``constant``, ``target``, …
-        template: the name of the template that was edited.
+        template: the name of the template that was edited; empty: the global declarations were.
         element: what of it, in words: ``Step -> Reset, guard``, ``invariant of Step``, ``function rest``.
         place: ``file:line:column``.
         old, new: what stood there, and what stands there now.
@@ -53,11 +60,16 @@ class Mutant:
     document: Document = field(repr=False)
 
     def __str__(self) -> str:
-        return f"{self.template}, {self.element}: {self.operator}, '{self.old}' -> '{self.new}'"
+        return f"{self.template or 'global'}, {self.element}: {self.operator}, '{self.old}' -> '{self.new}'"
 
 
-def mutants(document: Document, templates: Collection[str] | None = None) -> Iterator[Mutant]:
+def mutants(
+    document: Document, templates: Collection[str] | None = None, given: Collection[str] = ()
+) -> Iterator[Mutant]:
     """Each mutant of the templates with these names (None: all of them); many are no valid model.
+
+    Before them those of the global functions and declarations that these templates use, and of the functions that no
+    template uses; without the constants that are ``given`` from outside: what stands in the file is replaced.
 
     Raises:
         ModelError: a text is not well-formed.
@@ -67,6 +79,7 @@ def mutants(document: Document, templates: Collection[str] | None = None) -> Ite
     for name in templates or ():
         if name not in known:
             raise UsageError(f"{document.path} has no template '{name}'.", todo=did_you_mean(name, known))
+    yield from _OfDeclarations(document, known if templates is None else templates, given).mutants()
     for number, name in enumerate(known):
         if templates is None or name in templates:
             yield from _OfTemplate(document, number, name).mutants()
@@ -78,6 +91,40 @@ class Edited(NamedTuple):
     place: str
     old: str
     new: str
+
+
+class _OfDeclarations:
+    """The global declarations, as far as some templates use them."""
+
+    def __init__(self, document: Document, templates: Collection[str], given: Collection[str]) -> None:
+        self.document, self.given = document, given
+        text = document.declarations
+        self.declared = list(parse_declarations(text)) if text else []
+        functions = {each.name: each for each in self.declared if isinstance(each, ast.FunctionDefinition)}
+        of = {each.name.content.strip(): _words(each) for each in document.templates}
+        self.used = set().union(*(of[name] for name in templates))
+        calling = set().union(*of.values())
+        called = {name for each in functions.values() for name in _names(each.body)}
+        self.used |= functions.keys() - calling - called
+        for function in reversed(functions.values()):  # what a function calls is declared before it
+            if function.name in self.used:
+                self.used |= _names(function.body)
+
+    def mutants(self) -> Iterator[Mutant]:
+        for each in self.declared:
+            if isinstance(each, ast.FunctionDefinition) and each.name in self.used:
+                yield from self._made(f"function {each.name}", in_function(each))
+            elif isinstance(each, ast.Variables) and each.type.base in ("int", "bool"):
+                for one in each.declarators:
+                    if one.name in self.used and one.name not in self.given:
+                        yield from self._made(
+                            f"declaration of {one.name}", in_declarator(one, boolean=each.type.base == "bool")
+                        )
+
+    def _made(self, element: str, edits: Iterator[TextEdit]) -> Iterator[Mutant]:
+        for edit in edits:
+            document = replace(self.document, declarations=edit.applied())
+            yield Mutant(edit.operator, "", element, *_edited(edit), None, "", document)
 
 
 class _OfTemplate:
@@ -197,6 +244,20 @@ class _OfTemplate:
                 if alike and name not in seen:
                     seen.add(name)
                     yield name
+
+
+def _words(template: Template) -> set[str]:
+    """All names in the texts of a template."""
+    labels = [*(each.labels for each in template.locations), *(each.labels for each in template.edges)]
+    texts = [label.text for each in labels for kind, label in each.items() if kind != "comments"]
+    code = [template.declarations] if template.declarations else []
+    return {word for text in (*texts, *code) for word in re.findall(r"[A-Za-z_]\w*", text.content)}
+
+
+def _names(node: ast.Node) -> set[str]:
+    """The names in a part of a text, and those of the functions that it calls."""
+    found = {each.name for each in ast.walk(node) if isinstance(each, ast.Name | ast.Call)}
+    return {str(name) for name in found}
 
 
 def _edited(edit: TextEdit) -> Edited:

@@ -106,6 +106,18 @@ def in_function(function: ast.FunctionDefinition) -> Iterator[TextEdit]:
     yield from _in_statement(function.body)
 
 
+def in_declarator(declarator: ast.Declarator, *, boolean: bool) -> Iterator[TextEdit]:
+    """The edits of the value with which a constant or a variable begins; arrays are left out."""
+    if declarator.dimensions:
+        return
+    if (begins := declarator.initialiser) is None:
+        end = declarator.span.end
+        yield TextEdit("constant", Span(declarator.span.text, end, end), " = true" if boolean else " = 1")
+    elif isinstance(begins, ast.Expression):
+        yield from _one_off(begins)
+        yield from in_expression(begins)
+
+
 def _in_statement(node: ast.Statement) -> Iterator[TextEdit]:
     match node:
         case ast.Block(statements=statements):

@@ -139,6 +139,8 @@ class Baseline:
         return network is not None and self._among(_disabled(network), mutant)
 
     def _among(self, off: Collection[str], mutant: Mutant) -> bool:
+        if not mutant.template:
+            return False
         template = next(
             each for each in self.network.document.templates if each.name.content.strip() == mutant.template
         )

@@ -81,19 +81,19 @@ def judge_all(
     seed: int = 0,
     jobs: int | None = None,
 ) -> Iterator[MutantVerdict]:
-    """Judge the mutants of the executed templates, in the order of the file; each as it is found.
+    """Judge the mutants of the executed templates and of the global declarations; each as it is found.
 
     Args:
         network: the automata with the constants of a tool.
         constants: these constants, by name.
-        executed: templates that a program executes; only these are edited.
+        executed: templates that a program executes; only these are edited, and what they use of the declarations.
         sample: so many of them, as `drawn` with ``seed``; None: all of them.
         jobs: processes; None: one for each processor.
 
     Raises:
         UsageError: a requirement does not hold of the file itself.
     """
-    every = list(mutants(network.document, executed))
+    every = list(mutants(network.document, executed, constants))
     chosen = range(len(every)) if sample is None else sorted(drawn(every, sample, seed))
     baselines = Baselines(network, constants, executed)
     # a forked process has all of it already

@@ -39,6 +39,9 @@ VARIANTS: Mapping[str, Pattern] = {
     "one step, blown off": {**_ALONE, **_BLOWN_OFF, "T_BLOW": (200,)},
     "a latching tool changer": {"N": 1, "LATCHING": True, "IL_02": False, "UNLOCK_KEEPS": True},
     "no sensors of the stand": {"N": 1, "STAND": False},
+    "only the presence of the tool is shown": {"N": 1, "IL_05": False},
+    "no sensor of the presence": {"N": 1, "PRESENCE": False},
+    "one step, no IL-06": {"N": 1, "IL_06": False},
     "no tool changer, no IL-06 and IL-07": {
         "CHANGER": False,
         "SHOWS_EMPTY": True,

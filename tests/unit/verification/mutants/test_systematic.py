@@ -45,7 +45,7 @@ def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  #
         found = list(judge_all(network, constants, EXECUTED, sample=SAMPLE, seed=SEED))
     else:
         quickest = next(iter(baselines))
-        drawn = Random(SEED).sample(list(mutants(network.document, EXECUTED)), SAMPLE)[part::PARTS]
+        drawn = Random(SEED).sample(list(mutants(network.document, EXECUTED, constants)), SAMPLE)[part::PARTS]
         found = [judge(each, quickest) for each in drawn]
         unnoticed = [each for each in found if each.outcome == MutantOutcome.SURVIVES]
         found += [baselines.judge(each.mutant) for each in unnoticed]
@@ -176,6 +176,19 @@ ONCE_UNNOTICED = [
     ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
     ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
     ("Blown -> Rest, assignment: constant, '0' -> '1'", "blow-gap", "one step, blown off"),
+    ("Gap -> Check, assignment: assignment dropped", "time", "one step, blown off"),
+    ("function ready: condition dropped, '(!IL_07 || clear()) && fastened() &&", "accepted", "one step"),
+    (
+        "function ready: condition dropped, '!IL_06 || supply_ok' -> 'supply_ok'",
+        "refused-for",
+        "one step, no IL-06",
+    ),
+    ("function liftable: condition dropped, 'ee == GRIPPED && firm() && fastened()'", "lift", "one step"),
+    (
+        "function fastened: condition dropped, '!PRESENCE || tool != ABSENT' -> '!PRESENCE'",
+        "refused-for",
+        "only the presence of the tool is shown",
+    ),
     (
         "Gap -> Blowing, assignment: assignment dropped, 'blow[now()] = true, t = 0' -> 'b",
         "blow-whole",
@@ -208,7 +221,8 @@ ONCE_UNNOTICED = [
 def test_what_was_not_noticed_once(tool, baselines, case: tuple[str, str, str]) -> None:  # type: ignore[no-untyped-def]
     words, by, variant = case
     baseline = next(each for each in baselines if each.variant == variant)
-    edits = [each for each in mutants(load_automata(tool).document, EXECUTED) if words in str(each)]
+    given = model_constants(tool)
+    edits = [each for each in mutants(load_automata(tool).document, EXECUTED, given) if words in str(each)]
     assert by in {id_ for each in edits for id_ in judge(each, baseline).caught_by}
 
 
