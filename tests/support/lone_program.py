@@ -38,7 +38,9 @@ class Owner:
             raise self.error
         return dict(self.active)
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         def wait() -> int:
             if self.error:
                 raise self.error

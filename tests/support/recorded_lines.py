@@ -26,7 +26,9 @@ class Arbiter:
     def levels(self) -> Mapping[str, bool]:
         return dict(self.active)
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         def wait() -> int:
             self.active |= levels
             self.will = tuple(will)

@@ -12,7 +12,14 @@ from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import be_steady, relay_path
-from end_effector_hal.wires.lines import ComposedLines, GpiodLines, LineBackend, LineHandover, VirtualLines
+from end_effector_hal.wires.lines import (
+    ComposedLines,
+    GpiodLines,
+    LineBackend,
+    LineHandover,
+    RemoteLines,
+    VirtualLines,
+)
 
 from ._own_inputs import ArbiterInputs
 from ._policy import arbiter_policy, written_lines
@@ -52,9 +59,13 @@ def run_arbiter(
     """
 
     def ready(server: ArbiterServer) -> None:
-        levels = ", ".join(f"{line}={int(level)}" for line, level in server.levels().items())
+        # of what a bus without its port drives nothing is known: that is no readiness, though clients are served
+        missing = backend.troubles() if isinstance(backend, RemoteLines) else {}
+        levels = [f"{line}={int(level)}" for line, level in server.levels().items() if line not in missing]
+        unknown = [f"{line} {why}" for line, why in sorted(missing.items())]
         latched = "".join(f"; latched: {why.rstrip('.')}" for why in server.faults())
-        print(f"ready: {description.name} on {where}: {levels}{latched}", flush=True)  # noqa: T201 its output
+        word, said = "serving" if missing else "ready", ", ".join([*levels, *unknown])
+        print(f"{word}: {description.name} on {where}: {said}{latched}", flush=True)  # noqa: T201 its output
         manager.store(backend.descriptors() if isinstance(backend, LineHandover) else {})
         manager.ready(f"{description.name} on {where}", _Probe(where))
         be_steady()

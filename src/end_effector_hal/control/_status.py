@@ -66,6 +66,8 @@ class Status:
     """Actuators, by their place in the sequence, that the unwinding which runs leaves active, as declared."""
     blowing: tuple[int, ...] = ()
     """Actuators, by their place in the sequence, that are being blown off."""
+    dropped: int = -1
+    """The actuator that a Drop has deactivated last, by its place in the sequence, until it is over; -1: none."""
     secure: bool = False
     maintenance: bool = False
     changer: ChangerState = ChangerState.UNKNOWN

@@ -15,6 +15,7 @@ from end_effector_hal.vocabulary import (
     Command,
     EndEffectorState,
     ToolEvidence,
+    display_name,
 )
 from timed_automata import Execution, Network, Step
 from timed_automata.document import Text
@@ -87,6 +88,7 @@ class StatusBuilder:
         blown = map(description.sequence.index, description.blow_offs)
         self._blows = [(i, name) for i in blown if (name := f"blow[{i}]") in execution.network.offsets]
         blows = [name for _, name in self._blows]
+        later = ["dropped"] if "dropped" in execution.network.offsets else []  # not in earlier automata
         self._per_actuator = {*self._valves, *self._states, *self._keeps, *blows}
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
@@ -96,7 +98,7 @@ class StatusBuilder:
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
             name: execution.value(name)
-            for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
+            for name in (*_SCALARS, *later, *self._valves, *self._states, *self._keeps, *blows)
         }
         self.found: Mapping[str, bool] = {}
         self.adopted = False
@@ -151,8 +153,25 @@ class StatusBuilder:
         if cause == Cause.KEPT:  # what it ended for is told already
             self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
-            self._reason = explain(self._description, cause, cause_at, self._senses.now, at)
+            self._reason = self._unknown(cause) or explain(
+                self._description, cause, cause_at, self._senses.now, at
+            )
             self._cause, self._cause_at, self._left = cause, cause_at, ""
+
+    def _unknown(self, cause: int) -> str:
+        """That nothing was known of an output at the start, a sentence; empty: it is not the reason."""
+        ordered = self._description.ordered
+        names = [
+            display_name(name)
+            for name, part in ordered
+            if part.line in self._unread and part.line not in self.found
+        ]
+        if cause != Cause.UNPROVEN_AT_START or not names:
+            return ""
+        return (
+            f"At the start nothing was known of the output of {', '.join(names)}, and the sensors prove neither a grip "
+            "nor a release: in doubt it counts as active. Whether a part is held is not known."
+        )
 
     @property
     def steps(self) -> StepLog:
@@ -190,6 +209,7 @@ class StatusBuilder:
             held=self.held,
             kept=self._kept,
             blowing=self._blowing,
+            dropped=values.get("dropped", -1),
             secure=proven and hold.secure,
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),

@@ -30,6 +30,7 @@ from ._registry import (
     kind_names,
     kind_of,
     lost_words,
+    present_words,
     recorded_kind,
     usable_kinds,
 )
@@ -58,6 +59,7 @@ __all__ = [
     "kind_names",
     "kind_of",
     "lost_words",
+    "present_words",
     "recorded_kind",
     "switch_meanings",
     "usable_kinds",

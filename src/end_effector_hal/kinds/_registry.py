@@ -16,7 +16,7 @@ from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, TableState
 from ._guard import GuardedKind
 from ._kind import DeviceKind
 from ._parts import ChannelKey, Detector
-from .conditions import ConditionDetector, shown
+from .conditions import ConditionDetector, asked, shown
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -114,6 +114,26 @@ def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
     if part.evidence:
         return shown(part.evidence.channels, readings, at)
     return kind_of(part).lost(part, readings, at)
+
+
+def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
+    """Which readings stand against it that an actuator is gone, what would prove it, and what to do."""
+    kind = kind_of(part)
+    conditions = kind.conditions(part)
+    if conditions:
+        now, gone = shown(conditions.gone.channels, readings, at), f"gone means {asked(conditions.gone)}"
+    else:
+        now = shown([each for each in kind.channel_names(part) if each in readings.carried], readings, at)
+        least = kind.limits(part, supply).get("gone_kpa")
+        below = " below ambient" if kind.below_ambient else ""
+        gone = f"gone means less than {least:g} kPa{below}" if least is not None else ""
+    zero = (
+        " If nothing is gripped, ambient pressure or the zero of the sensor differs from what its channel says: "
+        "correct its offset at rest."
+        if kind.below_ambient
+        else ""
+    )
+    return f"{'; '.join(filter(None, (now, gone)))}.{zero}"
 
 
 def usable_kinds(names: Iterable[str] = ()) -> Mapping[str, DeviceKind[Any]]:

@@ -170,6 +170,10 @@ class VirtualBus:
         """See `RemoteLines`."""
         self._outputs.withdraw(lines, why)
 
+    def prepare(self, lines: Iterable[str]) -> None:
+        """See `RemoteLines`."""
+        self._outputs.prepare(lines)
+
     def acknowledge(self) -> None:
         """See `RemoteLines`."""
         self._outputs.acknowledge(self._clock())

@@ -56,12 +56,14 @@ class VirtualConnection:
         declared, self._declared_dead = self._declared_dead, False
         return declared
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         """Write; what is returned has µs until it is applied, or raises."""
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:
-            return arbiter.rules.write(session, levels, steps, self._clock())
+            return arbiter.rules.write(session, levels, steps, self._clock(), drop=drop)
 
         try:
             delay_us = self._call(written)

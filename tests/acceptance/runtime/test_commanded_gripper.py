@@ -27,7 +27,6 @@ pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 TOOLS = Path(__file__).parents[3] / "examples" / "tools"
 READY_S = 30.0
 OPEN, CLOSE = (0x0900, 0, 0xFFFF), (0x0900, 0x00FF, 0xFFFF)
-EPICK_OFF = (0x0B00, 255, 0xFF28)
 
 
 class Cable:
@@ -251,15 +250,22 @@ def test_a_fault_that_an_activation_clears_is_cleared_by_the_next_grip_and_never
         assert tool.reset().accepted
 
 
-def test_a_drop_over_a_cut_cable_is_no_success_and_is_done_when_it_is_back(gripper: Rig) -> None:
+def test_a_drop_over_a_cut_cable_is_no_success_and_the_next_one_activates_and_releases(gripper: Rig) -> None:
     with gripper.gripping() as tool:
         gripper.cable.cut = True
         assert not tool.drop().succeeded
-        assert "no device acknowledges it" in gripper.faults()
+        assert gripper.faults()
         assert gripper.device.holds
+        told = len(gripper.device.written)
         gripper.cable.cut = False
-        wait_until("it is released", lambda: not gripper.device.holds)
-        assert tool.drop().succeeded or tool.status.ee == EndEffectorState.STAND_BY
+        wait_until(
+            "it has a fault that its activation clears", lambda: gripper.device.fault or gripper.device._lost
+        )
+        wait_until("its readings are back", lambda: tool.status.evidence[0] is Evidence.CONFIRMED)
+        assert gripper.device.holds
+        assert len(gripper.device.written) == told
+        assert tool.drop().succeeded
+        assert not gripper.device.holds
 
 
 def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path: Path) -> None:
@@ -274,13 +280,14 @@ def test_a_start_without_the_device_guesses_and_knows_when_it_is_there(tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("power_up", "ends_in", "told"),
-    [("hold", EndEffectorState.GRIP_ERROR, []), ("release", EndEffectorState.STAND_BY, [EPICK_OFF])],
+    ("power_up", "ends_in"),
+    [("hold", EndEffectorState.GRIP_ERROR), ("release", EndEffectorState.STAND_BY)],
 )
 def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_or_withdrawn_as_declared(
-    power_up: str, ends_in: EndEffectorState, told: list[tuple[int, ...]], tmp_path: Path
+    power_up: str, ends_in: EndEffectorState, tmp_path: Path
 ) -> None:
-    """It still echoes the request: nothing else is written at the start, and no grip begins."""
+    """It still echoes the request, and has a fault that its activation clears: no release is written, which would
+    activate it, and no grip begins."""
     with Rig("epick_commanded", SimulatedEPick(now_us()), tmp_path, power_up=power_up) as rig:
         with rig.gripping():
             before = len(rig.device.written)
@@ -290,5 +297,42 @@ def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_or_withdraw
         rig.arbiter_again()
         with rig.ready() as tool:
             wait_until("the start is over", lambda: tool.status.ee == ends_in)
-            assert rig.device.written[before:] == told
+            assert rig.device.written[before:] == []
             assert not rig.device.holds
+
+
+def test_a_gripper_that_lost_its_power_while_it_held_is_activated_by_a_drop_and_by_nothing_before(
+    gripper: Rig,
+) -> None:
+    gripper.device.ACTIVATION_US = 4_000_000
+    with gripper.gripping() as tool:
+        told = len(gripper.device.written)
+        gripper.device.power_up(now_us())
+        wait_until("it is lost", lambda: tool.status.ee == EndEffectorState.GRIP_ERROR)
+        assert len(gripper.device.written) == told
+        dropped = tool.drop()
+        assert dropped.succeeded, dropped.reason
+        assert tool.status.ee == EndEffectorState.STAND_BY
+        wait_until("it is open", lambda: gripper.device.written[-1] == OPEN)
+        assert gripper.device.written[told:] == [(0, 0, 0), (0x0100, 0, 0), OPEN]
+
+
+def test_fingers_that_are_found_half_open_are_opened_by_a_drop(tmp_path: Path) -> None:
+    device = Gripper2F85(now_us())
+    device.position, device.has_part = 100.0, False
+    device.commands, device._activated_at = [0x09, 0, 0, 100, 0xFF, 0xFF], 0
+    with (
+        Rig("gripper_2f85", device, tmp_path) as rig,
+        EndEffector.open(rig.world.description) as tool,
+    ):
+        wait_until("STAND_BY", lambda: tool.status.ee == EndEffectorState.STAND_BY)
+        wait_until("a reading", lambda: tool.status.evidence[0] is Evidence.PARTIAL)
+        refused = tool.grip()
+        assert not refused.succeeded
+        assert "fingers" in refused.reason.lower()
+        assert "Drop" in refused.reason
+        assert device.written == []
+        dropped = tool.drop()
+        assert dropped.succeeded, dropped.reason
+        wait_until("it was told to open", lambda: device.written[-1] == OPEN)
+        assert device.position < 10

@@ -45,6 +45,7 @@ class Far(Board):
         super().__init__()
         self.known, self.trouble, self.written = known, "", list[dict[str, bool]]()
         self.under_way, self.withdrawn, self.acknowledged = False, list[str](), 0
+        self.prepared = list[str]()
 
     def request(self, names: list[str]) -> dict[str, bool]:
         assert names == [FINGERS]
@@ -68,6 +69,9 @@ class Far(Board):
 
     def withdraw(self, lines: Iterable[str], why: str) -> None:
         self.withdrawn += [why for line in lines if line == FINGERS]
+
+    def prepare(self, lines: Iterable[str]) -> None:
+        self.prepared += list(lines)
 
     def troubles(self) -> dict[str, str]:
         return {FINGERS: self.trouble} if self.trouble else {}

@@ -211,7 +211,10 @@ def test_release_error_is_latched_until_a_drop_succeeds(description: Description
     tool.command("drop")
     tool.run(5.0)
     assert tool.status.ee == RELEASE_ERROR
-    assert tool.status.reason == "Everything is deactivated, but Bottom vacuum still shows feedback."
+    assert tool.status.reason.startswith(
+        "Everything is deactivated, but Bottom vacuum still shows feedback: bottom is at -"
+    )
+    assert "; gone means less than 10 kPa below ambient." in tool.status.reason
     assert not any(tool.levels.values())  # nothing is left on
     assert not tool.command("grip").accepted
     assert tool.command("drop").accepted
@@ -225,6 +228,31 @@ def test_release_error_is_latched_until_a_drop_succeeds(description: Description
     assert tool.command("drop").accepted
     tool.run(1.0)
     assert tool.status.ee == STAND_BY
+
+
+def test_a_drop_in_stand_by_releases_once_more_what_is_not_proven_gone_and_nothing_else(
+    description: Description,
+) -> None:
+    tool = ready(description)
+    refused = tool.command("drop")
+    assert not refused.accepted
+    assert "in STAND_BY while something is not proven to be gone" in refused.reason
+    tool.bench.devices["bottom_vacuum"].command(True, tool.at)  # somebody has switched its valve
+    tool.run(1.0)
+    refused = tool.command("grip")
+    assert refused.reason.startswith(
+        "IL-07: Bottom vacuum shows feedback although it is not active: bottom is at -"
+    )
+    assert "gone means less than 10 kPa below ambient" in refused.reason
+    assert "ambient pressure or the zero of the sensor differs" in refused.reason
+    assert refused.reason.endswith("A Drop releases it once more.")
+    edges = len(tool.edges)
+    assert tool.command("drop").accepted
+    assert (tool.status.ee, tool.status.command, tool.status.dropped) == (RELEASING, RELEASE, 0)
+    tool.bench.devices["bottom_vacuum"].command(False, tool.at)
+    tool.run(1.5)
+    assert (tool.status.ee, tool.status.dropped) == (STAND_BY, -1)
+    assert len(tool.edges) == edges
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,9 @@ class Lines:
         self.dead = False
         self.delay_us = 0
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         self.asked.append((dict(levels), tuple(will)))
         return self._wait
 
@@ -61,6 +63,9 @@ class TwoLines:
 
     def levels(self, status: Status) -> dict[str, bool]:
         return dict(zip((A, B), status.outputs, strict=True))
+
+    def dropped(self, status: Status) -> str:
+        return ""
 
     def last_will(self, status: Status, on: str = "process_death") -> tuple[LastWillStep, ...]:
         del on

@@ -49,7 +49,9 @@ class Lines:
     def declared_dead(self) -> bool:
         return False
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         del will
         if self.count is not None and levels:
             self.count.stop()

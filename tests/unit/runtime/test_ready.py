@@ -54,7 +54,8 @@ def test_what_is_in_the_way_is_named(tool: VirtualTool) -> None:
     status = replace(tool.status, evidence=(PARTIAL, GONE, CONFIRMED))
     told = list(missing(tool.description, status, tool.change.status(), SensorHealth({}, None)))
     assert told == [
-        "a grip would be refused, since Bottom vacuum, Top vacuum are not proven to be gone (IL-07)"
+        "a grip would be refused, since Bottom vacuum, Top vacuum are not proven to be gone "
+        "(IL-07): a Drop releases once more"
     ]
 
 

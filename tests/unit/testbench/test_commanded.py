@@ -35,7 +35,15 @@ def test_an_activation_with_an_address_of_its_own_is_one() -> None:
     for row in activation.write:
         assert registers.answer(write_request(RegisterWrite(OUTPUT.unit, 0x0100, row)))
     registers.answer(on)
-    assert obeyed == [(NAME, True)]
+    assert obeyed == [(NAME, False), (NAME, True)], "an activation moves it"
+
+
+def test_a_release_whose_activation_bit_rises_activates_a_device_that_lost_its_power() -> None:
+    registers, obeyed = commanded()
+    registers.start({}, 0)
+    registers.answer(write_request(RegisterWrite(OUTPUT.unit, OUTPUT.address, OUTPUT.command_off)))
+    assert registers.values["activated"] is True
+    assert obeyed == [(NAME, False)] * 2
 
 
 def test_what_is_heard_keeps_it_alive() -> None:

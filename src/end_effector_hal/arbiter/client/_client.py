@@ -111,12 +111,15 @@ class ArbiterClient:
             declared, self._declared_dead = self._declared_dead, False
         return declared
 
-    def set(self, levels: Mapping[str, bool], will: Steps | None = None) -> WriteResult:
+    def set(
+        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
+    ) -> WriteResult:
         """Write some of the lines, at once.
 
         Args:
             levels: True is active.
             will: what the arbiter does should this client die from now on; None: as before.
+            drop: a person asked for what is deactivated; see `LineArbiter.write`.
 
         Raises:
             LineRefusedError: an interlock refuses, its id first in the sentence; nothing has changed.
@@ -129,9 +132,11 @@ class ArbiterClient:
             self._raise_lost()
             if not self._arbiter.connected:
                 self._connect()
-            return self._written(steps, self._begin_set(levels, steps))
+            return self._written(steps, self._begin_set(levels, steps, drop=drop))
 
-    def ask(self, levels: Mapping[str, bool], will: Steps | None = None) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
+    ) -> Callable[[], int]:
         """As `set`, in two parts: this one sends and never waits; the function that it returns waits for the reply.
 
         It returns µs until the write is applied, with all before it (0: it is; IL-10). It must be called once, in any
@@ -139,11 +144,11 @@ class ArbiterClient:
         """
         steps = None if will is None else self._read(will)
         if not self._lock.acquire(blocking=False):
-            return lambda: self.set(levels, steps).delay_us
+            return lambda: self.set(levels, steps, drop=drop).delay_us
         if self._lost is not None or not self._arbiter.connected:
             self._lock.release()
-            return lambda: self.set(levels, steps).delay_us
-        failed = self._begin_set(levels, steps)
+            return lambda: self.set(levels, steps, drop=drop).delay_us
+        failed = self._begin_set(levels, steps, drop=drop)
 
         def wait() -> int:
             try:
@@ -291,11 +296,13 @@ class ArbiterClient:
             lost, self._lost = self._lost, None
             raise lost
 
-    def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None) -> OSError | None:
+    def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool) -> OSError | None:
         """Send it; returns the error if that failed."""
         fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
         # this side gives up after the time-out: it must not be executed later
         fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
+        if drop:
+            fields["drop"] = True
         if will is not None:
             fields["will"] = [step.as_json() for step in will]
         return self._arbiter.send("set", fields)

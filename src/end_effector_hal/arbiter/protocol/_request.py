@@ -26,12 +26,14 @@ will of the one before is executed. A pid would not tell them apart: the arbiter
 namespace of its own, as in a container. Tokens are shown to nobody. While the last will of the client before is
 executed, ``hello`` is refused with the code EE-402 and ``retry_us``: a last will runs to its end first, so that the
 next client adopts lines that do not change. ``set`` is atomic, and leaves a last will (left out: the one before stays
-valid); an empty last will holds. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is
-refused, because its sender has stopped waiting for it. ``renew`` renews the lease and is answered with the latched
-``faults``; any ``set`` renews it, too. ``bye`` ends in order: the last will in it is executed at once, the one left
-before is void. A socket that is closed without it, or a lease that expires, is the death of the client: its last will
-is executed. The last step of a last will is due at most 10 s after the death, or as late as the description of the
-tool needs it.
+valid); an empty last will holds. With ``"drop": true`` a person asked for what it deactivates: that is written also
+where it counts as inactive already, and a device on a bus may be acknowledged and activated before it, as described,
+unless an interlock refuses an activation now. After ``until_us`` (monotonic clock; left out: no limit) the whole
+``set`` is refused, because its sender has stopped waiting for it. ``renew`` renews the lease and is answered with the
+latched ``faults``; any ``set`` renews it, too. ``bye`` ends in order: the last will in it is executed at once, the
+one left before is void. A socket that is closed without it, or a lease that expires, is the death of the client: its
+last will is executed. The last step of a last will is due at most 10 s after the death, or as late as the description
+of the tool needs it.
 
 **Predicates.** The clients that write lines cannot report what the sensors prove. A ``hello`` with the role
 ``sensors`` takes that role for its connection; there is one at a time. Another connection is refused with EE-402 while
@@ -125,6 +127,7 @@ class Request(NamedTuple):
     levels: Mapping[str, bool] = {}
     will: LastWill | None = None
     until_us: int | None = None
+    drop: bool = False
     predicates: Mapping[str, bool] = {}
     at_us: int = 0
     fault: str = ""
@@ -181,11 +184,14 @@ def _read_hello(message: Mapping[str, Any]) -> Request:
 
 def _read_set(message: Mapping[str, Any]) -> Request:
     levels, until_us = message.get("levels", {}), message.get("until_us")
+    drop = message.get("drop", False)
     if not (_is_flags(levels, MOST_LINES) and (levels or "will" in message)):
         raise UsageError(f"levels must be an object of at most {MOST_LINES} line names, each true or false.")
     if until_us is not None and type(until_us) is not int:
         raise UsageError("until_us must be a time in µs.")
-    return Request("set", levels=levels, will=_read_last_will(message), until_us=until_us)
+    if not isinstance(drop, bool):
+        raise UsageError("drop must be true or false.")
+    return Request("set", levels=levels, will=_read_last_will(message), until_us=until_us, drop=drop)
 
 
 def _read_predicates(message: Mapping[str, Any]) -> Request:

@@ -184,8 +184,19 @@ class LineArbiter:
         _log.info("%s (%s) writes %s", client, session.process, ", ".join(lines))
         return session
 
-    def write(self, session: Session, levels: Mapping[str, bool], will: LastWill | None, at: int) -> int:
+    def write(
+        self,
+        session: Session,
+        levels: Mapping[str, bool],
+        will: LastWill | None,
+        at: int,
+        *,
+        drop: bool = False,
+    ) -> int:
         """Set some lines at once, and leave a last will (None: the one before stays valid); none: the will alone.
+
+        ``drop``: a person asked for what is deactivated. It is written also where it is inactive, and the device of a
+        remote line may be acknowledged and activated first, unless an interlock refuses an activation.
 
         Returns:
             µs until it is applied, with all before it; 0: it is applied.
@@ -214,7 +225,7 @@ class LineArbiter:
             self._set_last_will(session, will)
         session.forget_activations(line for line, level in levels.items() if not level)
         if levels:
-            session.queue.append(Write(at, dict(levels)))
+            session.queue.append(Write(at, dict(levels), drop))
         self._apply_due(session, at)
         return max(0, self._lines.last_ready_at(session.queue) - at) if session.queue else 0
 
@@ -476,19 +487,23 @@ class LineArbiter:
         while session.queue and self._lines.ready_at(session.queue[0]) <= at:
             write = session.queue.popleft()
             try:
-                self._lines.set(write.levels, at)
+                if write.drop and self._lines.remote is not None:
+                    off = [line for line, level in write.levels.items() if not level]
+                    self._lines.remote.prepare(x for x in off if not any(self._interlocks.objections(x, at)))
+                self._lines.set(write.levels, at, again=write.drop)
                 session.stuck = ""
             except WireError as error:
                 if off := {line: level for line, level in write.levels.items() if not level}:
-                    self._try_again(session, off, error, at)
+                    self._try_again(session, Write(at + RETRY_US, off, write.drop), error)
                 if len(off) < len(write.levels):
                     raise
 
-    def _try_again(self, session: Session, off: Mapping[str, bool], error: WireError, at: int) -> None:
+    def _try_again(self, session: Session, write: Write, error: WireError) -> None:
         """Nothing behind it happens before it: the order of an unwinding is that of the description. And nothing is
         activated then, for the interlocks were asked when it was written, not when the hardware works again."""
         session.forget_activations(session.lines)
-        session.queue.appendleft(Write(at + RETRY_US, off))
+        session.queue.appendleft(write)
+        off = write.levels
         lines = ", ".join(self.policy.called(line) for line in off)
         behind = sorted({line for write in list(session.queue)[1:] for line in write.levels} - off.keys())
         waits = f" {', '.join(map(self.policy.called, behind))} waits for it." if behind else ""

@@ -52,12 +52,12 @@ class OutputLines:
         self.unbounded = set[str]()
         """Lines that were found active and of which no record says what they drive: no longest time ends them."""
 
-    def set(self, levels: Mapping[str, bool], at: int) -> None:
-        """Write those that have another level; raises WireError."""
+    def set(self, levels: Mapping[str, bool], at: int, *, again: bool = False) -> None:
+        """Write those that have another level, and ``again`` those that are inactive already; raises WireError."""
         changes = {
             line: level
             for line, level in levels.items()
-            if self.levels[line] != level or line in self._half_done
+            if self.levels[line] != level or line in self._half_done or (again and not level)
         }
         if self.coils:
             self.coils.decide(levels)
@@ -138,10 +138,10 @@ class OutputLines:
         """When the last of these writes can be applied, if each is applied as early as it may be, µs."""
         levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
         paused = {line: self.coils.ready_at(line) for line in levels} if self.coils else {}
-        for due, wanted in writes:
+        for due, wanted, again in writes:
             time, switched = max(time, due), []
             for line, level in wanted.items():
-                if levels[line] != level:
+                if levels[line] != level or (again and not level):
                     settled_at = changed_at[line] + self._policy.min_switch_us
                     time = max(time, settled_at, paused.get(line, 0))
                     switched.append(line)

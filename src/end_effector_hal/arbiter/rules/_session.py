@@ -163,10 +163,11 @@ def process_words(pid: int, program: str) -> str:
 
 
 class Write(NamedTuple):
-    """Levels that are applied together, not before ``due`` (µs)."""
+    """Levels that are applied together, not before ``due`` (µs); ``drop``: a person asked for its deactivations."""
 
     due: int
     levels: Mapping[str, bool]
+    drop: bool = False
 
 
 @dataclass(eq=False)
@@ -206,10 +207,10 @@ class Session:
         """Remove from the queue what would activate one of these lines."""
         given_up, queue = set(lines), self.queue
         self.queue = deque()
-        for due, levels in queue:
+        for due, levels, drop in queue:
             left = {name: level for name, level in levels.items() if not (level and name in given_up)}
             if left:
-                self.queue.append(Write(due, left))
+                self.queue.append(Write(due, left, drop))
 
     def queued_level(self, line: str) -> bool | None:
         """The level of a line once the queue is applied; None: no write of this line waits."""

@@ -106,7 +106,9 @@ class RequestHandler:
                 if request.until_us is not None and at > request.until_us:
                     why = f" ({CLOCKS})" if at - request.until_us >= SKEW_US else ""
                     raise ArbiterError(f"this write came too late and was not executed{why}.")
-                return {"delay_us": arbiter.write(session, request.levels, request.will, at)}
+                return {
+                    "delay_us": arbiter.write(session, request.levels, request.will, at, drop=request.drop)
+                }
             case "renew":
                 arbiter.renew(session, at)
                 return {"faults": list(arbiter.predicates.faults.values())}

@@ -18,7 +18,7 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.process import PER_S, Allowance
 from end_effector_hal.runtime import Refused, Result
-from end_effector_hal.vocabulary import OVER, Command, display_name
+from end_effector_hal.vocabulary import OVER, Cause, Command, EndEffectorState, display_name
 from end_effector_hal.wires import now_us
 
 from ._causes import Causes
@@ -269,7 +269,9 @@ def status_lines(description: Description, status: Status) -> Iterator[str]:
     """A tool at a glance."""
     doing = f", executing {status.command.name}" if status.command != Command.NONE else ""
     lost = ", as last known" if status.arbiter_lost else ""
-    held = f"; a part is held{lost}" if status.held else ""
+    unproven = status.cause is Cause.UNPROVEN_AT_START or status.ee is EndEffectorState.OFF
+    held = "; whether a part is held is not known" if unproven else f"; a part is held{lost}"
+    held = held if status.held else ""
     lift = ", lift allowed" if status.lift_allowed else ", lift not allowed" if status.held else ""
     yield f"{description.name}: {status.ee.name}{doing}{held}{lift}"
     seconds = {step.name: step for step in status.steps}

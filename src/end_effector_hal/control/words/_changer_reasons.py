@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description, ToolChanger
-from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds import kind_of, present_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import (
     ChangerFault,
@@ -53,15 +53,18 @@ def loose(description: Description, senses: SensorState, *, unlocking: bool, fau
     return "the tool changer is in FAULT" if fitted and fault else ""
 
 
-def feedback(description: Description, senses: SensorState) -> str:
-    """What speaks against it that nothing is gripped; empty: nothing does."""
-    for name, level in zip(description.sequence, senses.evidence, strict=True):
-        if level is Evidence.UNKNOWN:
-            return f"{display_name(name)} has no valid reading."
-        if level is Evidence.CONFIRMED:
-            return f"{display_name(name)} shows feedback although it is not active."
-        if level is Evidence.PARTIAL:
-            return f"{display_name(name)} is not active, but its feedback is not proven to be gone."
+def feedback(description: Description, senses: SensorState, at: int) -> str:
+    """What speaks against it that nothing is gripped at ``at`` µs, and what to do; empty: nothing does."""
+    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
+        if level is Evidence.GONE:
+            continue
+        what = {
+            Evidence.UNKNOWN: "has no valid reading",
+            Evidence.CONFIRMED: "shows feedback although it is not active",
+        }.get(level, "is not active, but its feedback is not proven to be gone")
+        todo = "Check its sensor." if level is Evidence.UNKNOWN else "A Drop releases it once more."
+        shows = present_words(part, description.supply, senses.readings, at)
+        return f"{display_name(name)} {what}: {shows} {todo}"
     return ""
 
 
@@ -115,7 +118,7 @@ def unlock_blocking(
     if locks.il_01 and at_rest not in _REST:
         said["IL-01"] = f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."
     elif locks.il_01 and not senses.nothing_gripped:
-        said["IL-01"] = f"IL-01: {_not_released(description, changer, senses)}"
+        said["IL-01"] = f"IL-01: {_not_released(description, changer, senses, status.at)}"
     if locks.il_02 and not senses.in_stand:
         bit = changer.stand_bit
         if bit in senses.readings.carried:
@@ -129,8 +132,8 @@ def unlock_blocking(
     return said
 
 
-def _not_released(description: Description, changer: ToolChanger, senses: SensorState) -> str:
-    if present := feedback(description, senses):
+def _not_released(description: Description, changer: ToolChanger, senses: SensorState, at: int) -> str:
+    if present := feedback(description, senses, at):
         return present
     below = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
     limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of, lost_words
+from end_effector_hal.kinds import kind_of, lost_words, present_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, display_name
 
@@ -31,8 +31,9 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
         Cause.NONE: "",
         Cause.LOST: f"{who} was lost.",
         Cause.CANCELLED: "The grip was cancelled.",
-        Cause.STILL_PRESENT: f"Everything is deactivated, but {_present(description, senses)} feedback.",
-        Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone.",
+        Cause.STILL_PRESENT: f"Everything is deactivated, but {_present(description, senses, at)}",
+        Cause.NOT_PROVEN: "Everything is deactivated, but a reading is not valid: it is not proven that all is gone. "
+        + _present(description, senses, at),
         Cause.UNPROVEN_AT_START: "Outputs were active at the start and the sensors do not confirm a grip.",
         Cause.RELEASED_AT_START: "Outputs were active at the start; they are deactivated, as declared.",
     }.get(Cause(cause), "")
@@ -54,18 +55,31 @@ def latched(state: EndEffectorState, reason: str) -> str:
 def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
     """Why maintenance cannot drive outputs in a state; empty: it can."""
     if held:
-        return f"IL-12: a part is held ({_name(state)}): no maintenance, only a Drop releases it."
+        return f"IL-12: a part is held, or may be ({_name(state)}): no maintenance, only a Drop releases it."
     if state is EndEffectorState.STAND_BY:
         return ""
     return f"IL-12: maintenance is possible in STAND_BY only; the end-effector is {_name(state)}."
 
 
-def _present(description: Description, senses: SensorState) -> str:
-    """Whose sensors show that something is gripped."""
-    there = (Evidence.PARTIAL, Evidence.CONFIRMED)
-    pairs = zip(description.sequence, senses.evidence, strict=True)
-    names = [display_name(name) for name, level in pairs if level in there]
-    return f"{', '.join(names) or 'a sensor'} still show{'' if len(names) > 1 else 's'}"
+def _present(description: Description, senses: SensorState, at: int) -> str:
+    """What does not prove that nothing is gripped: of the first actuator with its readings."""
+    pairs = zip(description.ordered, senses.evidence, strict=True)
+    left = [(name, part, level) for (name, part), level in pairs if level is not Evidence.GONE]
+    if not left:
+        return "a sensor still shows feedback."
+    names = ", ".join(display_name(name) for name, _, _ in left)
+    known = any(level is not Evidence.UNKNOWN for _, _, level in left)
+    shows = f" still show{'' if len(left) > 1 else 's'} feedback" if known else ""
+    part = left[0][1]
+    said = f"{names}{shows}: {present_words(part, description.supply, senses.readings, at)}"
+    activation = part.modbus.activation if part.modbus else None
+    ready = senses.readings.get(activation.ready, at) if activation else None
+    if activation is None or ready is None or ready:
+        return said
+    limit = f"{activation.ready_within_s:g} s"
+    return (
+        f"{said} Its device is not activated ({activation.ready} is off); that may take {limit} after a Drop."
+    )
 
 
 def refusal(
@@ -87,7 +101,10 @@ def refusal(
     if command == "drop":
         if state is EndEffectorState.RELEASING:
             return "A release is running already."
-        return f"Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR, RELEASE_ERROR; this is {_name(state)}."
+        return (
+            "Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR and RELEASE_ERROR, and in STAND_BY while "
+            f"something is not proven to be gone; this is {_name(state)}."
+        )
     if command == "cancel":
         return f"There is no running grip to cancel; the end-effector is {_name(state)}."
     if command in ("lock", "unlock", "arm", "reset"):
@@ -105,7 +122,7 @@ def blocking(
     locks, said = description.interlocks, dict.fromkeys(("IL-01", "IL-02", "IL-05", "IL-06", "IL-07"), "")
     if locks.il_07 and (down := senses.readings.down(at)):
         said["IL-07"] = f"IL-07: the {description.sensors_are('not up', down[0].link)}."
-    elif locks.il_07 and (present := feedback(description, senses)):
+    elif locks.il_07 and (present := feedback(description, senses, at)):
         said["IL-07"] = f"IL-07: {present}"
     if (changer := description.tool_changer) is not None:
         if why := loose(description, senses, unlocking=status.unlock_output, fault=fault):

@@ -3,4 +3,4 @@
 from ._detector import ConditionDetector
 from ._judge import ConditionJudge
 from ._presets import part_conditions
-from ._words import shown
+from ._words import asked, shown

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 
+from end_effector_hal.kinds.stanza import Condition
 from end_effector_hal.signals import GAUGE_PRESSURE, ChannelReadings, Measure, MeasuredReadings
 
 
@@ -22,3 +24,24 @@ def _state(value: int | bool | None, measure: Measure) -> str:
     if isinstance(value, bool):
         return "is on" if value else "is off"
     return f"is at {measure.text(value)}"
+
+
+def asked(condition: Condition) -> str:
+    """``cup less than 10 kPa, and part off``: what has to be so."""
+    if condition.not_ is not None:
+        inside = asked(condition.not_)
+        return f"{condition.not_.on} off" if condition.not_.on else f"not ({inside})"
+    if condition.parts:
+        return (", and " if condition.all else ", or ").join(map(asked, condition.parts))
+    if condition.on is not None:
+        return f"{condition.on} on"
+    low, high = condition.span
+    unit = " kPa" if (condition.below_kpa, condition.above_kpa, condition.between_kpa) != (None,) * 3 else ""
+    limits = (
+        f"less than {high:g}"
+        if low == -inf
+        else f"more than {low:g}"
+        if high == inf
+        else f"{low:g} to {high:g}"
+    )
+    return f"{condition.channel} {limits}{unit}"

@@ -13,10 +13,11 @@ Steps = Annotated[tuple[Registers, ...], Field(strict=False, max_length=8)]
 
 
 class Activation(Part):
-    """What a device needs before it obeys. It is done only as the first part of a commanded activation.
+    """What a device needs before it obeys. It is done only as the first part of a commanded activation, or of a Drop.
 
     So nothing moves at a start, after a loss of power or after a fault; and it is not done while another actuator of
-    the same unit may hold a part. `command_off` follows it, then `command_on`.
+    the same unit may hold a part. `command_off` follows it, then `command_on`. A command that has a bit which the last
+    row sets would activate the device, too: it is not written while `ready` is off.
     """
 
     LATER: ClassVar[tuple[str, ...]] = ("address",)
@@ -30,7 +31,7 @@ class Activation(Part):
     )
     ready_within_s: Annotated[float, Field(ge=0.1, le=60)] = Field(
         default=4.0,
-        description="not ready within: the command is given up; less than the timeout_s of the actuator",
+        description="not ready within: the command is given up; less than timeout_s and release_s of the actuator",
     )
 
 
@@ -91,7 +92,7 @@ class RegisterOutput(Part):
     acknowledge: Steps | None = Field(
         default=None,
         description="rows of registers that clear a fault of the device, from `address` on; a reset writes them, while "
-        "no actuator of the unit may hold a part; null: there is nothing to write",
+        "no actuator of the unit may hold a part, and so does a Drop whose device may have one; null: nothing",
     )
     keep_alive_ms: Annotated[int | None, Field(ge=20, le=60_000)] = Field(
         default=None,
@@ -101,6 +102,23 @@ class RegisterOutput(Part):
         default="undefined",
         description="what it does then, by its manual; hold: what is held stays held; keep: it stays as it was",
     )
+
+    @property
+    def activation_bits(self) -> dict[int, int]:
+        """The bits that the last row of its activation sets, and the one before it does not, by their register."""
+        if (activation := self.activation) is None:
+            return {}
+        before, last = ((0,) * len(activation.write[-1]), *activation.write)[-2:]
+        start = self.address if activation.address is None else activation.address
+        rows = enumerate(zip(before, last, strict=False), start)
+        return {at: now & ~was for at, (was, now) in rows if now & ~was}
+
+    @property
+    def commands_activate(self) -> bool:
+        """Whether a command has an activation bit: it would activate a device that is not active."""
+        bits = self.activation_bits
+        rows = [*enumerate(self.command_on, self.address), *enumerate(self.command_off, self.address)]
+        return any(value & bits.get(at, 0) for at, value in rows)
 
     @property
     def output(self) -> str:

@@ -36,10 +36,12 @@ class RecordedLines:
         """Whether the line arbiter has declared this program dead since the last call."""
         return self._lines.declared_dead()
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
         """Begin to write levels, and what to do should this program die."""
         at = now_us()
-        asked = self._lines.ask(levels, will)
+        asked = self._lines.ask(levels, will, drop=drop)
 
         def wait() -> int:
             error = ""

@@ -20,6 +20,9 @@ class OutputMapping(Protocol):
     def levels(self, status: Status) -> dict[str, bool]:
         """Line and level of every output that a status asks for."""
 
+    def dropped(self, status: Status) -> str:
+        """The line that a Drop has deactivated last, until it is over; empty: none."""
+
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line arbiter does at an ending, by its name in the description."""
 
@@ -45,6 +48,10 @@ class GripOutputs:
         blowing = {line: index in status.blowing for line, index in self._blow_offs}
         return dict(zip(self._lines, status.outputs, strict=True)) | blowing
 
+    def dropped(self, status: Status) -> str:
+        """The line of the actuator that a Drop has deactivated last."""
+        return self._lines[status.dropped] if status.dropped >= 0 else ""
+
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line arbiter does at an ending."""
         return self._maintenance.will or self._last_will.of(status, on=on)
@@ -68,6 +75,11 @@ class ChangerOutputs:
         """The level of the unlock line, if the tool has a changer."""
         changer = self._description.tool_changer
         return {changer.line: status.unlock_output} if changer else {}
+
+    def dropped(self, status: Status) -> str:
+        """None: nobody drops a tool."""
+        del status
+        return ""
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
         """What the line arbiter does at an ending."""

@@ -26,8 +26,10 @@ class LineWriter(Protocol):
     def declared_dead(self) -> bool:
         """Whether the line arbiter has declared this program dead since the last call."""
 
-    def ask(self, levels: Mapping[str, bool], will: Sequence[LastWillStep]) -> Callable[[], int]:
-        """Begin to write levels, and what to do should this program die.
+    def ask(
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+    ) -> Callable[[], int]:
+        """Begin to write levels, and what to do should this program die; ``drop``: see `LineArbiter.write`.
 
         What is returned waits for the reply: µs until all that this program has written is applied (IL-10), 0: it is.
         """
@@ -70,6 +72,7 @@ class Outputs:
         self._leased: set[str] = set()
         self._written: dict[str, bool] = {}
         self._unheard: set[str] = set()
+        self._dropped = ""
         self._attempt = 0
         self._asked: _Asked | None = None
         self.lost = False
@@ -109,6 +112,9 @@ class Outputs:
         for number, status in enumerate(statuses):
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
             changes = self._changes(wanted) | self._once_more(wanted, status)
+            before, self._dropped = self._dropped, self.mapping.dropped(status)
+            if drop := self._dropped not in ("", before):
+                changes |= {self._dropped: False}
             if self.objected:  # the automata went on before they knew: nothing comes after what was refused
                 changes = {line: False for line, level in changes.items() if not level}
             self._wanted = wanted
@@ -117,7 +123,7 @@ class Outputs:
             ):
                 continue
             self._undone = {line: level for line, level in self._undone.items() if line not in changes}
-            self._ask({**self._undone, **changes}, will, status.at)
+            self._ask({**self._undone, **changes}, will, status.at, drop=drop)
             return statuses[number + 1 :]
         return ()
 
@@ -184,7 +190,7 @@ class Outputs:
         """Write one line in maintenance; raises WireError."""
         if self.lost:
             raise ArbiterError(self.alarm)
-        self._end({line: active}, lambda: self._lines.ask({line: active}, will)())
+        self._end({line: active}, lambda: self._lines.ask({line: active}, will, drop=not active)())
 
     def lose(self, error: WireError, at: int) -> None:
         """The line arbiter was lost; nothing is written until `agree` has been asked."""
@@ -218,12 +224,14 @@ class Outputs:
             if each.at == status.at
         )
 
-    def _ask(self, changes: dict[str, bool], will: tuple[LastWillStep, ...], at: int) -> None:
+    def _ask(
+        self, changes: dict[str, bool], will: tuple[LastWillStep, ...], at: int, *, drop: bool = False
+    ) -> None:
         if self.lost:
             self._fail(changes)
             return
         try:
-            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will))
+            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will, drop=drop))
         except ReportedError as error:
             self._asked = _Asked(changes, will, at, _nothing, error)
 

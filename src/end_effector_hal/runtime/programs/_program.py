@@ -265,7 +265,7 @@ class Program(ABC):
             return self._obstacle("")
         status = self._adoption.controller.status()
         if status.held:
-            return "A part is held: drop it first."
+            return "A part is held, or may be: drop it first."
         if status.command is not Command.NONE:
             return f"{status.command.label} is under way: wait for its end, or cancel it."
         if status.ee not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):

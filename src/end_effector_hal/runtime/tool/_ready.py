@@ -64,7 +64,7 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
     elif present := _present(description, grip):
         names = ", ".join(map(display_name, present))
         are = "is" if len(present) == 1 else "are"
-        yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07)"
+        yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07): a Drop releases once more"
     if not changer_ready(description, change):
         yield "its sensors do not say whether the tool is locked"
     told = (description.sensors, *map(description.link_name, description.named_links))

@@ -29,6 +29,7 @@ def output_constants(output: RegisterOutput) -> dict[str, int]:
     order = output.handshake.order if output.handshake else ""
     return {
         "ACTIVATION": int(output.activation is not None),
+        "CARRIES": int(output.commands_activate),
         "SHAKE": {"": 0, "before": 1, "after": 2}[order],
         "VERIFY": int(output.verify is not None),
         "RELEASES": int(output.on_link_loss in ("release", "undefined")),

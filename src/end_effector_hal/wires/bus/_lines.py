@@ -135,6 +135,11 @@ class BusLines:
         with self._lock:
             self._outputs.withdraw(lines, why)
 
+    def prepare(self, lines: Iterable[str]) -> None:
+        """See `RemoteLines`."""
+        with self._lock:
+            self._outputs.prepare(lines)
+
     def acknowledge(self) -> None:
         """See `RemoteLines`."""
         with self._lock:
@@ -145,6 +150,8 @@ class BusLines:
         """See `RemoteLines`."""
         with self._lock:
             found = self._outputs.troubles(now_us())
+            unknown = self._outputs.unknown(now_us()) if self._error else frozenset[str]()
+        found = dict.fromkeys(unknown, "is not known: its bus cannot be read") | found
         return {line: f"{why}{f' ({self._error})' if self._error else ''}" for line, why in found.items()}
 
     def filenos(self) -> tuple[int, ...]:

@@ -64,10 +64,13 @@ class BusOutput:
         self._steps: deque[Row | Awaited] = deque()
         self._sent: Row | None = None  # of the last command; its answer is awaited
         self._undecided = False  # whether the device must be activated first is not known yet
+        self._drop = False  # the last command is a Drop: it may acknowledge and activate the device first
+        self._doubtful = False  # it was not known to grip as it was commanded, before the last command
         self._was_off = False  # before the last command
         self._waits = False  # for an activation of its device that another output has begun
         self._open = stanza.handshake is not None  # a handshake may have begun and not ended
         self._repeats = False  # a handshake of this command has begun again
+        self._activates = stanza.commands_activate
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = self._written_at = 0
         self._reports: dict[str, tuple[bool, int, int]] = {}
@@ -77,9 +80,14 @@ class BusOutput:
         """Whether something of the last command is not done yet."""
         return bool(self._steps) or self._undecided
 
-    def command(self, level: bool, at: int) -> None:
-        """What it is to be from now on; what was still to be done is forgotten."""
+    def command(self, level: bool, at: int, *, drop: bool = False) -> None:
+        """What it is to be from now on; what was still to be done is forgotten.
+
+        ``drop``: a person asked for this release. It may acknowledge and activate the device first.
+        """
+        self._doubtful = self.level is not True or self.known(at) is not True
         self._was_off, self._waits = self.known(at) is False, False
+        self._drop = drop and not level
         # not before a late answer to the write before would be noise
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
@@ -87,11 +95,14 @@ class BusOutput:
         self.refusal = ""
         self._sent = None  # the device may have restarted since, and have lost what it had
         activation, handshake = self.stanza.activation, self.stanza.handshake
-        self._undecided = level and activation is not None
+        # a command that would activate the device is not written before that shows that it is active
+        asks = level or self._drop or self._activates
+        self._undecided = (activation is not None and asks) or (self._drop and bool(self.stanza.acknowledge))
         limit_s = activation.ready_within_s if activation else 0.0
         limit_s += handshake.within_s * (2 if activation else 1) if handshake else 0.0
-        # what shall release does so, however late
-        self._give_up_at = at + GIVE_UP_US + round(limit_s * 1e6) if level else None
+        # what shall release does so, however late; but it activates nothing late
+        ends = level or (self._drop and activation is not None)
+        self._give_up_at = at + GIVE_UP_US + round(limit_s * 1e6) if ends else None
         self._steps = deque([] if self._undecided else self._told(level))
 
     def may_hold(self, at: int) -> bool:
@@ -100,12 +111,13 @@ class BusOutput:
 
     def acknowledge(self, at: int) -> None:
         """A fault of the device is cleared; nothing of it may hold a part."""
-        if (rows := self.stanza.acknowledge) is None:
+        if self.stanza.acknowledge is None:
             return
         self._commanded_at = self._progress_at = at
         # a device with a fault may not have obeyed a release
-        off = self._told(level=False) if self.level is False else []
-        self._steps = deque([*(Row(self.stanza.address, row) for row in rows), *off])
+        self._drop, self._undecided = False, self.level is False and self._activates
+        off = self._told(level=False) if self.level is False and not self._undecided else []
+        self._steps = deque([*self._clears, *off])
 
     def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
         """What the channels of the bus show at ``at``; it was asked for from ``asked_at`` on, by several reads."""
@@ -149,33 +161,28 @@ class BusOutput:
             )
             late = step.late if isinstance(step, Awaited) else unheard
             self._give_up(NOT_READY if self.activates else late)
-        activation = self.stanza.activation
-        ready = self.reported(activation.ready, at) if activation else None
-        if activation is not None and self._undecided and ready is not None:
-            if not ready and is_activated and self.begins:
-                self._waits = True
-                return
-            self._undecided = False
-            if ready:
-                off = self._told(level=False) if self._waits else []
-                self._steps.extend([*off, *self._told(level=True)])
-            elif others_may_hold:
-                self._give_up("the device must be activated, and another actuator of it may hold a part")
-            else:
-                start = self.stanza.address if activation.address is None else activation.address
-                self._steps.extend(Row(start, row) for row in activation.write)
-                self._steps.append(Awaited(activation.ready, True, NOT_READY))
-                self._steps.extend([*self._told(level=False), *self._told(level=True)])
         self._look(at)
+        ready = self._ready(at)
+        if (
+            ready is False
+            and self._activates
+            and self._is_told
+            and not (self.activates or self._undecided or self.why)
+        ):
+            # it was restarted since: what is still to be written would activate it
+            self._undecided, self._sent = True, None
+            self._steps.clear()
+        if self._undecided and (ready is not None or not (self.level or self._activates)):
+            self._decide(ready=ready is not False, others_may_hold=others_may_hold, is_activated=is_activated)
 
     def withdraw(self, why: str) -> None:
         """An activation that is not done yet is not done any more; what the device has done of it stays."""
-        if self.level and self.pending and not self.why:
+        if self._may_activate and not self.why:
             self._give_up(why)
 
     def lasts(self, at: int) -> bool:
         """Whether an activation has been under way for longer than one write takes."""
-        return bool(self.level) and self.pending and not self.why and at - self._commanded_at > RETRY_US
+        return self._may_activate and not self.why and at - self._commanded_at > RETRY_US
 
     def next_row(self, at: int) -> Row | None:
         """What is to be written now."""
@@ -231,6 +238,51 @@ class BusOutput:
         times += [self._give_up_at] if self._give_up_at is not None and self.pending else []
         return min(times, default=None)
 
+    @property
+    def _may_activate(self) -> bool:
+        """Whether something of the last command that is not done yet may activate."""
+        may = bool(self.level) or (self._drop and self.stanza.activation is not None)
+        return self.pending and may
+
+    @property
+    def _is_told(self) -> bool:
+        """Whether a command is still to be written."""
+        commands = self.stanza.command_on, self.stanza.command_off
+        return any(isinstance(step, Row) and step.values in commands for step in self._steps)
+
+    @property
+    def _clears(self) -> list[Row]:
+        """What clears a fault of the device."""
+        return [Row(self.stanza.address, row) for row in self.stanza.acknowledge or ()]
+
+    def _ready(self, at: int) -> bool | None:
+        """Whether the device is activated, as far as it needs that; None: it has not said so lately."""
+        activation = self.stanza.activation
+        return self.reported(activation.ready, at) if activation else True
+
+    def _decide(self, *, ready: bool, others_may_hold: bool, is_activated: bool) -> None:
+        """What comes before the command, as the device is now; a release that must not activate it waits."""
+        if not ready and is_activated and (not self.level or self.begins):
+            self._waits = bool(self.level)
+            return
+        clears = self._clears if self._drop and (self._doubtful or not ready) and not others_may_hold else []
+        prepares = not ready and (bool(self.level) or (self._drop and not others_may_hold))
+        if not ready and not prepares and self._activates:
+            return
+        self._undecided = False
+        if prepares and others_may_hold:
+            self._give_up("the device must be activated, and another actuator of it may hold a part")
+            return
+        activation = self.stanza.activation
+        if prepares and activation is not None:
+            start = self.stanza.address if activation.address is None else activation.address
+            self._steps.extend([*clears, *(Row(start, row) for row in activation.write)])
+            self._steps.append(Awaited(activation.ready, True, NOT_READY))
+        else:
+            self._steps.extend(clears)
+        off_first = bool(self.level) and (not ready or self._waits)
+        self._steps.extend([*(self._told(level=False) if off_first else []), *self._told(bool(self.level))])
+
     def _is_answer(self, channel: str) -> bool:
         """Whether a report was asked for after the last write: what was read before it says nothing of it."""
         return self._reports[channel][2] > self._written_at
@@ -275,13 +327,26 @@ class BusOutput:
         late = self._repeats or at - self._progress_at > DOUBT_US
         if not late or self.activates:
             return ""
+        if self._undecided and not self.level:
+            known = self._ready(at) is not None
+            return (
+                "is to be deactivated, and its device is not activated, so that it would not obey: a Drop or a grip "
+                "activates it first"
+                if known
+                else "is to be deactivated, and its device does not say whether it is activated"
+            )
         shakes = self._repeats or (bool(self._steps) and isinstance(self._steps[0], Awaited))
         why = "its device does not answer the handshake" if shakes else "no device acknowledges it"
         why = f"its device refuses it with {self.refusal}" if self.refusal and not shakes else why
         return f"is to be {'activated' if self.level else 'deactivated'}, and {why}"
 
     def _give_up(self, why: str) -> None:
-        self.why, self._undecided, self._give_up_at = why, False, None
+        self._give_up_at = None
+        if not self.level:  # it is released as soon as that activates nothing
+            self._drop, self._undecided = False, True
+            self._steps.clear()
+            return
+        self.why, self._undecided = why, False
         handshake = self.stanza.handshake
         # or the device would take later what was asked of it
         self._steps = deque([self._control(handshake.end)] if handshake and self._open else [])

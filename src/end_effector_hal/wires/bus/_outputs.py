@@ -25,12 +25,18 @@ class BusOutputs:
 
     def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
+        self._drops = set[str]()
         self._sent: list[BusOutput] = []  # those of the write that is on its way
+
+    def prepare(self, names: Iterable[str]) -> None:
+        """The next deactivation of these is a Drop; see `BusOutput.command`."""
+        self._drops |= self._outputs.keys() & set(names)
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """These levels, from now on."""
         for name, level in levels.items():
-            self._outputs[name].command(level, at)
+            self._outputs[name].command(level, at, drop=name in self._drops)
+        self._drops -= levels.keys()
 
     def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
         """What the channels of the bus show; see `BusOutput.report`."""
@@ -43,7 +49,10 @@ class BusOutputs:
             others = self._others(each)
             each.advance(
                 at,
-                others_may_hold=any(not o.begins and o.known(at) is not False for o in others),
+                others_may_hold=any(
+                    not o.begins and o.known(at) is not False if each.level else o.may_hold(at)
+                    for o in others
+                ),
                 is_activated=any(other.activates for other in others),
             )
 
@@ -96,6 +105,12 @@ class BusOutputs:
         """The levels of those of which somebody knows how they stand."""
         found = {name: each.known(at) for name, each in self._outputs.items()}
         return {name: level for name, level in found.items() if level is not None}
+
+    def unknown(self, at: int) -> frozenset[str]:
+        """Those that nobody has commanded, and whose device has said nothing."""
+        return frozenset(
+            name for name, each in self._outputs.items() if each.level is None and each.known(at) is None
+        )
 
     def troubles(self, at: int) -> dict[str, str]:
         """What is wrong, a clause by output."""

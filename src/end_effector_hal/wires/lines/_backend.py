@@ -72,6 +72,10 @@ class RemoteLines(Protocol):
         """Activations of these that are not done yet are not done any more; ``why``: a clause."""
         ...
 
+    def prepare(self, lines: Iterable[str]) -> None:
+        """The next deactivation of these is a Drop: their devices may be acknowledged and activated before it."""
+        ...
+
     def acknowledge(self) -> None:
         """Faults of the devices are cleared, where that moves nothing that may be held; somebody resets."""
         ...

@@ -85,6 +85,12 @@ class ComposedLines:
         for each in self._remote:
             each.withdraw(named, why)
 
+    def prepare(self, lines: Iterable[str]) -> None:
+        """The next deactivation of these is a Drop."""
+        named = frozenset(lines)
+        for each in self._remote:
+            each.prepare(named)
+
     def acknowledge(self) -> None:
         """Faults of all devices are cleared."""
         for each in self._remote:

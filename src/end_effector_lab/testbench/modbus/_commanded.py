@@ -13,6 +13,9 @@ from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer,
 class CommandedRegisters:
     """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
 
+    A device that is not active activates itself where its activation bits rise, whatever the row that has them is for;
+    that moves it: it lets go. Its activation bits are those that the last row of its activation sets.
+
     With a handshake it obeys a command only when that was held before it, or is held after it, as the description says.
 
     An output whose `on_link_loss` is release goes off when its unit has heard nothing for `keep_alive_ms`.
@@ -26,6 +29,8 @@ class CommandedRegisters:
         self._outputs, self._obey = outputs, obey
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
+        self._registers: dict[tuple[int, int], int] = {}
+        """Those that have activation bits, as they were written."""
         self._heard_at: dict[int, int] = {}
         self._taken: set[str] = set()
         self._handed: set[str] = set()
@@ -37,6 +42,11 @@ class CommandedRegisters:
         """As they stand at ``at`` (µs), when the device is looked at first; one that is active was activated before."""
         self._levels = {name: levels.get(name, False) for name in self._outputs}
         self._activated = {self._outputs[name].unit for name, level in self._levels.items() if level}
+        self._registers = {
+            (each.unit, address): bits if each.unit in self._activated else 0
+            for each in self._outputs.values()
+            for address, bits in each.activation_bits.items()
+        }
         self._heard_at = {each.unit: at for each in self._outputs.values()}
         self._taken, self._handed, self._staged = set(), set(), {}
 
@@ -93,6 +103,7 @@ class CommandedRegisters:
 
     def _done(self, request: RegisterRequest) -> bool:
         values, coils, left = request.values or (), request.function in (5, 15), set(range(request.size))
+        self._rise(request.unit, request.address, () if coils else values)
         for name, each in self._outputs.items():
             start = each.address - request.address
             if each.unit != request.unit or coils != (each.register_type == "coil"):
@@ -105,7 +116,7 @@ class CommandedRegisters:
             if activation and values in activation.write and request.address == _address(activation, each):
                 left.clear()
                 if values == activation.write[-1]:
-                    self._activated.add(each.unit)
+                    self._activate(each.unit)
                 else:
                     self._activated.discard(each.unit)
                 continue
@@ -117,6 +128,22 @@ class CommandedRegisters:
                 if each.activation is None or each.unit in self._activated:
                     self._command(name, row == each.command_on)
         return not left
+
+    def _rise(self, unit: int, address: int, values: tuple[int, ...]) -> None:
+        """Whether what is written makes activation bits rise."""
+        for each in self._outputs.values():
+            bits = {(unit, at): most for at, most in each.activation_bits.items() if each.unit == unit}
+            were = all(self._registers[at] & most == most for at, most in bits.items())
+            written = {(unit, address + i): value for i, value in enumerate(values)}
+            self._registers |= {at: value for at, value in written.items() if at in bits}
+            if bits and not were and all(self._registers[at] & most == most for at, most in bits.items()):
+                self._activate(unit)
+
+    def _activate(self, unit: int) -> None:
+        for name, each in self._outputs.items():
+            if each.unit == unit and unit not in self._activated:
+                self._switch(name, level=False)
+        self._activated.add(unit)
 
     def _shakes(self, name: str, address: int, values: tuple[int, ...]) -> bool:
         """Whether this is a step of its handshake, which has been done then."""

@@ -15,11 +15,15 @@ from timed_automata.explore import Explorer
 
 MS = 1000
 OUT = "out"
-ON, OFF, ASK, END, RISE, CLEAR = (1,), (2,), (3,), (4,), (5,), (6,)
+ON, OFF, ASK, END, RISE, CLEAR = (1, 1), (2, 1), (3, 0), (4, 0), (5, 1), (6, 0)
 PLAIN = RegisterOutput(address=0, command_on=ON, command_off=OFF, acknowledge=(CLEAR,))
 ACTIVATED = PLAIN.model_copy(
     update={"verify": "told", "activation": Activation(write=(RISE,), ready="ready", ready_within_s=0.5)}
 )
+APART = ACTIVATED.model_copy(
+    update={"activation": Activation(address=9, write=(RISE,), ready="ready", ready_within_s=0.5)}
+)
+"""No command has an activation bit."""
 SHAKEN = PLAIN.model_copy(
     update={"handshake": Handshake(request=ASK, taken="taken", end=END, order="before", within_s=0.3)}
 )
@@ -27,7 +31,7 @@ AFTER = PLAIN.model_copy(
     update={"handshake": Handshake(request=ASK, taken="taken", end=END, order="after", within_s=0.3)}
 )
 CHANNELS = (
-    *(f"{name}[{index}]" for name, most in (("ask", 2), ("goes", 7)) for index in range(most)),
+    *(f"{name}[{index}]" for name, most in (("ask", 3), ("goes", 7)) for index in range(most)),
     *("withdraw", "reset", "done", "look", "report", "falls", "starts"),
 )
 
@@ -61,13 +65,21 @@ class OutputRun:
     def asks(self) -> None:
         known = self.outputs.known(self.at * MS).get(OUT)
         here = self.level if self.level is not None else known is not False
-        self.level = not here
-        self._event(f"ask[{int(self.level)}]")
-        self.outputs.command({OUT: self.level}, self.at * MS)
+        self._commands(level=not here)
+
+    def drops(self) -> None:
+        self._commands(level=False, drop=True)
+
+    def _commands(self, *, level: bool, drop: bool = False) -> None:
+        self.level = level
+        self._event(f"ask[{2 if drop else int(level)}]")
+        self.outputs.prepare([OUT] if drop else [])
+        self.outputs.command({OUT: level}, self.at * MS)
         self._look()
 
     def withdraws(self) -> None:
-        if self.outputs.pending and self.level and not self.outputs._outputs[OUT].why:
+        mine = self.outputs._outputs[OUT]
+        if mine._may_activate and not mine.why:
             self._event("withdraw")
             self.outputs.withdraw([OUT], "an interlock")
             self._look()
@@ -99,7 +111,7 @@ class OutputRun:
         if outcome != "lost":
             self._reach(write)
         for _ in range(self.chooser.choice([0, 0, 0, 0, 1, 2])):
-            self.asks()  # while the answer is on its way
+            self.chooser.choice([self.asks, self.asks, self.drops])()  # while the answer is on its way
         self.wait(10)
         self.read_first = True
         if outcome == "done":
@@ -179,8 +191,17 @@ def random_output_run(output: RegisterOutput, seed: int) -> OutputRun:
     run = OutputRun(output, random.Random(seed))
     for _ in range(run.chooser.randrange(10, 40)):
         happens = run.chooser.choices(
-            [run.asks, run.withdraws, run.resets, run.reads, run.writes, run.falls, lambda: run.wait(400)],
-            [6, 1, 2, 20, 20, 1, 1],
+            [
+                run.asks,
+                run.drops,
+                run.withdraws,
+                run.resets,
+                run.reads,
+                run.writes,
+                run.falls,
+                lambda: run.wait(400),
+            ],
+            [6, 3, 1, 2, 20, 20, 1, 1],
         )[0]
         happens()
     return run

@@ -17,10 +17,11 @@ from end_effector_hal.verification.proof import prove
 from end_effector_hal.wires.bus._output import BusOutput
 from tests.support.nightly import first_of
 from tests.unit.figures.layout_faults import layout_faults
-from tests.unit.verification.bus.output_runs import ACTIVATED, PLAIN, model_text, random_output_run
+from tests.unit.verification.bus.output_runs import ACTIVATED, APART, PLAIN, model_text, random_output_run
 from tests.unit.verification.mutants.conftest import Shipped
 from tests.unit.verification.mutants.mutants import Mutant
-from timed_automata import load_document, load_network
+from timed_automata import load_document, load_network, make_network, read_document
+from timed_automata.explore import Explorer
 
 pytestmark = pytest.mark.timeout(900)
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[4]
@@ -54,6 +55,20 @@ def test_what_the_code_does_is_a_run_of_the_network(seed: int) -> None:
 @pytest.mark.parametrize("seed", first_of([1, 0, 2, 3, 4, 5], 1, 1))
 def test_with_an_activation_it_is_one_too(seed: int) -> None:
     assert random_output_run(ACTIVATED, seed).is_one_of(model_text())
+
+
+@pytest.mark.parametrize("seed", first_of(range(6), 1, 1))
+def test_where_no_command_activates_it_is_one_too(seed: int) -> None:
+    assert random_output_run(APART, seed).is_one_of(model_text())
+
+
+def test_a_release_that_does_not_look_whether_the_device_is_active_would_activate_it() -> None:
+    """As every release was written, of gripper_2f85 for one: its rows have rACT set."""
+    text, old = model_text(), "level == 1 || CARRIES == 1) || drops;"
+    assert old in text
+    text = text.replace(old, "level == 1) || drops;")
+    wrong = make_network(read_document(text.encode(), "old.xml"), {"ACTIVATION": 1, "VERIFY": 0})
+    assert not Explorer(wrong).check("A[] !rash").holds
 
 
 def _believes_every_acknowledgement(self: BusOutput, at: int) -> None:

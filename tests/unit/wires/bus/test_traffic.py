@@ -113,9 +113,38 @@ def test_an_activation_that_nobody_acknowledges_is_given_up_and_never_done_later
     bus.to(bus.at + 20 * S)
     assert gripper.written[-1] == (0x0900, 0, 0xFFFF)
     assert bus.outputs.known(bus.at) == {}  # it was commanded, and its device says otherwise
+    told = len(gripper.written)
     bus.command(False)
     bus.to(bus.at + 1 * S)
+    assert (
+        len(gripper.written) == told
+    )  # it has a fault that its activation clears, and a release has its bit
+    assert "a Drop or a grip activates it first" in bus.outputs.troubles(bus.at)[FINGERS]
+    bus.outputs.prepare([FINGERS])
+    bus.command(False)
+    bus.to(bus.at + 3 * S)
+    assert gripper.written[told:] == [(0, 0, 0), (0x0100, 0, 0), (0x0900, 0, 0xFFFF)]
     assert bus.outputs.known(bus.at) == {FINGERS: False}
+
+
+def test_only_a_drop_activates_a_device_that_lost_its_power_and_never_late(
+    bus: Bus, gripper: Gripper2F85
+) -> None:
+    activated(bus, gripper)
+    gripper.power_up(bus.at)
+    told = len(gripper.written)
+    bus.to(bus.at + 100 * MS)
+    bus.command(False)
+    bus.to(bus.at + 60 * S)
+    assert len(gripper.written) == told
+    bus.server = RtuServer({})
+    bus.to(bus.at + 1 * S)
+    bus.outputs.prepare([FINGERS])
+    bus.command(False)
+    bus.to(bus.at + 30 * S)
+    bus.server = RtuServer({9: gripper})
+    bus.to(bus.at + 30 * S)
+    assert len(gripper.written) == told, "it was activated long after the Drop"
 
 
 @pytest.mark.parametrize(
