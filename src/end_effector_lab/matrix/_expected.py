@@ -8,7 +8,8 @@ Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost
 Rule 3: After an unwinding or a release the tool is at rest if all that was engaged is proven gone, else RELEASE_ERROR.
 Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm, and
     so is a tool that is not locked, or absent.
-Rule 5: A cancel counts in a grip only, a drop while something is held or latched; other commands then are refused.
+Rule 5: A cancel counts in a grip only, a drop while something is held, latched, or not proven gone at rest; other
+    commands then are refused.
     Right after the first activation, before its line may be deactivated (IL-10), the last reading may still prove
     that nothing is there.
 Rule 6: The death of the gripping program has the declared ending; the program that starts again adopts what it finds.
@@ -191,6 +192,9 @@ class _Rules:
                 return self._from_rest()
             if command in ("kill tool_change", "kill arbiter"):
                 return {Outcome.AT_REST, Outcome.REFUSED}, "nothing moves"
+            if command == "drop" and self._refusals():
+                homed = {Outcome.RELEASED, Outcome.STILL_THERE}
+                return {Outcome.AT_REST, Outcome.REFUSED} | homed, "rule 5, what is not proven gone"
             return {Outcome.AT_REST, Outcome.REFUSED}, "nothing is begun"
         if not self._goes_on:
             return self._dies()

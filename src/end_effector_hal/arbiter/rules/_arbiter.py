@@ -488,8 +488,10 @@ class LineArbiter:
             write = session.queue.popleft()
             try:
                 if write.drop and self._lines.remote is not None:
-                    off = [line for line, level in write.levels.items() if not level]
-                    self._lines.remote.prepare(x for x in off if not any(self._interlocks.objections(x, at)))
+                    lines = [line for line, level in write.levels.items() if not level]
+                    self._lines.remote.prepare(
+                        each for each in lines if not any(self._interlocks.objections(each, at))
+                    )
                 self._lines.set(write.levels, at, again=write.drop)
                 session.stuck = ""
             except WireError as error:

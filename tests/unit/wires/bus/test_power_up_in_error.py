@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.unit.wires.bus.played_bus import MS, S, Bus, described
+from tests.unit.wires.bus.played_bus import MS, Bus, S, described
 
 TOOL = """
 schema: 2
