@@ -229,7 +229,7 @@ def test_only_wrong_frames_are_a_silence(description: Description) -> None:
 def test_a_frame_from_the_future_proves_nothing_to_the_line_owner(description: Description) -> None:
     codec = get_codec(description.link.codec)
     predicates = Predicates(description, codec)
-    locked: dict[str, Value] = {"locked": True, "unlocked": False}
+    locked: dict[str, Value] = {"locked": True, "unlocked": False, "tool_present": True}
     for at in range(1_000_000, 1_200_000, 20_000):
         assert predicates.frame(Frame(YEAR_2038, None, None, locked), at) == {}
         assert predicates.frame(Frame(at, None, None, {**locked, "locked": False}), at)["locked"] is False
@@ -243,7 +243,7 @@ def test_the_publisher_sends_no_stamp_that_is_ahead_of_now(
     now = [1_000_000]
     publisher = PredicatePublisher(description, clock=lambda: now[0])
     monkeypatch.setattr(publisher._sender, "send", lambda said, at: told.append(at) or True)
-    values: dict[str, Value] = {"locked": True, "unlocked": False}
+    values: dict[str, Value] = {"locked": True, "unlocked": False, "tool_present": True}
     publisher.frame(Frame(YEAR_2038, None, None, values))
     assert told == []
     for _ in range(10):
