@@ -50,7 +50,9 @@ def test_a_description_is_taken_over_at_rest_and_a_held_part_keeps_the_old_one(
         return "GRIP: succeeded" in terminal.text[at - 20 : at]
 
     wait_until("a grip", grips)
-    edit(world, "SODIMM_208", "SODIMM_209")  # what the line arbiter would refuse: drop first, before anything else
+    edit(
+        world, "SODIMM_208", "SODIMM_209"
+    )  # what the line arbiter would refuse: drop first, before anything else
     terminal.type("reload\n")
     at = terminal.read_until(
         r"refused: reload\. A part is held: drop it first\. The description that runs stays", after=at

@@ -162,7 +162,13 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
     and blow-offs.
     """
     early, twice = _ends_too_early(description, codec), _read_twice(description, codec)
-    return [*early, *twice, *overlapping_evidence(description), *_cut_e_stop(description), *_blow_offs(description)]
+    return [
+        *early,
+        *twice,
+        *overlapping_evidence(description),
+        *_cut_e_stop(description),
+        *_blow_offs(description),
+    ]
 
 
 def _cut_e_stop(description: Description) -> Iterator[str]:
