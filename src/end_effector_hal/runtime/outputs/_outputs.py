@@ -112,7 +112,8 @@ class Outputs:
         for number, status in enumerate(statuses):
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
             changes = self._changes(wanted) | self._once_more(wanted, status)
-            before, self._dropped = self._dropped, self.mapping.dropped(status)
+            before = self._dropped
+            self._dropped = self.mapping.dropped(status) if status.dropped >= 0 else ""
             if drop := self._dropped not in ("", before):
                 changes |= {self._dropped: False}
             if self.objected:  # the automata went on before they knew: nothing comes after what was refused
