@@ -99,6 +99,13 @@ def test_a_reading_that_turns_stale_as_the_peer_is_heard_of_is_seen() -> None:
     assert played("grip; wait 6; kill grip; start grip; wait 18; scenario silent-after:0") == {}
 
 
+def test_a_tool_that_vanishes_is_judged() -> None:
+    """A leave to lift, and a grip, while there is no tool or the tool changer is in FAULT (IL-05)."""
+    assert played("grip; wait 4; scenario no-tool; wait 3; scenario nominal; wait 2; drop") == {}
+    assert played("scenario no-tool; wait 3; grip; wait 2; lock") == {}
+
+
+
 def test_a_sensor_fault_outlives_a_reset_that_was_refused() -> None:
     """A campaign has found it: the line arbiter forgot the fault until the program latched it again."""
     assert played("scenario unlocked-shows:tool_changer:1; wait 8; reset; end hal") == {}
