@@ -105,7 +105,8 @@ class _OfDeclarations:
         self.used = set().union(*(of[name] for name in templates))
         calling = set().union(*of.values())
         called = {name for each in functions.values() for name in _names(each.body)}
-        self.used |= functions.keys() - calling - called
+        self.alone = functions.keys() - calling - called  # only queries, or a program, ask them
+        self.used |= self.alone
         for function in reversed(functions.values()):  # what a function calls is declared before it
             if function.name in self.used:
                 self.used |= _names(function.body)
@@ -113,7 +114,8 @@ class _OfDeclarations:
     def mutants(self) -> Iterator[Mutant]:
         for each in self.declared:
             if isinstance(each, ast.FunctionDefinition) and each.name in self.used:
-                yield from self._made(f"function {each.name}", in_function(each))
+                who = ", which no template calls" if each.name in self.alone else ""
+                yield from self._made(f"function {each.name}{who}", in_function(each))
             elif isinstance(each, ast.Variables) and each.type.base in ("int", "bool"):
                 for one in each.declarators:
                     if one.name in self.used and one.name not in self.given:

@@ -170,7 +170,10 @@ def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
     if baseline.stays_off(mutant, network):
         return MutantVerdict(mutant, MutantOutcome.OFF)
     same = MutantOutcome.OFF if baseline.off(mutant) else MutantOutcome.EQUIVALENT
-    if baseline.reached.equivalent(network, most_pairs=_FEW):  # where it differs this is seen at once
+    asked_only = not mutant.template and mutant.element.endswith("no template calls")  # moves nothing
+    if not asked_only and baseline.reached.equivalent(
+        network, most_pairs=_FEW
+    ):  # where it differs this is seen at once
         return MutantVerdict(mutant, same)
     requirements = baseline.asked
     try:
@@ -187,7 +190,9 @@ def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
         return MutantVerdict(mutant, MutantOutcome.CAUGHT, by, baseline.variant)
     if found.ended:
         return MutantVerdict(mutant, MutantOutcome.OPEN)
-    return MutantVerdict(mutant, same if baseline.reached.equivalent(network) else MutantOutcome.SURVIVES)
+    return MutantVerdict(
+        mutant, same if not asked_only and baseline.reached.equivalent(network) else MutantOutcome.SURVIVES
+    )
 
 
 def _overview(
