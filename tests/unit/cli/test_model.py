@@ -119,6 +119,37 @@ def test_every_fault_is_a_line_with_its_place() -> None:
 
 
 @pytest.mark.parametrize(
+    ("query", "message"),
+    [
+        ("Pr[&lt;=9](&lt;&gt; Lamp.On)", "'Pr[<=9](<> Lamp.On)', a query of statistical model checking"),
+        ("A[] z", "'z' is not declared."),
+    ],
+)
+def test_a_query_that_cannot_be_asked_leaves_the_rest_told(query: str, message: str) -> None:
+    more = (
+        f"<query><formula>{query}</formula></query><query><formula>// only a note</formula></query></queries>"
+    )
+    Path("bad.xml").write_text(LAMP.replace("</queries>", more), encoding="utf-8")
+    result = run("check", "bad.xml")
+    assert result.exit_code == 4
+    assert result.stdout.startswith("bad.xml is valid: 1 processes, 2 locations, 2 edges\n")
+    assert "query      A[] x >= 0   Time passes.\n" in result.stdout
+    assert "only a note" not in result.stdout
+    fault, count = result.stderr.splitlines()
+    assert re.match(r"bad\.xml:8:\d+: ", fault)
+    assert message in fault
+    assert count == "1 of 2 queries cannot be asked."
+    answer = json.loads(run("check", "bad.xml", "--json").stdout)
+    assert (answer["ok"], answer["exit_code"], len(answer["faults"]), len(answer["queries"])) == (
+        False,
+        4,
+        1,
+        2,
+    )
+    assert answer["clocks"] == ["x"]
+
+
+@pytest.mark.parametrize(
     ("content", "message"),
     [
         (b"", "The file is empty|no element found"),
@@ -208,9 +239,8 @@ def test_the_requirements_that_need_an_edge_are_printed() -> None:
 
 def test_no_template_overwrites_another() -> None:
     template = LAMP[LAMP.index("<template>") : LAMP.index("</template>") + 11]
-    Path("two.xml").write_text(
-        LAMP.replace(template, template + template.replace("Lamp", "lamp")), encoding="utf-8"
-    )
+    second = re.sub('="([ab])"', r'="second_\1"', template.replace("Lamp", "lamp"))
+    Path("two.xml").write_text(LAMP.replace(template, template + second), encoding="utf-8")
     assert run("show", "--model", "two.xml", "-o", "out").exit_code == 0
     assert sorted(path.name for path in Path("out").glob("*.svg")) == ["Lamp.svg", "lamp_.svg"]
 

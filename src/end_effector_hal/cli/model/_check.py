@@ -26,7 +26,8 @@ def check(file: Path | None, as_json: bool) -> None:
     """Type-check a UPPAAL file, or that of a description with its constants put in.
 
     Every fault is a line on stderr, file:line:column: what is wrong, and the exit code is 2. Without faults:
-    the processes, the clocks, the channels with both their ends, and the queries.
+    the processes, the clocks, the channels with both their ends, and the queries. Where only queries cannot be asked,
+    they are named on stderr, all else is listed, and the exit code is 4.
     """
     from end_effector_hal.description import profile_path
 
@@ -35,14 +36,20 @@ def check(file: Path | None, as_json: bool) -> None:
         network, faults = _read(path)
     except ReportedError as error:
         network, faults = None, [error]
-    if network is None:
-        _tell_faults(path, faults, as_json)
-        sys.exit(2)
+    exit_code = 2 if network is None else 4 if faults else 0
+    told = [each for fault in faults for each in fault.diagnostics]
     if as_json:
-        print_document(_document(path, network))
-    else:
+        begin = {"file": str(path), "ok": not told, "exit_code": exit_code}
+        begin["faults"] = [each.as_json() for each in told]
+        print_document(begin if network is None else begin | _document(network))
+    elif network is not None:
         for line in _lines(path, network):
             click.echo(line)
+    for each in told if not as_json else ():
+        click.echo(str(each), err=True)
+    if network is not None and faults and not as_json:
+        click.echo(f"{len(faults)} of {len(network.document.queries)} queries cannot be asked.", err=True)
+    sys.exit(exit_code)
 
 
 def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
@@ -58,29 +65,16 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
         constants, path = model_constants(description), description.automata_path
     document = load_document(path)
     faults: list[ReportedError] = [*find_faults(document, constants, optional=LATER_CONSTANTS)]
-    if faults:
+    try:
+        return make_network(document, constants, optional=LATER_CONSTANTS), faults
+    except ReportedError:
         return None, faults
-    return make_network(document, constants, optional=LATER_CONSTANTS), []
 
 
-def _tell_faults(path: Path, faults: list[ReportedError], as_json: bool) -> None:
-    told = [each for fault in faults for each in fault.diagnostics]
-    if as_json:
-        found = [each.as_json() for each in told]
-        document = {"file": str(path), "ok": False, "exit_code": 2, "faults": found}
-        print_document(document)
-    for each in told if not as_json else ():
-        click.echo(str(each), err=True)
-
-
-def _document(path: Path, network: Network) -> dict[str, object]:
+def _document(network: Network) -> dict[str, object]:
     from timed_automata.check import channel_ends
 
     return {
-        "file": str(path),
-        "ok": True,
-        "exit_code": 0,
-        "faults": [],
         "notes": [asdict(note) for note in network.document.notes],
         "processes": [{"name": each.name, "template": each.template} for each in network.processes],
         "clocks": list(network.clocks[1:]),
