@@ -304,6 +304,8 @@ class Expressions:
 
     def function(self, node: ast.Call) -> Function:
         """The function that is called."""
+        if node.process is not None:
+            raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
         symbol = self.scope.get(node.name, node.span)
         if not isinstance(symbol, Function):
             raise fault(node.span, f"'{node.name}' is not a function.")

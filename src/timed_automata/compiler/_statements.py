@@ -42,6 +42,9 @@ class Updates:
         elif isinstance(node, ast.Call):
             self.emit(self.expressions.call(node, self.expressions.function(node)))
         else:
+            word = node.name if isinstance(node, ast.Name) else ""
+            if word in ("break", "continue") and self.expressions.scope.find(word) is None:
+                raise refused(node.span, f"'{word}', this statement")
             slip = isinstance(node, ast.Binary) and node.op == "=="
             todo = "Did you mean '='?" if slip else "Expected an assignment."
             raise fault(node.span, f"'{node.span.snippet}' has no effect.", todo)

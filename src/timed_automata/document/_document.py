@@ -74,7 +74,7 @@ class StoredQuery:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What a file has and means nothing here, or is at risk in UPPAAL's editor."""
+    """What a file has and means nothing here."""
 
     what: str
     where: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -69,6 +70,13 @@ class Text:
             for column, byte in [(chunk.column + shift, self.byte(chunk.offset + shift))]
         ]
         return Text(self.content[start:end], self.file, chunks, self.encoding)
+
+    def without_comments(self) -> Text:
+        """The same with spaces where comments stand: for queries, whose text is taken apart before it is parsed."""
+        content = re.sub(
+            r"//[^\n]*|/\*[\s\S]*?\*/", lambda found: re.sub(r"[^\n]", " ", found[0]), self.content
+        )
+        return self if content == self.content else Text(content, self.file, self._chunks, self.encoding)
 
     @property
     def whole(self) -> Span:

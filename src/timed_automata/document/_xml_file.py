@@ -48,15 +48,19 @@ def _point(element: Element | None) -> Point | None:
         raise fault(element.place.whole, "The coordinates are no integers.") from None
 
 
-def _check(element: Element, known: str) -> None:
-    """An element that means something unknown is never skipped."""
-    names = known.split()
+def _check(element: Element, known: str, *, ordered: bool = True) -> None:
+    """An element that means something unknown is never skipped; UPPAAL reads ``known`` in this order only."""
+    names, last = known.split(), ""
     for child in element.children:
         if child.tag in _REFUSED_ELEMENTS:
             raise refused(child.place.whole, f"<{child.tag}>, {_REFUSED_ELEMENTS[child.tag]}")
         if child.tag not in names:
             todo = did_you_mean(child.tag, names) or f"Expected <{'>, <'.join(names)}>."
             raise fault(child.place.whole, f"<{child.tag}> is unknown inside <{element.tag}>.", todo)
+        if ordered and last and names.index(child.tag) < names.index(last):
+            what = f"<{child.tag}> stands behind <{last}> inside <{element.tag}>."
+            raise fault(child.place.whole, what, f"UPPAAL reads it only before <{last}>: move it there.")
+        last = child.tag
 
 
 def _attribute(element: Element, name: str) -> str:
@@ -159,7 +163,7 @@ def _way(first: DrawnEdge, point: Point | None, branch: DrawnEdge) -> DrawnEdge:
     )
 
 
-def _template(element: Element) -> Template:
+def _template(element: Element, ids_of_file: dict[str, str]) -> Template:
     _check(element, "name parameter declaration location branchpoint init transition")
     name = element.one("name")
     if name is None or not name.text.content.strip():
@@ -171,8 +175,10 @@ def _template(element: Element) -> Template:
         *((location.place, location.id) for location in locations),
         *((each.place, _attribute(each, "id")) for each in element.all("branchpoint")),
     ]:
-        if id_ in ids:
-            raise fault(place.whole, f"A second location has the id '{id_}'.")
+        if id_ in ids_of_file:
+            what = f"A second location has the id '{id_}'; the first stands at {ids_of_file[id_]}."
+            raise fault(place.whole, what, "Give each in the file an id of its own.")
+        ids_of_file[id_] = place.whole.where
         ids.add(id_)
     edges = [_edge(edge, ids) for edge in element.all("transition")]
     return Template(
@@ -187,20 +193,13 @@ def _template(element: Element) -> Template:
 
 
 def _notes(templates: Iterable[Element]) -> Iterator[Note]:
-    """What is ignored, and ids that UPPAAL's editor may mix up."""
-    first: dict[str, str] = {}
+    """What is ignored."""
     for template in templates:
         for part in template.children:
             for label in part.all("label"):
                 said = _IGNORED_LABELS.get(label.attributes.get("kind", ""))
                 if said and label.text.content.strip():
                     yield Note(said, label.place.whole.where)
-            if part.tag in ("location", "branchpoint"):
-                id_, where = _attribute(part, "id"), part.place.whole.where
-                if id_ in first:
-                    what = f"The id '{id_}' stands in another template as well, at {first[id_]}: UPPAAL's"
-                    yield Note(f"{what} editor may take one for the other.", where)
-                first.setdefault(id_, where)
 
 
 def _text(element: Element, tag: str) -> Text | None:
@@ -211,12 +210,12 @@ def _text(element: Element, tag: str) -> Text | None:
 def _queries(element: Element | None) -> tuple[StoredQuery, ...]:
     if element is None:
         return ()
-    _check(element, "query option")
+    _check(element, "query option", ordered=False)
     queries = []
     for query in element.all("query"):
         formula, comment = _text(query, "formula"), _text(query, "comment")
-        if formula and formula.content.strip():
-            queries.append(StoredQuery(formula, comment.content.strip() if comment else ""))
+        if formula and (asked := formula.without_comments()).content.strip():
+            queries.append(StoredQuery(asked, comment.content.strip() if comment else ""))
     return tuple(queries)
 
 
@@ -238,11 +237,12 @@ def read_document(source: bytes, path: str) -> Document:
         raise refused(imports.whole, "<imports>")
     if system is None:
         raise fault(root.place.whole, "The model has no <system>.")
+    ids: dict[str, str] = {}
     return Document(
         path=path,
         source=source,
         declarations=_text(root, "declaration"),
-        templates=tuple(map(_template, root.all("template"))),
+        templates=tuple(_template(each, ids) for each in root.all("template")),
         instantiations=_text(root, "instantiation"),
         system=system,
         queries=_queries(root.one("queries")),

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
-from timed_automata.compiler import Function
 from timed_automata.explain._judge import Judge
 from timed_automata.explain._run import Stretch
 from timed_automata.explain._syntax import instance, returned
 from timed_automata.language import ast
-from timed_automata.queries import bounds_of
+from timed_automata.queries import bounds_of, called
 
 _INSTANCES = 64  # of a quantifier that are looked at
 _FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "=="}
@@ -134,12 +133,11 @@ def _subjects(judge: Judge, node: object, *, indices: bool = True) -> Iterator[S
 
 def _read_by(judge: Judge, node: ast.Call) -> Iterator[Subject]:
     """What a function reads: what its expression speaks of, or else all the variables that it reads."""
-    inner = returned(judge.names.text.functions.get(node.name))
+    inner = None if node.process else returned(judge.names.text.functions.get(node.name))
     if inner is not None:
         yield from _subjects(judge, inner)
         return
-    function = judge.network.scope.find(node.name)
-    reads = function.effects.reads if isinstance(function, Function) else set()
+    reads = called(judge.network, node).effects.reads
     for name in judge.network.offsets:
         if name.partition("[")[0] in reads:
             yield _Variable(name)

@@ -103,7 +103,7 @@ class Words:
         self.wrong += [leaf for part, want in broken for leaf, _ in self._reasons(part, not want)]
 
     def _inner(self, node: ast.Call) -> ast.Expression | None:
-        return returned(self.judge.names.text.functions.get(node.name))
+        return None if node.process else returned(self.judge.names.text.functions.get(node.name))
 
     def _parts(self, node: ast.Expression, wanted: bool) -> tuple[list[_Part] | None, bool]:
         """The parts of a condition with what each must be, and whether all must be so; None: it has none."""

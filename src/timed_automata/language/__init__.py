@@ -7,6 +7,7 @@ from ._parts import (
     parse_declarations,
     parse_expression,
     parse_instantiations,
+    parse_name,
     parse_parameters,
     parse_selects,
     parse_synchronisation,

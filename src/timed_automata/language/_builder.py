@@ -122,6 +122,9 @@ class Builder:
         span = self._span(meta)
         raise refused(span, f"'{span.snippet}', the rate of a clock (stopwatch)", "Clocks run at rate one.")
 
+    def method(self, meta: Any, process: Any, name: str, arguments: Any) -> ast.Call:
+        return ast.Call(self._span(meta), name, arguments, process)
+
     def unary(self, meta: Any, op: str, operand: Any) -> ast.Unary:
         return ast.Unary(self._span(meta), "!" if op == "not" else op, operand)
 

@@ -16,6 +16,7 @@ from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.errors import ModelError
 from timed_automata.language._builder import Builder
+from timed_automata.language._parts import FLOATING
 
 _STARTS = [
     "declarations",
@@ -43,21 +44,23 @@ _REFUSED_BY_CONSTRUCT = {
     "a hybrid clock": "hybrid",
     "a priority": "priority",
     "an external function": "import",
-    "a dynamic template": "dynamic spawn exit numOf foreach",
+    "a dynamic template": "dynamic spawn exit",
     "a Gantt chart": "gantt",
     "a progress measure": "progress",
     "a global update": "before_update after_update",
-    "this statement": "switch case default break continue assert",
+    "this statement": "default assert",
     "this operator": "xor",
     "this section": "query IO",
     "a template written as text": "process state trans commit branchpoint",
-    "a function on floating-point numbers": "random fabs fmod pow sqrt exp ln log sin cos tan ceil floor round",
+    "a word that UPPAAL reserves": "select guard sync assign probability init location",
+    "a function on floating-point numbers": FLOATING,
     "a built-in function": "abs",
 }
 _REFUSED_WORDS = {
     word: construct for construct, words in _REFUSED_BY_CONSTRUCT.items() for word in words.split()
 }
 """Words that UPPAAL reserves and this subset does not have, by the construct that they belong to."""
+_SWITCH = re.compile(r"\bswitch\s*\([^{}]*\)\s*\Z")
 _READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
 
 
@@ -94,6 +97,7 @@ def _lark() -> Lark:
 
 def _readable(terminals: set[str]) -> str:
     """What may stand here, in words, never more than a reader takes in at once."""
+    terminals = terminals - {"FIELD"}  # a name after a dot
     if terminals >= _OPERATOR:
         terminals = terminals - _OPERATOR - _SUFFIX | {"operator"}
     elif "COMPARISON" in terminals:  # on the system line, where it is read only to be refused
@@ -127,6 +131,8 @@ def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
         end = len(text.content.rstrip())
         return fault(Span(text, end, end), "The text ends too early.", f"Expected {expected}.")
     start = token.start_pos or 0
+    if token == "{" and (found := _SWITCH.search(text.content, 0, start)):
+        return refused(Span(text, found.start(), found.start() + 6), "'switch', this statement")
     if text.content.startswith("/*", start):
         return fault(Span(text, start, start + 2), "This comment does not end.", "Expected '*/'.")
     return fault(

@@ -51,10 +51,11 @@ class Member(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Call(Node):
-    """``name(arguments)``."""
+    """``name(arguments)``, or ``process.name(arguments)``: for queries."""
 
     name: str
     arguments: tuple[Expression, ...]
+    process: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -300,7 +301,8 @@ def walk(node: object) -> Iterator[Node]:
         yield node
         if not isinstance(node, Member):
             for name in node.__dataclass_fields__:
-                yield from walk(getattr(node, name))
+                if name != "process":
+                    yield from walk(getattr(node, name))
 
 
 def changed(node: object) -> set[str]:

@@ -64,6 +64,8 @@ def _speaks_of(network: Network, executed: Collection[int], content: str) -> boo
         return False
     effects = effects_of(ours)
     names = set(_variables(network.scope, words))
+    for process in ours:  # of its functions what they read of the network's
+        names |= {name for name in _variables(process.scope, words) if "." not in name}
     return names <= effects.reads | effects.writes and bool(
         names or words & {_plain(process) for process in ours}
     )

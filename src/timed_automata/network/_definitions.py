@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 
@@ -170,7 +170,8 @@ def _reference(outer: Expressions, argument: ast.Expression, name: str, expected
         raise fault(argument.span, f"'{argument.span.snippet}' is {found}.", f"'{name}' is {expected}.")
     if isinstance(term, IndexedTerm):
         kind = ClockSymbol if expected.kind == "clock" else ChannelSymbol
-        return kind(term.name, term.type, term.base + term.offset)
+        declared = replace(term.type, broadcast=expected.broadcast, urgent=expected.urgent)
+        return kind(term.name, declared, term.base + term.offset)
     if term.values is not None:
         if not expected.constant:
             raise fault(
@@ -191,5 +192,7 @@ def _fits(term: Term, expected: Type) -> bool:
     if (found.kind, found.shape) != (expected.kind, expected.shape):
         return False
     if expected.kind == "chan":
-        return (found.broadcast, found.urgent) == (expected.broadcast, expected.urgent)
+        # as UPPAAL: what may do more may stand for what may do less, but not in an array
+        have, need = (0 if each.urgent else 1 if each.broadcast else 2 for each in (found, expected))
+        return have == need or (have > need and not expected.dimensions)
     return expected.constant or (found.low, found.high) == (expected.low, expected.high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Literal
 
 from timed_automata._limits import PARTS, SELECTED
@@ -24,6 +25,7 @@ from timed_automata.language import (
     ast,
     parse_declarations,
     parse_expression,
+    parse_name,
     parse_parameters,
     parse_selects,
     parse_synchronisation,
@@ -57,7 +59,7 @@ class ParsedTemplate:
 
     def __init__(self, template: Template) -> None:
         self.template = template
-        self.name = template.name.content.strip()
+        self.name = parse_name(template.name)
         self.parameters = parse_parameters(template.parameters) if template.parameters else ()
         self.declarations = parse_declarations(template.declarations) if template.declarations else ()
         self._numbers = {location.id: number for number, location in enumerate(template.locations)}
@@ -69,7 +71,7 @@ class ParsedTemplate:
         """The id stands for the name of a location that has none."""
         names: dict[str, None] = {}
         for location in self.template.locations:
-            name = location.name.text.content.strip() if location.name else location.id
+            name = parse_name(location.name.text) if location.name else location.id
             if name in names:
                 place = location.name.text.whole if location.name else location.place.whole
                 raise fault(place, f"Two locations of '{self.name}' are called '{name}'.")
@@ -81,7 +83,7 @@ def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
     """An edge of a template whose locations have these numbers, by their ids."""
     labels = {kind: label.text for kind, label in edge.labels.items()}
     sync = labels.get("synchronisation")
-    return ParsedEdge(
+    parsed = ParsedEdge(
         drawn=edge,
         source=numbers[edge.source],
         target=numbers[edge.target],
@@ -90,6 +92,15 @@ def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
         synchronisation=parse_synchronisation(sync) if sync else None,
         updates=parse_updates(labels["assignment"]) if "assignment" in labels else (),
     )
+    read = {"guard": parsed.guard, "synchronisation": parsed.synchronisation, "assignment": parsed.updates}
+    before = takewhile(lambda kind: kind != "select", labels) if parsed.selects else ()
+    early = [each for kind in before for each in ast.walk(read.get(kind))]
+    bound = {getattr(each, "variable", "") for each in early}
+    for each in early:
+        if isinstance(each, ast.Name) and each.name in {select.name for select in parsed.selects} - bound:
+            what = f"'{each.name}' is used here, but the label that selects it stands behind this one."
+            raise fault(each.span, what, "UPPAAL reads them in order: put the select label first.")
+    return parsed
 
 
 def make_process(

@@ -2,6 +2,7 @@
 
 from ._compile import (
     bounds_of,
+    called,
     compile_clock,
     compile_formula,
     compile_integer,
@@ -21,6 +22,7 @@ __all__ = [
     "Query",
     "Some",
     "bounds_of",
+    "called",
     "compile_clock",
     "compile_formula",
     "compile_integer",

@@ -12,6 +12,7 @@ from typing import Any
 from timed_automata.compiler import (
     ClockSymbol,
     Expressions,
+    Function,
     Relation,
     Scope,
     Term,
@@ -92,6 +93,11 @@ def bounds_of(network: Network, type_: ast.TypeName) -> tuple[int, int]:
     return _QueryExpressions(network).bounds(type_)
 
 
+def called(network: Network, node: ast.Call) -> Function:
+    """The function that a query calls, of the network or of a process."""
+    return _QueryExpressions(network).function(node)
+
+
 def location_of(network: Network, condition: ast.Expression | None) -> tuple[int, int] | None:
     """A location without which a condition does not hold; None if it names none."""
     expressions = _QueryExpressions(network)
@@ -133,6 +139,17 @@ class _QueryExpressions(Expressions):
             raise fault(node.span, f"'{process.name}' has no location and no variable '{node.name}'.", advice)
         return self.symbol(symbol, node.span)
 
+    def function(self, node: ast.Call) -> Function:
+        """The function that is called; also of a process."""
+        if node.process is None:
+            return super().function(node)
+        process = self.process(node.process)
+        symbol = process.scope.symbols.get(node.name)
+        if not isinstance(symbol, Function):
+            advice = did_you_mean(node.name, process.scope.symbols.keys() - {node.name})
+            raise fault(node.span, f"'{process.name}' has no function '{node.name}'.", advice)
+        return symbol
+
     def process(self, node: ast.Expression) -> Process:
         """The process before a dot."""
         name = node.span.snippet
@@ -151,7 +168,8 @@ class _QueryExpressions(Expressions):
         raise fault(node.span, f"There is no process '{name}'.", advice)
 
     def _quantified(self, node: ast.Quantified) -> Value:
-        if any(isinstance(each, ast.Member) for each in ast.walk(node.body)):
+        inside = ast.walk(node.body)
+        if any(isinstance(each, ast.Member) or getattr(each, "process", None) for each in inside):
             return self._unrolled(node)  # which process must be known
         return super()._quantified(node)
 

@@ -54,6 +54,7 @@ def parse_query(text: Text | str) -> Query:
     """
     if isinstance(text, str):
         text = Text.plain(text, "query")
+    text = text.without_comments()
     content = text.content
     if (extreme := _EXTREME.match(content)) and (extreme[2] or _top_level(content, "-->") < 0):
         return _extreme(text, extreme)

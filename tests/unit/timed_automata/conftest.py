@@ -39,10 +39,10 @@ def _template(name: str, parameters: str, body: str) -> str:
     for state, invariant in re.findall(r"(\w+)\s*(?:\{([^}]*)\})?", _clause(rest, "state")):
         label = f'<label kind="invariant">{escape(invariant.strip())}</label>' if invariant.strip() else ""
         kind = "<committed/>" if state in committed else "<urgent/>" if state in urgent else ""
-        lines.append(f'<location id="{state}"><name>{state}</name>{label}{kind}</location>')
-    lines.append(f'<init ref="{_clause(rest, "init")}"/>')
+        lines.append(f'<location id="{name}.{state}"><name>{state}</name>{label}{kind}</location>')
+    lines.append(f'<init ref="{name}.{_clause(rest, "init")}"/>')
     for source, target, labels in re.findall(r"(\w+)\s*->\s*(\w+)\s*\{([^}]*)\}", _clause(rest, "trans")):
-        lines.append(f'<transition><source ref="{source}"/><target ref="{target}"/>')
+        lines.append(f'<transition><source ref="{name}.{source}"/><target ref="{name}.{target}"/>')
         for label in filter(str.strip, labels.split(";")):
             word, _, content = label.strip().partition(" ")
             lines.append(f'<label kind="{_LABELS[word]}">{escape(content.strip())}</label>')

@@ -111,7 +111,7 @@ def test_a_mistake_is_told_at_its_place(load, pointed, declarations, own, edge, 
         ("A = S(4); system A;", "n = 4 is out of its range int[0,3]"),
         ("int v; A = S(v); system A;", "The argument for 'n' must be constant; 'v' depends on v"),
         ("int v; A = T(v); system A;", "'v' is int. 'c' is broadcast chan."),
-        ("chan v; A = T(v); system A;", "'v' is chan. 'c' is broadcast chan."),
+        ("urgent chan v; A = T(v); system A;", "'v' is urgent chan. 'c' is broadcast chan."),
     ],
 )
 def test_mistakes_of_the_system_section(load, system, message):

@@ -243,12 +243,14 @@ def test_a_lower_bound_is_not_executed(load: Callable[[str], Network]) -> None:
         Execution(made, ["P", "Q"])
 
 
-def test_ids_that_stand_in_two_templates_are_noted() -> None:
-    template = '<template><name>{}</name><location id="a"/><init ref="a"/></template>'
-    text = f"<nta>{template.format('P')}{template.format('Q')}<system>system P, Q;</system></nta>"
-    (note,) = read_document(text.encode(), "m.xml").notes
-    assert note.where.startswith("m.xml:1:")
-    assert "'a' stands in another template as well" in note.what
+@pytest.mark.parametrize("point", ["", '<branchpoint id="a"/>'])
+def test_an_id_that_stands_twice_in_a_file_is_refused(point: str) -> None:
+    template = '<template><name>{}</name><location id="a"/>{}<init ref="a"/></template>'
+    second = "" if point else template.format("Q", "")
+    text = f"<nta>{template.format('P', point)}{second}<system>system P;</system></nta>"
+    with pytest.raises(ModelError, match=r"A second location has the id 'a'; .* at m\.xml:1:30\.") as error:
+        read_document(text.encode(), "m.xml")
+    assert error.value.where == ("m.xml:1:48" if point else "m.xml:1:98")
 
 
 def test_the_files_of_this_product_have_no_notes() -> None:

@@ -20,6 +20,10 @@ CONSTRUCTS = [
     ("gantt { }", "", "'gantt', a Gantt chart", "gantt"),
     ("before_update { a = 1 }", "", "'before_update', a global update", "before_update"),
     ("void f() { switch (1) { } }", "", "'switch', this statement", "switch"),
+    ("int a; void f() { switch (a) { case 1: a = 2; } }", "", "'switch', this statement", "switch"),
+    ("void f() { while (true) { break; } }", "", "'break', this statement", "break"),
+    ("int guard;", "", "'guard', a word that UPPAAL reserves", "guard"),
+    ("int a; void f() { a = atan2(4, 1); }", "", "'atan2', a function on floating-point numbers", "atan2"),
     ("int a; void f() { a = 1 xor 2; }", "", "'xor', this operator", "xor"),
     ("int a; void f() { a = sqrt(4); }", "", "'sqrt', a function on floating-point numbers", "sqrt"),
     ("int f(int x)[2] { }", "", "'[' is not expected here", "["),
@@ -110,7 +114,8 @@ def element(inside="", location="", transition="", template="", queries=""):
     ("parts", "message"),
     [
         ({"location": '<label kind="testcodeEnter">x</label>'}, "test code"),
-        ({"template": '<branchpoint id="A"/>'}, "A second location has the id 'A'"),
+        ({"transition": '<nail x="1" y="2"/><label kind="guard">x</label>'}, "<label> stands behind <nail>"),
+        ({"template": '<branchpoint id="B"/>'}, "<location> stands behind <branchpoint> inside <template>"),
         ({"inside": "<lsc><name>L</name></lsc>"}, "a live sequence chart"),
         ({"inside": "<imports>import</imports>"}, "<imports>"),
         (

@@ -35,15 +35,14 @@ class Template:
             label = f'<label kind="invariant">{escape(invariant)}</label>' if invariant else ""
             mark = "<urgent/>" if name in self.urgent.split() else ""
             mark = "<committed/>" if name in self.committed.split() else mark
-            text.append(f'<location id="{name}"><name>{name}</name>{label}{mark}</location>')
-        text.append(f'<init ref="{first}"/>')
+            text.append(f'<location id="{self.name}.{name}"><name>{name}</name>{label}{mark}</location>')
+        text.append(f'<init ref="{self.name}.{first}"/>')
         text += map(self._edge, self.edges)
         return "".join([*text, "</template>"])
 
-    @staticmethod
-    def _edge(edge: str) -> str:
+    def _edge(self, edge: str) -> str:
         end, *parts = edge.split(";")
-        source, target = (name.strip() for name in end.split("->"))
+        source, target = (f"{self.name}.{name.strip()}" for name in end.split("->"))
         kinds = {"guard": "guard", "sync": "synchronisation", "do": "assignment", "select": "select"}
         labels = ""
         for part in parts:
