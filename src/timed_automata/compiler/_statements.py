@@ -42,8 +42,7 @@ class Updates:
         elif isinstance(node, ast.Call):
             self.emit(self.expressions.call(node, self.expressions.function(node)))
         else:
-            word = node.name if isinstance(node, ast.Name) else ""
-            if word in ("break", "continue") and self.expressions.scope.find(word) is None:
+            if (word := node.span.snippet) in ("break", "continue") and not self.expressions.scope.find(word):
                 raise refused(node.span, f"'{word}', this statement")
             slip = isinstance(node, ast.Binary) and node.op == "=="
             todo = "Did you mean '='?" if slip else "Expected an assignment."

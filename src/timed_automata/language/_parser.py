@@ -16,7 +16,6 @@ from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.errors import ModelError
 from timed_automata.language._builder import Builder
-from timed_automata.language._parts import FLOATING
 
 _STARTS = [
     "declarations",
@@ -36,6 +35,19 @@ _OPERAND = {"NAME", "NUMBER", "LPAR", "BOOLEAN", "DOUBLE", "SIGN", "BANG", "STEP
 _OPERATOR = {"OR", "AND", "BIT_OR", "BIT_XOR", "AMPERSAND", "EQUALITY", "COMPARISON", "EXTREME", "SHIFT"}
 _OPERATOR |= {"SIGN", "FACTOR"}
 _SUFFIX = {"QUESTION", "COMPOUND", "STEP", "LSQB", "DOT", "APOSTROPHE", "LPAR"}
+_FLOATING = (
+    "fabs fmod fma fmax fmin fdim exp exp2 expm1 ln log log10 log2 log1p pow sqrt cbrt hypot sin cos tan asin acos atan"
+    " atan2 sinh cosh tanh asinh acosh atanh erf erfc tgamma lgamma ceil floor trunc round fint ldexp ilogb logb"
+    " nextafter copysign fpclassify isfinite isinf isnan isnormal signbit isunordered random random_arcsine random_beta"
+    " random_gamma random_normal random_poisson random_tri random_weibull"
+)
+_NO_NAMES = frozenset(
+    f"""{_FLOATING} abs and bool bounds branchpoint broadcast chan clock commit const control control_t deadlock double
+    exists false forall foreach guard imitate imply inf init int loadStrategy maxE maxPr minE minPr not numOf or Pmax Pr
+    priority probability process sat saveStrategy scalar simulate simulation state strategy sum sup sync system trans
+    true assign under urgent void X""".split()
+)
+"""What UPPAAL refuses as the name of a location or a template: its queries and its older text format reserve it."""
 _REFUSED_BY_CONSTRUCT = {
     "a structure": "struct",
     "a type that is not integral": "double string",
@@ -53,7 +65,7 @@ _REFUSED_BY_CONSTRUCT = {
     "this section": "query IO",
     "a template written as text": "process state trans commit branchpoint",
     "a word that UPPAAL reserves": "select guard sync assign probability init location",
-    "a function on floating-point numbers": FLOATING,
+    "a function on floating-point numbers": _FLOATING,
     "a built-in function": "abs",
 }
 _REFUSED_WORDS = {
@@ -156,9 +168,22 @@ def _check_size(text: Text) -> None:
             )
 
 
+def _name_of_part(text: Text) -> str:
+    """The name of a template or a location; raises ModelError where UPPAAL does not take it as one."""
+    name = text.content.strip()
+    span = Span(text, at := text.content.find(name), at + len(name))
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_$#]*", name):
+        raise fault(span, f"'{span.snippet}' is no name.", "Expected a letter, then letters and digits.")
+    if name in _NO_NAMES:
+        raise fault(span, f"'{name}' is a keyword of UPPAAL, not a name.", "Choose another name.")
+    return name
+
+
 def parse(text: Text, start: str) -> Any:
     """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
     _check_size(text)
+    if start == "name_of_part":  # of a template or a location: a word, of no language
+        return _name_of_part(text)
     try:
         return Builder(text).build(_lark().parse(text.content, start=start))
     except _RefusedWordError as error:

@@ -11,22 +11,9 @@ from contextlib import contextmanager
 from functools import lru_cache, partial
 from typing import Any
 
-from timed_automata.document import Span, Text, fault
+from timed_automata.document import Text
 from timed_automata.language import ast
 
-FLOATING = (
-    "fabs fmod fma fmax fmin fdim exp exp2 expm1 ln log log10 log2 log1p pow sqrt cbrt hypot sin cos tan asin acos atan"
-    " atan2 sinh cosh tanh asinh acosh atanh erf erfc tgamma lgamma ceil floor trunc round fint ldexp ilogb logb"
-    " nextafter copysign fpclassify isfinite isinf isnan isnormal signbit isunordered random random_arcsine random_beta"
-    " random_gamma random_normal random_poisson random_tri random_weibull"
-)
-_NO_NAMES = frozenset(
-    f"""{FLOATING} abs and bool bounds branchpoint broadcast chan clock commit const control control_t deadlock double
-    exists false forall foreach guard imitate imply inf init int loadStrategy maxE maxPr minE minPr not numOf or Pmax Pr
-    priority probability process sat saveStrategy scalar simulate simulation state strategy sum sup sync system trans
-    true assign under urgent void X""".split()
-)
-"""What UPPAAL refuses as the name of a location or a template: its queries and its older text format reserve it."""
 Item = ast.Declaration | ast.Instantiation
 """What the ``instantiation`` element holds, which older files have before ``system``."""
 
@@ -66,21 +53,11 @@ parse_declarations: Callable[[Text], tuple[ast.Declaration, ...]] = partial(_par
 parse_instantiations: Callable[[Text], tuple[Item, ...]] = partial(_parse, start="instantiations")
 parse_system: Callable[[Text], ast.System] = partial(_parse, start="system")
 parse_parameters: Callable[[Text], tuple[ast.Parameter, ...]] = partial(_parse, start="parameters")
+parse_name: Callable[[Text], str] = partial(_parse, start="name_of_part")
 parse_selects: Callable[[Text], tuple[ast.Select, ...]] = partial(_parse, start="selects")
 parse_expression: Callable[[Text], ast.Expression] = partial(_parse, start="expression")
 parse_synchronisation: Callable[[Text], ast.Synchronisation] = partial(_parse, start="synchronisation")
 parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, start="items")
-
-
-def parse_name(text: Text) -> str:
-    """The name of a template or a location; raises ModelError where UPPAAL does not take it as one."""
-    name = text.content.strip()
-    span = Span(text, at := text.content.find(name), at + len(name))
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_$#]*", name):
-        raise fault(span, f"'{span.snippet}' is no name.", "Expected a letter, then letters and digits.")
-    if name in _NO_NAMES:
-        raise fault(span, f"'{name}' is a keyword of UPPAAL, not a name.", "Choose another name.")
-    return name
 
 
 def names_in(text: str) -> set[str]:

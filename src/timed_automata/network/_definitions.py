@@ -191,8 +191,7 @@ def _fits(term: Term, expected: Type) -> bool:
     found = term.type
     if (found.kind, found.shape) != (expected.kind, expected.shape):
         return False
-    if expected.kind == "chan":
-        # as UPPAAL: what may do more may stand for what may do less, but not in an array
+    if expected.kind == "chan":  # what may do more stands for what may do less, but not in an array
         have, need = (0 if each.urgent else 1 if each.broadcast else 2 for each in (found, expected))
         return have == need or (have > need and not expected.dimensions)
     return expected.constant or (found.low, found.high) == (expected.low, expected.high)

@@ -95,6 +95,8 @@ def test_a_comment_in_a_query_is_none_of_it(query: str) -> None:
 def test_a_query_calls_a_function_of_a_process(query: str, holds: bool) -> None:
     verdict = Explorer(network(parameter="const int[0,1] i")).check(query)
     assert verdict.holds is holds
+    many = Explorer(network(parameter="const int[0,8] i"))  # more than are written out of themselves
+    assert many.check("A[] forall (i : int[0, 8]) Girl(i).f() == 1").holds
 
 
 @pytest.mark.parametrize(
