@@ -105,7 +105,6 @@ def test_a_tool_that_vanishes_is_judged() -> None:
     assert played("scenario no-tool; wait 3; grip; wait 2; lock") == {}
 
 
-
 def test_a_sensor_fault_outlives_a_reset_that_was_refused() -> None:
     """A campaign has found it: the line arbiter forgot the fault until the program latched it again."""
     assert played("scenario unlocked-shows:tool_changer:1; wait 8; reset; end hal") == {}
