@@ -167,3 +167,10 @@ def test_a_function_of_constants_alone_costs_no_verdict(query: str) -> None:
         declared="clock x; const int C = 0; bool f() { return C == 1; }",
     )
     assert "f()" in found.sentence
+
+
+def test_a_function_of_a_process_is_not_the_global_one_of_its_name() -> None:
+    own = Template("P", P.edges, declarations="int[0, 1] i; bool quiet() { return i == 0; }")
+    found = refuted("A[] P.quiet()", own)
+    assert found.sentence == "At 7 ms: P.quiet() must hold, but it does not."
+    assert [(each.name, each.wrong) for each in found.watched] == [("P.i", True)]

@@ -270,8 +270,9 @@ def test_queries_with_their_clocks(tmp_path):
     path = tmp_path / "model.xml"
     path.write_text(
         """<nta><declaration>clock x; int v; int w;</declaration>
-        <template><name>P</name><location id="a"><name>a</name></location><location id="b"><name>b</name></location>
-        <init ref="a"/>
+        <template><name>P</name><declaration>bool told() { return v &lt; 2; }
+        bool quiet() { return w == 0; }</declaration>
+        <location id="a"><name>a</name></location><location id="b"><name>b</name></location><init ref="a"/>
         <transition><source ref="a"/><target ref="b"/><label kind="guard">x &gt;= 2</label>
         <label kind="assignment">v = 1</label></transition></template>
         <template><name>Q</name><location id="c"/><init ref="c"/>
@@ -280,6 +281,8 @@ def test_queries_with_their_clocks(tmp_path):
         <queries><query><formula>A[] P.b imply x &lt;= 3</formula><comment>[in-time] Soon.</comment></query>
         <query><formula>A[] P.b imply v == 1</formula><comment>[told] v tells.</comment></query>
         <query><formula>A[] w == 0</formula><comment>[theirs] Not about P.</comment></query>
+        <query><formula>A[] P.told()</formula><comment>[asked] Of P, about v.</comment></query>
+        <query><formula>A[] P.quiet()</formula><comment>[quiet] Of P, not about P.</comment></query>
         <query><formula>A[] Q.c</formula><comment>[there] Not about P.</comment></query>
         <query><formula>E&lt;&gt; P.b</formula><comment>[reach] No invariant.</comment></query></queries></nta>""",
         encoding="utf-8",
@@ -290,7 +293,8 @@ def test_queries_with_their_clocks(tmp_path):
     execution.run(2_000)
     for end, broken in ((3_000, []), (3_001, ["[in-time] Soon."])):
         monitor = Monitor(made, ["P"], requirements=True)
-        assert [query.comment for query in monitor.queries] == ["[in-time] Soon.", "[told] v tells."]
+        comments = [query.comment for query in monitor.queries]
+        assert comments == ["[in-time] Soon.", "[told] v tells.", "[asked] Of P, about v."]
         for observation in seen:
             monitor.observe(observation)
         monitor.end(end)
