@@ -38,6 +38,10 @@ def told(mutant: Mutant) -> str:
 def test_each_part_is_edited() -> None:
     every = [told(mutant) for mutant in found("Door")]
     assert every == [
+        "declaration of HOLD: constant, 9 -> 10",
+        "declaration of HOLD: constant, 9 -> 8",
+        "declaration of n: constant,  -> = 1",
+        "declaration of locked: constant,  -> = true",
         "function leave: assignment dropped, if (n > 2) n = 0; -> ;",
         "function leave: condition dropped, n > 2 -> true",
         "function leave: comparison, > -> >=",
@@ -93,22 +97,24 @@ def test_a_channel_becomes_another_one_of_the_same_direction() -> None:
     assert "w -> v, synchronisation: synchronisation, knock -> push" in edits
 
 
-def test_all_templates_without_a_name_and_each_in_its_own() -> None:
-    assert Counter(mutant.template for mutant in found()) == {"Door": 46, "World": 14}
+def test_all_templates_without_a_name_each_in_its_own_and_what_is_global() -> None:
+    assert Counter(mutant.template for mutant in found()) == {"": 4, "Door": 46, "World": 14}
 
 
-def test_an_edit_changes_its_template_alone_and_most_are_models() -> None:
+def test_an_edit_changes_its_template_or_the_declarations_alone_and_most_are_models() -> None:
     true = read_document(SOURCE, "door.xml")
     valid = 0
     for mutant in mutants(true, ["Door"]):
         assert mutant.document.templates[1] is true.templates[1]
-        assert mutant.document.declarations is true.declarations
+        shared = mutant.document.declarations is true.declarations
+        assert shared == (mutant.template == "Door")
+        assert (mutant.document.templates[0] is true.templates[0]) == (mutant.template == "")
         try:
             make_network(mutant.document)
         except ModelError:
             continue
         valid += 1
-    assert valid == 44  # the others have clocks in a disjunction
+    assert valid == 48  # the others have clocks in a disjunction
 
 
 @pytest.mark.parametrize(
