@@ -114,7 +114,7 @@ def test_a_name_far_from_all_is_only_refused() -> None:
     [
         (
             ["demo", "--only", "nomnal"],
-            "there is no scenario nomnal. Did you mean 'nominal'? There are: nominal, ",
+            "There is no scenario nomnal. Did you mean 'nominal'? There are: nominal, ",
         ),
         (["doctor", "--only", "lin"], "lin (did you mean 'link'?); there are python, "),
     ],

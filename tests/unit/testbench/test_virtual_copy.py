@@ -37,7 +37,7 @@ def test_the_copy_is_the_same_tool_with_its_own_wires_beside_it(tmp_path: Path) 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match="Cannot be made: Not a directory"):
+    with pytest.raises(UsageError, match="Cannot be made: it is a link, or no directory"):
         write_virtual_copy(load(profile_path()), tmp_path / "file" / "folder")
 
 

@@ -358,7 +358,7 @@ def test_an_output_on_a_bus_moves_when_its_device_has_acknowledged_it() -> None:
     assert tool.command("drop").accepted
     tool.run(5)
     assert tool.edges == [edge], "nobody has heard it"
-    assert any("no device acknowledges it" in why for why in tool.latched.values())
+    assert any("its device does not say whether it is activated" in why for why in tool.latched.values())
     tool.choose("nominal")
     tool.run(5)
     assert [each.level for each in tool.edges] == [True, False], "a deactivation is written until it is done"
