@@ -121,16 +121,20 @@ def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at:
     kind = kind_of(part)
     conditions = kind.conditions(part)
     if conditions:
-        now, gone = shown(conditions.gone.channels, readings, at), f"gone means {asked(conditions.gone)}"
+        channels = list(conditions.gone.channels)
+        gone = f"gone means {asked(conditions.gone)}"
     else:
-        now = shown([each for each in kind.channel_names(part) if each in readings.carried], readings, at)
+        channels = [each for each in kind.channel_names(part) if each in readings.carried]
         least = kind.limits(part, supply).get("gone_kpa")
         below = " below ambient" if kind.below_ambient else ""
         gone = f"gone means less than {least:g} kPa{below}" if least is not None else ""
+    now = shown(channels, readings, at)
+    # without a value it is no question of its zero
+    read = any(readings.get(channel, at) is not None for channel in channels)
     zero = (
         " If nothing is gripped, ambient pressure or the zero of the sensor differs from what its channel says: "
         "correct its offset at rest."
-        if kind.below_ambient
+        if kind.below_ambient and read
         else ""
     )
     return f"{'; '.join(filter(None, (now, gone)))}.{zero}"

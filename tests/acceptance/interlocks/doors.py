@@ -214,7 +214,7 @@ def _(rig: Rig) -> str:
     return rig.action("grip")
 
 
-@cell("IL-07", "action", r"^IL-07: Top vacuum has no valid reading")
+@cell("IL-07", "action", r"^IL-07: Top vacuum is not proven to be gone: top has no valid reading")
 def _(rig: Rig) -> str:
     rig.odd["top"] = None
     rig.until(lambda: rig.grip.status.evidence[2] == 0)

@@ -333,7 +333,11 @@ def test_active_outputs_with_a_reading_that_is_invalid_wait_a_second(description
     ("scenario", "reason"),
     [
         ("supply:300", "IL-06: the supply pressure is 300 kPa, a grip requires at least 400 kPa."),
-        ("invalid:top_vacuum", "IL-07: Top vacuum has no valid reading."),
+        (
+            "invalid:top_vacuum",
+            "IL-07: Top vacuum is not proven to be gone: top has no valid reading; gone means less than 10 kPa "
+            "below ambient. Check its sensor.",
+        ),
     ],
 )
 def test_interlocks_refuse_a_grip_with_a_sentence(

@@ -66,7 +66,8 @@ def test_a_release_that_goes_on_without_proof_says_so(description: Description) 
     lines = played(description, "stuck-release:cylinder", "grip", "drop")
     assert lines[4:] == [
         "Cylinder was not gone within 2 s.",
-        "RELEASING -> RELEASE_ERROR: Everything is deactivated, but Cylinder still shows feedback.",
+        "RELEASING -> RELEASE_ERROR: Everything is deactivated, but Cylinder still shows feedback: cylinder is at "
+        "599.7 kPa, cylinder_extended is on, cylinder_retracted is off; gone means less than 50 kPa.",
     ]
 
 

@@ -259,7 +259,10 @@ def test_a_frozen_sensor_refuses_a_grip_with_a_sentence(description: Description
     choose(tool, "frozen-after:bottom_vacuum:0", 2.2)
     answer = tool.command("grip")
     assert not answer.accepted
-    assert answer.reason == "IL-07: Bottom vacuum has no valid reading."
+    assert answer.reason == (
+        "IL-07: Bottom vacuum is not proven to be gone: bottom has no valid reading; gone means less than 10 kPa "
+        "below ambient. Check its sensor."
+    )
 
 
 def test_frozen_is_off_unless_declared_and_where_the_codec_counts_coarsely(description: Description) -> None:

@@ -59,7 +59,7 @@ def feedback(description: Description, senses: SensorState, at: int) -> str:
         if level is Evidence.GONE:
             continue
         what = {
-            Evidence.UNKNOWN: "has no valid reading",
+            Evidence.UNKNOWN: "is not proven to be gone",
             Evidence.CONFIRMED: "shows feedback although it is not active",
         }.get(level, "is not active, but its feedback is not proven to be gone")
         todo = "Check its sensor." if level is Evidence.UNKNOWN else "A Drop releases it once more."
