@@ -6,7 +6,16 @@ from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenanc
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport, told_to_grip
-from .words import StatusLines, alarm_changes, refused, transition, unanswered, unread_e_stop, word_of
+from .words import (
+    StatusLines,
+    alarm_changes,
+    held_words,
+    refused,
+    transition,
+    unanswered,
+    unread_e_stop,
+    word_of,
+)
 
 __all__ = [
     "LATER_CONSTANTS",
@@ -21,6 +30,7 @@ __all__ = [
     "alarm_changes",
     "changer_will",
     "ending_in_words",
+    "held_words",
     "maintenance_will",
     "model_constants",
     "network_of",

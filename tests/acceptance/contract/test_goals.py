@@ -94,7 +94,10 @@ def test_a_drop_succeeds_and_says_so_on_its_way(holding: Hal) -> None:
 
 
 def test_a_drop_of_nothing_is_refused(resting: Hal) -> None:
-    why = "Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR, RELEASE_ERROR; this is STAND_BY."
+    why = (
+        "Nothing is held: a drop is accepted in GRIPPED, GRIP_ERROR and RELEASE_ERROR, and in STAND_BY while something "
+        "is not proven to be gone; this is STAND_BY."
+    )
     assert resting.refused("Drop") == why
 
 

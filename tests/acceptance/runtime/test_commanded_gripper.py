@@ -13,6 +13,7 @@ import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.codecs import load_tool
+from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
@@ -225,7 +226,8 @@ def test_a_latched_fault_of_the_gripper_outlives_the_program_and_the_arbiter(gri
     gripper.kill_arbiter()
     gripper.arbiter_again()
     with EndEffector.open(gripper.world.description) as tool:
-        tool.wait_ready(READY_S)
+        with pytest.raises(NotReadyError, match="latched: IL-07: gripper_fault has shown a fault"):
+            tool.wait_ready(READY_S)
         failed = tool.grip()
         assert not failed.succeeded
         assert "gripper_fault has shown a fault; reset the faults first" in failed.reason

@@ -19,7 +19,7 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
@@ -88,6 +88,7 @@ def test_grip_and_drop_by_hand_and_in_order(world: World) -> None:
         assert "IL-12" in tool.grip().reason
         assert tool.set_actuator("cylinder", False).accepted
         wait_until("it", lambda: tool.lock().succeeded)
+        wait_until("it is retracted", lambda: set(tool.status.evidence) == {Evidence.GONE})
         result = tool.grip()
         assert (result.succeeded, result.state) == (True, EndEffectorState.GRIPPED), result.reason
         assert [step.attempts for step in result.steps] == [1, 1, 1]

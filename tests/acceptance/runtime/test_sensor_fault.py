@@ -58,7 +58,7 @@ def fed(program: Program, until: Callable[[Status], bool], *, unlocked: bool) ->
     end = time.monotonic() + PATIENCE_S
     while not until(program.status):
         assert time.monotonic() < end, program.status
-        bits = {"locked": True, "unlocked": unlocked}
+        bits = {"locked": True, "unlocked": unlocked, "tool_present": True}
         program.frame(Frame(now_us(), None, None, {**PRESSURES, **bits}))
         time.sleep(0.02)
     return program.status

@@ -141,7 +141,7 @@ def test_a_port_that_is_gone_keeps_only_its_own_gripper_from_the_next_arbiter(ri
     again = rig.world.children.start(
         "again", [*EEHAL, "arbiter", str(rig.world.description_path)], log=rig.folder / "again.log"
     )
-    again.wait_until(lambda: "ready:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
+    again.wait_until(lambda: "serving:" in again.text(), timeout_s=PATIENCE_S, what="it was ready")
     assert f"{RIGHT}=1" in again.text()
     assert {side: len(cable.device.written) for side, cable in rig.cables.items()} == written
     assert all(cable.device.holds for cable in rig.cables.values())

@@ -180,7 +180,8 @@ def test_one_reader_too_many_is_turned_away(served: Served, page: Page) -> None:
 
 def test_without_a_socket_the_testbench_goes_on(verdin: Any, caplog: pytest.LogCaptureFixture) -> None:
     made = Served(verdin)
-    nowhere = made.tool.with_socket(made.folder / "missing" / "arbiter.sock")
+    (made.folder / "file").touch()
+    nowhere = made.tool.with_socket(made.folder / "file" / "arbiter.sock")
     with made.bench, FaultServer(nowhere, made.bench, made.chosen.append):
         made.bench.choose("no-tool")
     assert "no page can choose faults: " in caplog.text

@@ -52,10 +52,15 @@ def latched(state: EndEffectorState, reason: str) -> str:
     return " ".join(filter(None, (f"{state.name}:", reason, todo)))
 
 
+def held_words(state: EndEffectorState) -> str:
+    """A clause: only in GRIPPED the sensors prove the part; what was found active, or was lost, may be no part."""
+    return "a part is held" if state is EndEffectorState.GRIPPED else "a part is held, or may be"
+
+
 def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
     """Why maintenance cannot drive outputs in a state; empty: it can."""
     if held:
-        return f"IL-12: a part is held, or may be ({_name(state)}): no maintenance, only a Drop releases it."
+        return f"IL-12: {held_words(state)} ({_name(state)}): no maintenance, only a Drop releases it."
     if state is EndEffectorState.STAND_BY:
         return ""
     return f"IL-12: maintenance is possible in STAND_BY only; the end-effector is {_name(state)}."

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
-from end_effector_hal.control import Answer, Status, network_of, unread_e_stop
+from end_effector_hal.control import Answer, Status, held_words, network_of, unread_e_stop
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime._reload import reload_answer
@@ -265,7 +265,7 @@ class Program(ABC):
             return self._obstacle("")
         status = self._adoption.controller.status()
         if status.held:
-            return "A part is held, or may be: drop it first."
+            return f"{held_words(status.ee).capitalize()}: drop it first."
         if status.command is not Command.NONE:
             return f"{status.command.label} is under way: wait for its end, or cancel it."
         if status.ee not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):
