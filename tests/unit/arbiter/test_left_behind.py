@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy, Role
+from end_effector_hal.arbiter import LineArbiter, Policy, Role, SecondCoil
 from end_effector_hal.arbiter.records import NO_ANSWER, Records
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
@@ -16,6 +16,7 @@ from end_effector_hal.arbiter.rules._session import ArbiterState
 from end_effector_hal.errors import LineRefusedError, UsageError
 from tests.support.keeping import BOTTOM, CYLINDER, GRIP, MS, TOKEN, TOP, UNLOCK, Lines, S
 from tests.support.keeping import POLICY as WITHOUT_ROLES
+from tests.unit.arbiter.test_coils import BACK, CUP, JAW, Wires
 
 ROLES = {
     UNLOCK: Role("unlock"),
@@ -141,6 +142,33 @@ def test_a_line_that_no_record_knows_is_held_until_a_reset() -> None:
     new.reset(9 * S)
     new.advance(9 * S)
     assert not new.levels[UNLOCK]
+
+
+def test_a_line_that_no_record_knew_has_its_longest_time_again_once_it_was_written() -> None:
+    new = LineArbiter(Lines(unlock=True), POLICY, 0, recall(None, JournalEntry({}), "now"))
+    changer = new.hello("changer", TOKEN, (UNLOCK,), (), 0)
+    for at, level in ((1 * S, False), (2 * S, True)):
+        new.write(changer, {UNLOCK: level}, None, at)
+        new.advance(at)
+        assert new.levels[UNLOCK] is level
+    new.advance(5 * S)
+    assert not new.levels[UNLOCK]
+
+
+@pytest.mark.parametrize("level", [True, False])
+def test_a_guess_that_no_record_knows_is_latched_only_where_it_turns_out_to_be_active(level: bool) -> None:
+    """Two coils, both inactive: it was not found active, and a first start has no alarm of it."""
+    both = {JAW: SecondCoil(BACK)}
+    policy = Policy((JAW, CUP), (), {JAW: 3 * S}, opposites=both, roles={JAW: Role("unlock")})
+    new = LineArbiter(Wires(), policy, 0, recall(None, JournalEntry({}), "now"))
+    changer = new.hello("changer", TOKEN, (JAW,), (), 0)
+    new.advance(4 * S)
+    assert new.levels[JAW]
+    assert not new.predicates.faults
+    new.write(changer, {JAW: level}, None, 4 * S)
+    new.advance(9 * S)
+    assert new.levels[JAW] is level
+    assert bool(new.predicates.faults) is level
 
 
 @pytest.mark.parametrize(

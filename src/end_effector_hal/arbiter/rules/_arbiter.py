@@ -333,6 +333,7 @@ class LineArbiter:
             self.predicates.latch(name, why)
         for name in self._lines.recovered() & self.predicates.faults.keys():
             _log.info("over, for it was activated again: %s", self.predicates.faults.pop(name))
+        self._say_unbounded()
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)
@@ -423,11 +424,17 @@ class LineArbiter:
                 continue
             self._lines.unbounded.add(line)
             self._lines.changed_at[line] = at - longest
+        self._say_unbounded()
+
+    def _say_unbounded(self) -> None:
+        """Latch what no longest time ends; of a guess not before somebody who knows the sensors says: active."""
+        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
+        for line in self._lines.unbounded - guessed:
             interlock, called = self.policy.bounded_by(line), self.policy.called(line)
             self.predicates.latch(
                 f"{interlock} {line}",
-                f"{interlock}: {called} was found active, and no record says what it drove: it stays active until a "
-                "reset, which deactivates it.",
+                f"{interlock}: {called} was active at the start, and no record says what it drove: it stays active "
+                "until a reset, which deactivates it.",
             )
 
     def _changed_meanwhile(self, levels: Mapping[str, bool]) -> str:

@@ -81,6 +81,7 @@ class OutputLines:
                 raise
             raise WireError(f"the lines cannot be written: {error.strerror}.") from error
         self._half_done -= changes.keys()
+        self.unbounded -= changes.keys()
         self.levels |= changes
         self.changed_at |= dict.fromkeys(changes, at)
         self._changed |= changes.keys()
