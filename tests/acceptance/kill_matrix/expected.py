@@ -7,7 +7,8 @@ Rules (section 5 of the contract, and what follows from it):
   unwinds in release order, `hold` and `leave` move nothing. While it is releasing, the release is carried out. The
   tool changer ends locked. What the program that starts anew finds active is released where ``power_up`` says so;
   what is left, if it is part of a grip alone, is a GRIP_ERROR.
-* A line arbiter that dies moves nothing, and the programs go on when it is back. One that hangs for longer than its
+* A line arbiter that dies moves nothing, and the programs go on when it is back. A release that ends before that writes
+  nothing any more: what is left of it stays active, a latched GRIP_ERROR. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
 * The one process of ROS 2, or without ROS (HAL), is all nodes at once: both programs get their ending, and nobody reads
   the sensors. If the line arbiter dies with it, nothing moves until both are back; then the programs get their ending.
@@ -18,7 +19,7 @@ Rules (section 5 of the contract, and what follows from it):
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import ChangerState
@@ -41,6 +42,7 @@ class Expected:
         states: one of these, in the end.
         changers: and one of these, where there is a tool changer.
         first_s: the first movement comes at most so long after the signal; None: no matter.
+        may_keep: whether a release may end before its lines can be written again.
     """
 
     why: str
@@ -50,6 +52,13 @@ class Expected:
     states: frozenset[State]
     changers: frozenset[ChangerState]
     first_s: float | None = None
+    may_keep: bool = False
+
+    def kept(self, active: int) -> Expected:
+        """The same where so many lines are left active by a release that ended without a line arbiter."""
+        done = len(self.gripping) - active
+        left = frozenset(line for line, _ in self.gripping[done:])
+        return replace(self, gripping=self.gripping[:done], active=left, states=frozenset({State.GRIP_ERROR}))
 
     def text(self, names: dict[str, str]) -> str:
         """In words."""
@@ -93,7 +102,8 @@ def expected(description: Description, cell: Cell) -> Expected:
     active -= {line for line, level in moved if not level}
     locked = frozenset({ChangerState.LOCKED})
     first_s = _first_s(cell) if grip != GOES_ON and moved and at_once else None
-    return Expected(why, moved, (), frozenset(active), frozenset(after), locked, first_s)
+    may_keep = cell.state == RELEASING and cell.process == "LineOwner" and grip == GOES_ON
+    return Expected(why, moved, (), frozenset(active), frozenset(after), locked, first_s, may_keep)
 
 
 def _released(

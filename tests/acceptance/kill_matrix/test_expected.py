@@ -51,6 +51,15 @@ def test_endings(description: Description, cell: str, state: State, moved: list,
     assert want.active == set(active)
 
 
+def test_a_release_that_ends_without_a_line_arbiter_keeps_the_rest(description: Description) -> None:
+    want = expected(description, Cell("LineOwner", "SIGKILL", "RELEASING"))
+    assert want.may_keep
+    kept = want.kept(1)
+    assert (kept.gripping, kept.active) == (((CYLINDER, False),), {BOTTOM})
+    assert kept.states == {State.GRIP_ERROR}
+    assert not expected(description, Cell("Grip", "SIGKILL", "RELEASING")).may_keep
+
+
 def test_what_is_declared_is_expected(description: Description) -> None:
     endings = description.endings.gripping.model_copy(update={"process_death": "hold"})
     other = description.model_copy(
