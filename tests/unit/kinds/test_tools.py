@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -11,14 +10,11 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Status, StatusLines, network_of
 from end_effector_hal.description import examine_text
 from end_effector_hal.errors import DescriptionError
-from end_effector_hal.recording import read_trace
-from end_effector_hal.runtime.boundary import MODEL
 from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence
 from tests.support.virtual_tool import VirtualTool
 
 TOOLS = Path(__file__).parent / "tools"
-EARLIER = Path(__file__).parents[1] / "earlier" / "version_0_1.tar.xz"
 GRIPPED, STAND_BY, GRIP_ERROR = (
     EndEffectorState.GRIPPED,
     EndEffectorState.STAND_BY,
@@ -83,22 +79,6 @@ def test_what_was_shown_before_an_attempt_says_nothing_of_it() -> None:
     status = feed(tool, 2.9, cylinder_extended=True, cylinder_retracted=False)
     assert (status.ee, status.steps[0].attempts) == (EndEffectorState.GRIPPING, 2)
     assert status.outputs == (True,)  # for 1.8 s
-
-
-def test_automata_of_before_wait_for_the_time_out(tmp_path: Path) -> None:
-    """A copy that a user has made of an earlier version."""
-    shutil.unpack_archive(EARLIER, tmp_path)
-    model = read_trace(tmp_path / "run" / "grip.mcap").attachments[MODEL]
-    (tmp_path / "end_effector.xml").write_bytes(model)
-    shutil.copy(TOOLS / "gripper.yaml", tmp_path)
-    tool = VirtualTool(load_tool(tmp_path / "gripper.yaml"), "no-part:jaw")
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(1.0)
-    assert (tool.status.ee, tool.status.outputs) == (EndEffectorState.GRIPPING, (True,))
-    assert "Jaw closed on nothing." in tool.status.alarms
-    tool.run(10.0)
-    assert tool.status.reason == "Jaw was not confirmed within 2 s in 3 attempts. Jaw closed on nothing."
 
 
 def test_a_tool_that_shows_empty_is_proven() -> None:
