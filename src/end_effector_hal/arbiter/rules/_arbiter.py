@@ -416,7 +416,7 @@ class LineArbiter:
         Without a record of the role nothing ends it before a reset: the line may have held a part.
         """
         for line, longest in self.policy.max_active_us.items() if self.policy.roles else ():
-            if not self.levels[line] or self._lines.guessed(line):
+            if not self.levels[line]:
                 continue
             if line in state.driven:
                 since = state.since.get(line, at + 1)

@@ -152,14 +152,10 @@ class OutputLines:
                     paused[line] = time + self._policy.settle_us(line)
         return time
 
-    def guessed(self, line: str) -> bool:
-        """Whether nobody knows how the valve of an output with two coils stands: in doubt it counts as active."""
-        return self.coils is not None and line in self.coils.guessed
-
     def longest_end(self, line: str) -> int | None:
         """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
         active = self.levels[line] or line in self._half_done
-        if not active or line in self.unbounded or self.guessed(line):
+        if not active or line in self.unbounded or (self.coils and line in self.coils.guessed):
             return None
         return self.changed_at[line] + self._policy.max_active_us[line]
 
