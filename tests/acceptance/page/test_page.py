@@ -293,7 +293,7 @@ def test_the_page_itself_that_dies_is_said_too(chromium: Any, nominal: Live) -> 
     page = opened(chromium, nominal)
     nominal.page.child.send_signal(signal.SIGSTOP)
     page.wait_for_selector("body.stale", timeout=1_200 + 600)
-    shows(page, "news", "Lost connection to `eehal page`.")
+    shows(page, "news", "Lost connection to `eehal page`")
     nominal.page.child.send_signal(signal.SIGCONT)
     page.wait_for_selector("body:not(.stale)", timeout=20_000)
     page.context.close()
