@@ -46,8 +46,9 @@ def clients(system: System) -> Iterator[dict[str, Any]]:
     found = {name: ActionClient(system.node, kind, f"{name}/gripper_cmd") for name, kind in kinds.items()}
     assert all(client.wait_for_server(60.0) for client in found.values())
     yield found
-    for client in found.values():
-        client.destroy()
+    for client in found.values():  # by the thread that spins: it may be about to wait for this client
+        task = system.executor.create_task(client.destroy)
+        system.until("the client is destroyed", task.done)
 
 
 @pytest.fixture(params=["gripper_controller", "parallel_gripper_controller"])
