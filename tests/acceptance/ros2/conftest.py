@@ -145,8 +145,14 @@ class System:
         names = ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop")
         self._clients = {name: ActionClient(self.node, EndEffector, name) for name in names}
         self._goal = EndEffector.Goal
-        self._thread = threading.Thread(target=self.executor.spin, daemon=True)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
+
+    def _spin(self) -> None:
+        """Until `close`: rclpy's own loop may be about to use what a shutdown destroys."""
+        while not self._closing.is_set():
+            self.executor.spin_once(timeout_sec=0.2)
 
     def connect(self, state: EndEffectorState = EndEffectorState.STAND_BY) -> None:
         """Find the servers of the actions."""
@@ -162,8 +168,9 @@ class System:
         return not any(state.stale for state in self.states[before:])
 
     def close(self) -> None:
-        self.executor.shutdown()
+        self._closing.set()
         self._thread.join(5.0)
+        self.executor.shutdown()
         self.node.destroy_node()
         self.context.try_shutdown()
 
