@@ -47,7 +47,7 @@ def required() -> dict[str, str]:
 
 
 def proven_by(name: str) -> str:
-    """The requirements whose sentences name an interlock; raises LookupError if nobody says why there are none."""
+    """The requirements whose sentences name an interlock; raises LookupError if it has neither one nor a reason."""
     found = [id_ for id_, sentence in required().items() if re.search(rf"{name}\b", sentence)]
     if bool(found) is (name in NOT_PROVEN):
         raise LookupError(f"{name}: proven by {found}, and NOT_PROVEN says {NOT_PROVEN.get(name)!r}")

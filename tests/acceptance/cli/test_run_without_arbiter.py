@@ -1,4 +1,4 @@
-"""``eehal run`` while the line arbiter is dead: no command writes anything later, whoever is started again first."""
+"""``eehal run`` while the line arbiter is dead: no command writes later, in either order of restart."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def test_the_chip_of_the_copy_is_the_one_that_the_testbench_wants(name: str, tmp
 
 
 def test_the_sensors_show_their_levels_before_the_testbench_plays(tmp_path: Path) -> None:
-    """An e-stop that is active low: whoever reads the chip first must not find it open."""
+    """The first reader of the chip finds an e-stop that is active low closed."""
     copy = load_tool(write_virtual_copy(load_tool(TOOLS / "double_acting_jaw/end_effector.yaml"), tmp_path))
     levels = {"GPIO17": False, "GPIO27": True, "GPIO22": False}  # open, not closed, no stop; inverted
     chip = read_chip(tmp_path / "chip").lines

@@ -1,4 +1,4 @@
-"""How often readings come: what is lost is told after two seconds, and what is slower is named; in exact time."""
+"""How often readings come, in exact time: an alarm names lost samples after two seconds, and a slower period."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from end_effector_hal.signals import Frame
 WINDOW_US, PERIODS = 1_000_000, 20
 """It is counted so long, or for so many periods, the longer."""
 LEAST = 2 / 3
-"""Two windows in a row with a smaller share of a channel's samples are told; one with more ends it."""
+"""An alarm begins after two windows in a row with a smaller share of a channel's samples; a better one ends it."""
 LONGEST_MS = 10_000
 
 
