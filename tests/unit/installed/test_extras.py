@@ -14,8 +14,8 @@ from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
 from tests.support.blocked import eehal_without
 from tests.support.nightly import first_of
+from tests.support.recorded_tool import recorded
 from tests.support.refuted import REFUTED
-from tests.unit.earlier.conftest import ARCHIVE
 
 INSTALL_LAB = "which is not installed. Install it: pip install '.[lab]' in a checkout of end-effector-hal.\n"
 NO_FIGURE = f"Note: There is no figure. Figures need matplotlib, {INSTALL_LAB}"
@@ -33,11 +33,11 @@ def test_the_extras() -> None:
 
 @pytest.mark.thinned
 def test_plot(tmp_path: Path) -> None:
-    shutil.unpack_archive(ARCHIVE, tmp_path)
-    done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run")
+    run = recorded(tmp_path, "nominal", 1.0, "grip", 1.0)
+    done = eehal_without(["matplotlib", "numpy"], "plot", run)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"Figures need matplotlib, {INSTALL_LAB}"
-    done = eehal_without(["matplotlib", "numpy"], "plot", tmp_path / "run", "--json")
+    done = eehal_without(["matplotlib", "numpy"], "plot", run, "--json")
     (fault,) = json.loads(done.stdout)["faults"]
     assert (done.returncode, fault["code"]) == (2, "EE-101")
 

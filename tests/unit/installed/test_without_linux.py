@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,20 +10,14 @@ import pytest
 
 from tests.support.blocked import eehal_without
 from tests.support.nightly import first_of
+from tests.support.recorded_tool import recorded
 from tests.support.refuted import REFUTED
-from tests.unit.earlier.conftest import ARCHIVE
 
 BLOCKED = ("fcntl", "termios", "pwd", "grp", "gpiod", "inotify_simple")
 
 
 def eehal(*words: object) -> subprocess.CompletedProcess[str]:
     return eehal_without(BLOCKED, *words)
-
-
-@pytest.fixture
-def run(tmp_path: Path) -> Path:
-    shutil.unpack_archive(ARCHIVE, tmp_path)
-    return tmp_path / "run"
 
 
 @pytest.mark.parametrize(
@@ -49,9 +42,15 @@ def test_a_run_of_the_model_is_written(tmp_path: Path) -> None:
     assert {"run.txt", "states.csv", "run.json"} <= {path.name for path in (tmp_path / "out").iterdir()}
 
 
-@pytest.mark.parametrize("command", first_of(["replay", "plot"]))
-def test_a_recording_is_read(run: Path, command: str) -> None:
-    done = eehal(command, run)
+def test_a_recording_is_replayed(tmp_path: Path) -> None:
+    done = eehal("replay", recorded(tmp_path / "run", "nominal", 1.0, "grip", 1.0))
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.nightly
+def test_a_recording_is_drawn(tmp_path: Path) -> None:
+    eehal("model", "simulate", "-o", tmp_path / "out")
+    done = eehal("plot", tmp_path / "out")
     assert (done.returncode, done.stderr) == (0, "")
 
 
