@@ -88,7 +88,7 @@ pictures: setup ## the pictures of the page in docs/images, by its tests in a re
 test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
 
-arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time: whoever dies when (RUNS=2000)
+arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time, killed at any step (RUNS=2000)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs $(or $(RUNS),2000)
 
 interlocks: $(VENV)/.synced ## the interlock table: each interlock through each interface (action, service, socket), refused in words
@@ -135,7 +135,7 @@ check: $(VENV)/.synced ## ruff, mypy, import contracts, names, dead code, spelli
 	@$(BIN)/lint-imports
 	@$(BIN)/python .ci/house.py
 	@$(BIN)/vulture
-	@$(BIN)/codespell
+	@$(BIN)/codespell -D - -D .ci/dialect.txt
 
 test-dist: $(UV) ## wheel and sdist: built, installed into fresh environments, used outside of the checkout; a minute
 	@deploy/test-dist.sh

@@ -43,7 +43,7 @@ _MODEL = """<nta>
 <system>system P;</system>
 </nta>"""
 
-"""Fischer's protocol for mutual exclusion, written anew from the literature (Lamport 1987), in UPPAAL's format."""
+"""Fischer's protocol for mutual exclusion, written from the literature (Lamport 1987), in UPPAAL's format."""
 
 EXCLUSION = "A[] forall (i : int[1, {count}]) forall (j : int[1, {count}]) P(i).Critical && P(j).Critical imply i == j"
 

@@ -4,7 +4,7 @@
 # ROS=2: with ROS 2 from its wheels; localhost/end-effector-hal-ros2:amd64.
 # BASE=torizon/debian:3-bookworm: on that image instead of a root made here.
 # In buildah's storage, outside of the checkout: localhost/eehal-debian:bookworm-ARCH (kept; `buildah rmi` it to have it
-# made anew with Debian's newest), localhost/end-effector-hal:ARCH, for this machine's also :latest.
+# made again with Debian's newest), localhost/end-effector-hal:ARCH, for this machine's also :latest.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 top=$(cd "$here/../.." && pwd)

@@ -126,7 +126,7 @@ class Child:
             _send(self.pid, signal_number)
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(patience_s)
-        # whoever is left of its session
+        # the rest of its session
         _send(self.pid, signal.SIGKILL)
         self._process.wait()
         if self._process.stdin is not None:

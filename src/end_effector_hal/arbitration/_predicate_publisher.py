@@ -32,7 +32,7 @@ class Sender(Protocol):
 class PredicatePublisher:
     """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
-    Whoever gets the frames gets them through `frame`: then the owner knows of each before any command that follows
+    Frames are passed on through `frame`: then the owner knows of each before any command that follows
     from it. What is only repeated comes after them: no line waits for it. A link that is slower than that is repeated
     by a thread, for as long as its readings are fresh.
 

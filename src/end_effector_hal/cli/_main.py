@@ -147,7 +147,7 @@ def main() -> None:
     try:
         _main()
     except OSError as error:
-        # an error of a file that was opened names it, and is reported by whoever opened it
+        # an error of a file that was opened names it, and its opener reports it
         if error.errno not in _NO_ROOM or error.filename is not None:
             raise
         click.echo(f"The output cannot be written: {error.strerror}.", err=True)

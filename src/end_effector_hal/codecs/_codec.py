@@ -126,7 +126,7 @@ class Polled(NamedTuple):
 
 
 class PolledDecoder(Decoder, Protocol):
-    """A decoder that asks. Sans-IO: whoever reads the port calls `poll` at ``due`` and sends what it returns."""
+    """A decoder that asks. Sans-IO: the reader of the port calls `poll` at ``due`` and sends what it returns."""
 
     @property
     def due(self) -> int:

@@ -233,7 +233,7 @@ class Controller:
         return self._advance(self._until(at))[0]
 
     def look_ahead(self) -> Iterator[object]:
-        """Work out beforehand what whatever comes next leads to, a little with each item; nothing is changed by it."""
+        """Compute the results of possible next inputs, a little with each item; change nothing."""
         takes = self._execution.inputs
         events = [event for event in (*self._senses.events, *_COMMANDS) if event.channel in takes]
         return self._execution.look_ahead(events)
@@ -341,7 +341,7 @@ class Controller:
             locked = self._senses.now.tool in (ToolEvidence.LOCKED, ToolEvidence.ABSENT)
             adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
-        self._execution.write(adopted)  # before the event: whoever receives it asks for these levels
+        self._execution.write(adopted)  # before the event: its receiver reads these levels
         return self._receive(Event("adopt"), at)
 
     def _told(self, steps: Iterable[Step]) -> list[Status]:

@@ -88,13 +88,13 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return TransitionCallbackReturn.SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From any state: end the nodes, and the process; its launcher begins anew."""
+        """From any state: end the nodes and the process; its launcher restarts it."""
         self._end_group()
         self._process.end()
         return TransitionCallbackReturn.SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """A transition has raised: begin anew, with everything closed."""
+        """A transition has raised: close everything and return to unconfigured."""
         self._end_group()
         return TransitionCallbackReturn.SUCCESS
 

@@ -104,7 +104,7 @@ class SendingDevices:
         return frozenset().union(*(device.mixed(at) for device in self._devices.values()))
 
     def notices(self, at: int) -> tuple[str, ...]:
-        """Which have begun anew lately, in words."""
+        """Sentences on the devices that restarted recently."""
         return tuple(said for device in self._devices.values() for said in device.notices(at))
 
     def deadline(self, at: int) -> int | None:

@@ -37,7 +37,7 @@ class LinkRules:
     Args:
         description: the tool; it says what its channels can show.
         carrier: of its channels.
-        gap_us: after such a silence a sensor is looked at anew.
+        gap_us: a sensor starts again after a silence of this length.
     """
 
     MEMORY: ClassVar = {

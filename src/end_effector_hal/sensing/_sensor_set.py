@@ -208,8 +208,8 @@ class SensorSet:
             said.append(
                 f"No valid reading of {', '.join(name for name in invalid if whys[name] == why)}: {why}."
             )
-        if not held and (anew := [name for name in unknown if not self._channels[name] & set(lacking)]):
-            names = ", ".join(map(display_name, anew))
+        if not held and (again := [name for name in unknown if not self._channels[name] & set(lacking)]):
+            names = ", ".join(map(display_name, again))
             said.append(f"{names}: readings are back; evidence not re-established yet.")
         return tuple(said)
 

@@ -21,7 +21,7 @@ from .detectors import ReleaseDetector, SupplyDetector, ToolDetector
 class SensorState:
     """The newest readings, all detectors, and the level of each; nobody changes it once it is passed on.
 
-    So it may be shared by all who have seen the same: whoever goes on makes a new one.
+    So all who have seen the same frames may share it: the next frame makes a new one.
 
     Attributes:
         readings: of each channel.

@@ -43,7 +43,7 @@ class Trend:
         self._older = self._newer = 0.0
 
     def take(self, value: float, at: int) -> bool:
-        """One more sample at ``at`` µs; True when a bin is full and the rest has been judged anew."""
+        """One more sample at ``at`` µs; True when a bin is full and the trend was computed again."""
         self._samples.append((at, value))
         if at - self._samples[0][0] < self._full_us:
             return False
@@ -58,7 +58,7 @@ class Trend:
         return True
 
     def clear(self) -> None:
-        """Begin anew, after a gap."""
+        """Start again, after a gap."""
         self._points.clear()
         self._samples.clear()
         self._older = self._newer = 0.0

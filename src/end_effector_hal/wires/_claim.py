@@ -54,7 +54,7 @@ class Claim:
 
     @property
     def fd(self) -> int:
-        """Its descriptor; whoever has a copy keeps the claim."""
+        """Its descriptor; a copy keeps the claim."""
         return self._fd
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""rosROS bag 1, chunk by chunk; a file without its index, as a killed recorder leaves it, from the front."""
+"""ROS bag 1, chunk by chunk; a file without its index, as a killed recorder leaves it, from the front."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Archives that a kernel unpacks into its memory at the start (cpio, "newc"); owned by root, whoever writes them."""
+"""Archives that a kernel unpacks into its memory at the start (cpio, "newc"); all files belong to root."""
 
 from __future__ import annotations
 

@@ -243,7 +243,7 @@ class _CaseRun:
         return is_still(self._description, self.tool)
 
     def _settle(self) -> None:
-        """Whoever is dead stays so; with all that live, until nothing moves for a while."""
+        """Wait until nothing moves for a while; dead processes stay dead."""
         tool, durations = self.tool, self._description.durations
         self._until(lambda: not tool.ending, LONGEST_END_US)
         limit = tool.at + (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US

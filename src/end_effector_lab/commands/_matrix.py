@@ -52,7 +52,7 @@ def command(
 
     What may become of each cell is computed from the description, by rules that share nothing with what controls the
     tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
-    modes and effects of the tool, with severity and occurrence left to whoever signs it.
+    modes and effects of the tool, with empty columns for severity and occurrence.
 
     A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was
     dropped, or something is not explained.

@@ -107,7 +107,7 @@ class Bench:
         seed: of the valves' dead times and of the noise.
         start: µs, the time of the initial state.
         levels: lines that are active at the start; their devices have settled, so that a bench that is
-            started anew goes on holding what is held.
+            that is restarted goes on holding its part.
 
     Raises:
         UsageError: the scenario cannot be used.

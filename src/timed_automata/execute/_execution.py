@@ -176,7 +176,7 @@ class Execution:
         """Work out what each of some events would lead to now, and what time would, and what follows at once.
 
         Nothing is taken, and nothing is decided otherwise: when one of them comes, what it does is remembered, not
-        computed. Each item is one state; whoever has something else to do asks for no more. It may be iterated in
+        computed. Each item is one state; a caller with other work stops asking. It may be iterated in
         another thread than the one that executes.
 
         Raises:

@@ -110,7 +110,7 @@ class SuccessorCache:
         return found
 
     def explore(self, state: State, inputs: Collection[tuple[int, Mapping[int, int]]]) -> Iterator[State]:
-        """Remember beforehand what may follow a state: one input of these, or time, and what then happens at once.
+        """Compute what may follow a state before it is needed: one of these inputs, or time, with its immediate steps.
 
         Each item is a state that was worked out; the next one is worked out when it is asked for. A fault of the
         model is not raised here: it is one only if the run comes there.

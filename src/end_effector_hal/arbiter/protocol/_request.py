@@ -54,9 +54,9 @@ a disk has given back late, and finds it in ``status``. A ``hello`` has all faul
 cleared: what it said to an arbiter or over a connection that was lost counts (left out: those that its last session
 had). What the arbiter latches itself for an interlock (IL-03, IL-13) has no limit that a client could use up.
 ``reset`` clears all faults; it is refused with EE-403 for those whose cause persists (an open e-stop). A fault of a
-client that lives, and has not cleared it, stays as well, whoever has latched it (one that never shows it, such as an
-older program, is to be restarted): the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop
-latches (IL-13): until a reset, also through a restart, nothing is activated, and no line is changed. A program that
+client that lives, and has not cleared it, stays as well, whichever client has latched it (restart a client that never
+shows it): the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop latches (IL-13): until a
+reset, also through a restart, nothing is activated, and no line is changed. A program that
 hears of it cancels the grip that runs.
 
 ``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what

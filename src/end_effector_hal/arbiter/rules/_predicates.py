@@ -30,7 +30,7 @@ class ProvenPredicate(NamedTuple):
 class SensorPredicates:
     """Predicates that expire, and latched faults. Pure: time is an argument, in µs.
 
-    A predicate refuses activations; nothing in here ever makes a line inactive. All names are known beforehand: no
+    A predicate refuses activations; nothing in here ever makes a line inactive. All names are known at the start: no
     message makes a table grow, and no fault of a client takes the room of one that the arbiter latches.
 
     Args:

@@ -79,9 +79,8 @@ def export_sros2(file: Path | None, processes: str, namespace: str, output: Path
     """Write policy.xml for the tool that the description FILE says; default: the shipped one.
 
     It has an enclave for each process: /NAME/hal, its five programs or /NAME/lifecycle_hal, /NAME/data_logger,
-    /NAME/supervisor, and /NAME/client for a program that commands the tool (managed: /NAME/operator for whoever
-    configures and activates it). NAME is the namespace, or else the
-    name of the tool.
+    /NAME/supervisor, and /NAME/client for a program that commands the tool (managed: /NAME/operator for the program
+    that configures and activates it). NAME is the namespace, or else the name of the tool.
     """
     description = load_for_nodes(file or profile_path())
     write_or_print(output, security_policy(description, processes, namespace), description.files)

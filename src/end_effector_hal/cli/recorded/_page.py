@@ -44,7 +44,7 @@ def command(
 
     DESCRIPTION: states, pressures, interlocks, why a command is refused. The page follows the programs that run with
     the same description (`eehal run`, the nodes of ROS 1 or 2) by their local sockets, and finds them again. The
-    printed address has a token: whoever opens it sees the tool, and may take control. Closing the page, or ending this
+    printed address has a token: its user sees the tool and may take control. Closing the page, or ending this
     command, moves no line. The page lists the recordings of a folder, and opens them.
 
     RECORDING: a folder of `eehal run --record`, one of its traces, or a ROS bag, in the same page: scrub, step from

@@ -46,7 +46,7 @@ def outlives(write: Callable[..., None]) -> Callable[..., None]:
 class _Clock:
     """Seconds since the start, for lines that several threads print: no line has a time before that of the last one.
 
-    A context: whoever is in it prints, and nobody else.
+    A context: only the thread in it prints.
     """
 
     def __init__(self, begun: int | None) -> None:

@@ -44,8 +44,8 @@ class ServedGoals:
     """Serves the actions; thread-safe.
 
     A decision is made in the thread that brings the message, under one lock. Its effects are carried out after one
-    another, in the order of the decisions, by one thread at a time: whoever finds another one at it leaves them to
-    that one. So no thread waits for an action server, whose lock is held while it calls back.
+    another, in the order of the decisions, by one thread at a time: a thread that finds another one at work leaves them
+    to it. So no thread waits for an action server, whose lock is held while it calls back.
 
     Args:
         node: serves the actions; its log gets how each goal ended.

@@ -130,7 +130,7 @@ class GoalClients:
                     self._lose(goal, "HALMain was started again and does not know this goal")
 
     def cancel(self) -> bool:
-        """Cancel whatever runs, whoever sent it; returns whether a goal of ours is running."""
+        """Cancel every running goal of any client; return whether a goal of ours is running."""
         for client in self._clients.values():
             client.cancel_all()
         return any(not goal.ended.is_set() for goal in self._sent)
@@ -157,7 +157,7 @@ class GoalClients:
         with self._lock:
             if not goal.ended.is_set():
                 self._say(words())
-                goal.ended.set()  # not before it is said: whoever waits goes on at once, perhaps to its end
+                goal.ended.set()  # only after the report: a waiting thread continues at once, perhaps to its end
 
     def _up(self, timeout_s: float) -> bool:
         end = time.monotonic() + timeout_s

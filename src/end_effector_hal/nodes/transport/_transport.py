@@ -99,7 +99,7 @@ class ActionClient(Protocol):
         """
 
     def cancel_all(self) -> None:
-        """Cancel every goal of this action, whoever sent it."""
+        """Cancel every goal of this action, of any client."""
 
 
 class NodeTransport(Protocol):

@@ -107,7 +107,7 @@ class RecordedTables:
         """What the tables say, as records in the order of time."""
         for entry in heapq.merge(self._told(), self._frames(), self._levels(), key=lambda entry: entry.at):
             yield entry
-            if entry.kind == "frame":  # whoever has taken it asks for the next
+            if entry.kind == "frame":  # the caller asks for the next one
                 self._now = {**self._now, **entry.record.values}
 
     def known(self, view: dict[str, Any]) -> dict[str, Any]:

@@ -255,10 +255,10 @@ class Player {
   }
 
   // The part of the timeline that is shown: it follows the moment page by page.
-  look(anew) {
+  look(redraw) {
     const all = Number.isNaN(this.span);
     const line = this.lines[0];
-    if (!anew && (all || (this.at >= line.from && this.at <= line.to))) return;
+    if (!redraw && (all || (this.at >= line.from && this.at <= line.to))) return;
     const from = all ? this.begin : Math.max(this.begin, Math.min(this.at - this.span / 10, this.end - this.span));
     const to = all ? Math.max(this.end, from + 0.1) : from + this.span;
     this.lines.forEach((each, index) => each.look(from - index * this.shift, to - index * this.shift));

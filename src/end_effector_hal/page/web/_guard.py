@@ -34,7 +34,7 @@ class Guard:
     """The rules, always all of them, since a POST moves valves.
 
     Rule 1: The Host is one of ours: a name of somebody else that leads to this address is refused.
-    Rule 2: Whoever has the token gets the cookie; everything else takes the cookie.
+    Rule 2: A request with the token gets the cookie; every other request needs the cookie.
     Rule 3: A request that another site has begun is refused, by Origin and by Sec-Fetch-Site.
     Rule 4: A POST has an Origin, which is ours, and the CSRF token of the page in a header.
     Rule 5: There is GET and POST, and nothing else.

@@ -186,7 +186,7 @@ class TableWriter(Closing):
         """The rows with which the next segment begins."""
 
     def _resumed(self, read: Callable[[Line], Row]) -> Row | None:
-        """The row written last by whoever wrote this file before."""
+        """The last row of the file, also if an earlier process wrote it."""
         if self._file.last is None:
             return None
         where = str(self._file.path)

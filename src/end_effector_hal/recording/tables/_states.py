@@ -69,7 +69,7 @@ class StatesWriter(TableWriter):
 
     @property
     def last(self) -> StatesRow | None:
-        """The row written last, also by whoever wrote this file before; its time is where to go on from."""
+        """The last row, also if an earlier process wrote it; new rows go on from its time."""
         return self._last
 
     def write(

@@ -81,7 +81,7 @@ class TraceWriter:
     belong to one thread at a time. Files are made, written and closed in the writer's thread only. While the disk
     fails nothing is recorded and :attr:`trouble` says so; it is tried again each second.
 
-    Whoever records looks at :attr:`wants_state` after each batch: a file is long enough, or the disk works again.
+    The recorder checks :attr:`wants_state` after each batch: a file is long enough, or the disk works again.
     With `begin` the next segment starts, with what is needed to understand it without the one before.
 
     Args:

@@ -8,7 +8,7 @@ Rule 3: A job does not wait. Whatever waits, or calls somebody else, is its foll
 Rule 4: What was submitted before the worker began starts after its beginning; what is submitted after its end never
     starts.
 Rule 5: What is due is done by the thread of the worker, after the jobs that were submitted before.
-Rule 6: A job that fails ends the worker with its error; whoever submitted it does not see the error.
+Rule 6: A job that fails ends the worker with its error; its submitter does not see the error.
 Rule 7: A question that could not start within 2 s never starts: its asker has gone on.
 Rule 8: The worker's thread prepares what may come, piece by piece, while it has nothing else to do. Jobs do not wait
     for that: it has no turn, and changes nothing that they see.

@@ -1,4 +1,4 @@
-"""The plain outputs of a tool: switched for whoever asks, and left as declared when their process ends."""
+"""The plain outputs of a tool: switched on request, and left as declared when their process ends."""
 
 from __future__ import annotations
 

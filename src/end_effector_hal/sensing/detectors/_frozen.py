@@ -10,7 +10,7 @@ class FrozenDetector:
 
     Args:
         after_us: so long.
-        gap_us: what lies so far apart are no consecutive samples: it begins anew.
+        gap_us: samples this far apart are not consecutive: the detector starts again.
     """
 
     MEMORY: ClassVar = {"_value": int | None, "_since": int, "_last": int}

@@ -1,4 +1,4 @@
-"""The network of deaths: what becomes of the lines of a held part, whoever dies when, and how often.
+"""The network of deaths: the lines of a held part, whichever process dies, whenever and how often.
 
 In the network of the tool a program dies once, between two reactions, and asks for what the automata decide. Here it
 asks for anything, and it and the line arbiter die at any instant. What this network assumes of a program:

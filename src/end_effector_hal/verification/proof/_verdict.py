@@ -1,4 +1,4 @@
-"""What a proof came to, kept for whoever must know it later: by the hash of the tool and its automata."""
+"""The stored verdict of a proof, found by the hash of the tool and its automata."""
 
 from __future__ import annotations
 

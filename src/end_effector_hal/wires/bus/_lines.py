@@ -55,7 +55,7 @@ def bus_relay(description: Description, socket: Path, name: str) -> Path:
 
 
 class BusLines:
-    """A `LineBackend` of registers, and `RemoteLines`: whoever sets one does not wait for the device.
+    """A `LineBackend` of registers, and `RemoteLines`: setting one does not wait for the device.
 
     The device's acknowledgement ends a write; until then nobody knows how its output stands. A deactivation is written
     until a device acknowledges it; an activation is given up after a time, so that nothing moves by itself when a

@@ -46,7 +46,7 @@ class InputsHealth:
         opened: how many times the lines were claimed.
         frames: since the start.
         edges: since the start, of all lines.
-        lost: how often edges were lost, and the levels read anew.
+        lost: how often edges were lost, and the levels read again.
     """
 
     error: str = ""

@@ -124,7 +124,7 @@ def read_chip(path: str | Path) -> ChipState:
 
 
 class VirtualPins:
-    """The far end of the inputs of a virtual chip: whoever drives them.
+    """The far end of the inputs of a virtual chip: it drives them.
 
     Args:
         path: the file of the chip; it must exist when they are driven.

@@ -24,7 +24,7 @@ from end_effector_hal.wires.link._port import open_port
 
 
 class OpenPort(Protocol):
-    """Where bytes come from: a serial port, or a connection to whoever has it."""
+    """Where bytes come from: a serial port, or a connection to the process that has it."""
 
     def fileno(self) -> int:
         """For select; what is there can be read without waiting."""

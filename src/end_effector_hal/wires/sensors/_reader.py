@@ -150,7 +150,7 @@ def answers_us(codec: Codec) -> int:
 
 
 def together(found: Sequence[InputsHealth]) -> InputsHealth:
-    """Of all inputs of the board, whoever reads them."""
+    """The health of all inputs of the board, read here or by the line arbiter."""
     frames = [each.last_frame for each in found if each.last_frame is not None]
     counted = ("opened", "frames", "edges", "lost")
     counters = {name: sum(getattr(each, name) for each in found) for name in counted}

@@ -50,7 +50,7 @@ class Clock(Protocol):
 
 
 class Monotonic:
-    """This machine's: whoever is at the other end of real wires shares it."""
+    """This machine's clock: both ends of real wires share it."""
 
     def now_us(self) -> int:
         return now_us()

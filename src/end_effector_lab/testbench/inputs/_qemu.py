@@ -90,7 +90,7 @@ class Qtest:
                 return ""
             answer = self._answers.get()
             if not answer:
-                self._answers.put("")  # for whoever asks next
+                self._answers.put("")  # for the next caller
             return answer
 
     def close(self) -> None:

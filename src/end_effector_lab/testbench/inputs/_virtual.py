@@ -85,7 +85,7 @@ class VirtualInputs:
         return began
 
     def show(self, name: str, level: bool) -> None:
-        """A device on a bus was commanded: its output is a line of the chip, for whoever looks at that."""
+        """Show the commanded output of a bus device as a line of the chip."""
         self._pins.drive({name: level}, "out")
 
     def close(self) -> None:

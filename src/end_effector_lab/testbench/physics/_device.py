@@ -194,7 +194,7 @@ class Plant(Model):
         return to
 
     def _begin(self) -> None:
-        """Whoever has something new begins with it; what feels the supply, too, when that begins."""
+        """Start devices with a new command, and those on the supply once it starts."""
         for model in self._solved:
             if model.stale:
                 model.begin()

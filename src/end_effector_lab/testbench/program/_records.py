@@ -16,7 +16,7 @@ class TextFile:
     """A file that is written line by line, and reaches the disk so: a kill loses the last line at most.
 
     Args:
-        path: written anew.
+        path: an existing file is replaced.
 
     Raises:
         UsageError: it cannot be written.

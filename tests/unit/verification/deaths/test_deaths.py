@@ -43,7 +43,7 @@ def test_it_reads_well(template) -> None:  # type: ignore[no-untyped-def]
 def test_eehal_verify_proves_it() -> None:
     result = CliRunner().invoke(verify, ["--deaths", "--all"], catch_exceptions=False)
     assert result.exit_code == 0
-    assert "No line of a held part goes inactive except after a Drop, whoever dies when" in result.stdout
+    assert "No line of a held part goes inactive except after a Drop, whichever process dies" in result.stdout
 
 
 def test_its_network_is_exported(tmp_path: Path) -> None:

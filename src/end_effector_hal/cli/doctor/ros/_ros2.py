@@ -125,7 +125,7 @@ def _domain(text: str) -> CheckResult:
 
 
 def _discovery() -> CheckResult:
-    """Who may be heard: ROS 2 has no authentication without SROS 2, and whoever is heard may command the tool."""
+    """Check who can reach the tool: without SROS 2, every participant may command it."""
     local, chosen = (
         os.environ.get("ROS_LOCALHOST_ONLY", ""),
         os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", ""),
