@@ -79,4 +79,4 @@ def test_it_grips_and_the_recording_is_told_in_its_words(recording: Path, instal
 def test_its_recording_is_refused_where_it_is_not_installed(recording: Path, installed: Environment) -> None:
     installed.run("uv", "pip", "uninstall", "eehal-jaw")
     said = installed.run("eehal", "plot", "runs/nominal", "-o", "again.svg", expected=2).stderr
-    assert "there is no kind of actuator 'jaw'. There are: vacuum, cylinder, gripper, magnet." in said
+    assert "There is no kind of actuator 'jaw'. There are: vacuum, cylinder, gripper, magnet." in said

@@ -229,7 +229,7 @@ def test_any_uppaal_file_is_drawn() -> None:
 def test_the_requirements_that_need_an_edge_are_printed() -> None:
     told = run("show", "--template", "Changer", "--edges", "-o", "out").stdout.splitlines()
     edges = json.loads(run("show", "--template", "Changer", "-o", "out", "--json").stdout)["edges"]["Changer"]
-    assert len(told) == 1 + len(edges) == 33
+    assert len(told) == 1 + len(edges) == 37
     for number, (line, each) in enumerate(zip(told[1:], edges, strict=True), start=1):
         assert line.startswith(f"  {number}. {each['edge']}: ")
         assert ", ".join(each["needed_by"]) in line

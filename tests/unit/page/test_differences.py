@@ -332,21 +332,6 @@ def test_no_difference_ends_the_data_of_a_report(nominal: Path) -> None:
     assert "alert(1)<" not in html
 
 
-@pytest.mark.thinned
-def test_what_another_description_would_have_made_of_it_is_compared(nominal: Path) -> None:
-    async def both() -> Json:
-        served = ServedRecording(RecordingFiles(nominal), RecordingPart())
-        other = served.played("actuators.bottom_vacuum.timeout_s: 0.25")
-        for each in (served, other):
-            await each.document()
-        assert served.compared is not None
-        assert other.compared is not None
-        return compare_recordings(served.compared, other.compared)
-
-    rows = asyncio.run(both())["rows"]
-    assert ("Bottom vacuum", "OFF: only in the second") in {(each["lane"], each["what"]) for each in rows}
-
-
 def test_tables_without_pressures_beside_some_with(tmp_path: Path, verdin: Description) -> None:
     first, second = written(tmp_path / "one", NOMINAL), written(tmp_path / "other", NOMINAL)
     (second / "pressures.csv").unlink()

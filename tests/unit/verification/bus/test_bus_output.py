@@ -95,9 +95,9 @@ def _writes_what_it_has(self: BusOutput, at: int) -> None:
 def test_code_that_does_something_else_is_found_out(
     monkeypatch: pytest.MonkeyPatch, name: str, wrong: object, output: RegisterOutput
 ) -> None:
-    right = [random_output_run(output, seed).steps for seed in range(12)]
+    right = [random_output_run(output, seed).steps for seed in range(48)]
     monkeypatch.setattr(BusOutput, name, wrong)
-    runs = [random_output_run(output, seed) for seed in range(12)]
+    runs = [random_output_run(output, seed) for seed in range(48)]
     others = [run for run, steps in zip(runs, right, strict=True) if run.steps != steps]
     assert not all(run.is_one_of(model_text()) for run in others)
 

@@ -72,10 +72,11 @@ def baseline(document: Document) -> Baseline:
 
 
 def drawn(document: Document) -> dict[int, Mutant]:
-    """The sample, by the numbers of the mutants; what only watches a write, for `as-asked`, is not edited."""
+    """The sample of edits of templates, by their numbers; what only watches a write, for `as-asked`, is left out."""
     every, lines = list(mutants(document, TEMPLATES)), DEATHS_FILE.read_text(encoding="utf-8").splitlines()
-    order = [n for n, each in enumerate(every) if "strayed" not in lines[int(each.place.split(":")[-2]) - 1]]
-    assert len(order) == len(every) - 7
+    edits = [n for n, each in enumerate(every) if each.template]
+    order = [n for n in edits if "strayed" not in lines[int(every[n].place.split(":")[-2]) - 1]]
+    assert len(order) == len(edits) - 7
     Random(SEED).shuffle(order)
     return {number: every[number] for number in order[:SAMPLE]}
 

@@ -83,7 +83,7 @@ def test_where_nothing_can_be_written_it_is_said(
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
-    with pytest.raises(UsageError, match="The verdict cannot be kept: it is a link, or no directory"):
+    with pytest.raises(UsageError, match="The verdict cannot be stored: it is a link, or no directory"):
         keep_verdict(proof_verdict(content_hash(verdin), proof(True)))
 
 

@@ -41,7 +41,19 @@ OF_THE_WORLD = (
     "Sensors.odd",
     "Sensors.emptied",
 )
-OF_GRIP = ("evidence", "ee", "command", "actuator", "valve", "kept", "blow", "cause", "cause_at", "adopted")
+OF_GRIP = (
+    "evidence",
+    "ee",
+    "command",
+    "actuator",
+    "valve",
+    "kept",
+    "blow",
+    "cause",
+    "cause_at",
+    "adopted",
+    "dropped",
+)
 """What Grip sees, tells and asks for; nobody hears a dead one."""
 UNMOVED = ("Changer", "Arming", "World", "Owner", "Tool", "Listener", "Patience", "Messages", "Wills")
 ACTIVE = ("Pending", "Confirming", "On", "Losing")
