@@ -103,7 +103,7 @@ class Plugins(Generic[Plugin]):
             thread.join(LOAD_S)
         if not done:
             todo = "Repair or remove the distribution that provides it."
-            raise UsageError(f"its import has not ended after {LOAD_S:g} s.", todo=todo)
+            raise UsageError(f"its import did not end within {LOAD_S:g} s.", todo=todo)
         if isinstance(done[0], BaseException):
             raise done[0]
         return done[0]

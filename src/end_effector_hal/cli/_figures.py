@@ -54,7 +54,7 @@ class Figures(Protocol):
 
 def _checked(module: Any) -> Figures:
     if not all(callable(getattr(module, name, None)) for name in _NAMED):
-        raise UsageError(f"it has not all of {', '.join(_NAMED)}.")
+        raise UsageError(f"it lacks one of {', '.join(_NAMED)}.")
     return cast(Figures, module)
 
 
@@ -70,7 +70,7 @@ def figures() -> Figures:
     """
     if NAME not in _FIGURES.names:
         raise MissingExtraError(
-            "Nothing that draws figures is installed.", todo=f"Install it: {command_for('lab')}."
+            "The package that draws figures is not installed.", todo=f"Install it: {command_for('lab')}."
         )
     try:
         import_module("matplotlib")  # the module that draws imports it later

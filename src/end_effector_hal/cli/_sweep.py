@@ -33,7 +33,7 @@ class Sweep(Protocol):
 
 def _checked(function: Any) -> Sweep:
     if not callable(function):
-        raise UsageError("it is no function.")
+        raise UsageError("it is not a function.")
     return cast(Sweep, function)
 
 
@@ -49,6 +49,7 @@ def sweep() -> Sweep:
     """
     if NAME not in _SWEEPS.names:
         raise MissingExtraError(
-            "Nothing that proves a grid of values is installed.", todo=f"Install it: {command_for('lab')}."
+            "The package that proves a grid of values is not installed.",
+            todo=f"Install it: {command_for('lab')}.",
         )
     return _SWEEPS.get(NAME)

@@ -125,11 +125,11 @@ def command(
             or free is not None
             or most_gib is not None
         ):
-            raise UsageError("A sweep is of a DESCRIPTION as it is.", todo="Leave the other options out.")
+            raise UsageError("--sweep proves a DESCRIPTION as it is.", todo="Leave the other options out.")
         path = description or profile_path()
         sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
     if jobs or scheduler:
-        raise UsageError("Only a sweep is shared out.", todo="Add --sweep KEY=A,B,C.")
+        raise UsageError("--jobs and --scheduler need --sweep.", todo="Add --sweep KEY=A,B,C.")
     if (deaths or registers is not None) and free is not None:
         which = "deaths" if deaths else "registers"
         raise UsageError(f"The network of {which} has no sensors.", todo="Leave --free-sensors out.")
@@ -197,7 +197,7 @@ def _keep(description: Description, content: str, proof: Proof) -> None:
 
     try:
         if content_hash(description) != content:
-            raise UsageError("The tool has changed while it was proven: the verdict is not kept.")
+            raise UsageError("The description changed during the proof: the verdict is not stored.")
         keep_verdict(proof_verdict(content, proof))
     except UsageError as error:
         click.echo(f"Note: {error}", err=True)

@@ -121,7 +121,7 @@ def get_codec(name: str) -> Codec:
 def _checked(codec: Any) -> Codec:
     if missing := [part for part in _PARTS if not hasattr(codec, part)]:
         raise UsageError(
-            f"this is no codec: it has no {', '.join(missing)}.",
+            f"this is not a codec: it has no {', '.join(missing)}.",
             todo="Inherit end_effector_hal.codecs.conformance.CodecConformance in its tests.",
         )
     return declared(codec)

@@ -64,7 +64,9 @@ def tool_path(description: str | Path, profile: str, *, how: str) -> Path:
     if bool(str(description)) == bool(profile):
         what = "Two tools are named" if profile else "No tool is named"
         shipped = ", ".join(profile_names())
-        raise UsageError(f"{what}: exactly one is driven.", todo=f"Give {how}; shipped profiles: {shipped}.")
+        raise UsageError(
+            f"{what}: exactly one tool is needed.", todo=f"Give {how}; shipped profiles: {shipped}."
+        )
     return profile_path(profile) if profile else Path(description).expanduser().absolute()
 
 

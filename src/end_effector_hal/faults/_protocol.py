@@ -109,7 +109,7 @@ def read_fault_request(line: bytes) -> FaultRequest:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "message"
-        raise UsageError(f"This is no request to a testbench: {place}: {first['msg']}.") from None
+        raise UsageError(f"This is not a request to a testbench: {place}: {first['msg']}.") from None
 
 
 def message_line(content: TestbenchHeader | TestbenchScenario) -> bytes:

@@ -41,7 +41,7 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
                 keep_verdict(verdict)
     if verdict is None:
         raise UsageError(
-            f"Nothing is known of a proof of {description.name} as it is now.",
+            f"No proof is stored of {description.name} as it is now.",
             where=str(description.source),
             todo="Run `eehal verify` on it as this user, or set the parameter prove to true; `hal` asks for no proof.",
         )

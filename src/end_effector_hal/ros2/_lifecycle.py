@@ -172,7 +172,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         elif why:
             raise UsageError(
                 f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
-                todo="`eehal doctor` says what this machine lacks.",
+                todo="`eehal doctor` prints what is missing.",
             )
 
     def _end_group(self) -> None:

@@ -95,7 +95,7 @@ def read_command(text: str) -> ScriptCommand:
         plain = ", ".join(WORDS[: WORDS.index(SET)])
         known = f"There are: {plain}, set <output> on|off, wait <seconds>, scenario <text>."
         todo = f"Did you mean {close[0]!r}?" if close else known
-        raise UsageError(f"{verb or text!r} is no command.", todo=todo)
+        raise UsageError(f"{verb or text!r} is not a command.", todo=todo)
     if rest:
         between = (
             "Separate commands by ';', also behind an '&'." if "&" in text else "Separate commands by ';'."

@@ -34,7 +34,7 @@ def open_bag(path: Path) -> Bag:
             return Rosbag1(path)
     except OSError as error:
         raise UsageError(f"Cannot be read: {error.strerror or error}.", where=str(path)) from None
-    raise UsageError("This is no bag.", where=str(path), todo=_WHAT)
+    raise UsageError("This is not a bag.", where=str(path), todo=_WHAT)
 
 
 def _open_folder(path: Path) -> Bag:

@@ -96,7 +96,7 @@ def case_from_json(found: object, description: Description, where: str = "") -> 
         assert all(0 <= at <= LONGEST_S for at, _ in pairs)
     except (AssertionError, KeyError, OverflowError, TypeError, ValueError):
         raise UsageError(
-            "This is no case of a campaign.",
+            "This is not a case of a campaign.",
             where=where,
             todo='Expected: {"seed": 0, "happenings": [[0.5, "grip"], …]}, '
             f"at most {MOST}, from 0 to {LONGEST_S:g} s.",

@@ -302,7 +302,7 @@ def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: 
         path = folder / f"{numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
         if os.path.lexists(path):
             raise UsageError(
-                "This file stands where a failure is to be written.", where=str(path), todo="Move it away."
+                "This file is in the place of a failure report.", where=str(path), todo="Move it away."
             )
         write_whole(path, (json.dumps(document, indent=1) + "\n").encode())
 
@@ -316,7 +316,7 @@ def read_failures(folder: Path) -> list[dict[str, Any]]:
                 document = _Failure.model_validate_json(file.read(LARGEST_BYTES), strict=True)
         except (OSError, ValidationError):
             raise UsageError(
-                "This is no failure of a campaign.",
+                "This is not a failure report of a campaign.",
                 where=str(path),
                 todo="Move it away: it is written again.",
             ) from None

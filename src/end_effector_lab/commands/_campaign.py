@@ -72,7 +72,7 @@ def command(
 
     description = load_tool(tool or profile_path())
     if file is not None and (jobs or scheduler):
-        raise UsageError("--play plays one case, here.", todo="Leave --jobs and --scheduler out.")
+        raise UsageError("--play plays one case in this process.", todo="Leave --jobs and --scheduler out.")
     if file is not None:
         raise SystemExit(_play(description, file, output, processes=processes, as_json=as_json))
     if processes:

@@ -93,20 +93,18 @@ def command(
 
     end_in_order()
     if no_ros and (ros or five):
-        raise UsageError("--no-ros goes with neither --ros nor --five.")
+        raise UsageError("--no-ros excludes --ros and --five.")
     generation = ros or ("2" if five or importlib.util.find_spec("rclpy") else "1")
     if five and generation == "1":
-        raise UsageError("--five is for ROS 2; in ROS 1 the nodes are five processes always.")
+        raise UsageError("--five is for ROS 2; in ROS 1 the nodes are always five processes.")
     drive = WithoutRos() if no_ros else Ros2(five=five) if generation == "2" else Ros1()
     loaded = load_tool(description or profile_path())
     picked = chosen(loaded, only, everything=everything)
     if own_wires and len({scenario.bench for scenario in picked}) > 1:
-        raise UsageError(
-            "on its own wires one scenario of the testbench is played at a time.", todo="Give --only NAME."
-        )
+        raise UsageError("--own-wires plays one scenario at a time.", todo="Give --only NAME.")
     if own_wires and seed is not None:
         raise UsageError(
-            "on its own wires nothing is drawn here.",
+            "with --own-wires this command draws no random numbers.",
             todo="Give --seed to the testbench at their other end.",
         )
     progress = console(stderr=True)

@@ -64,7 +64,8 @@ def command(
     description = load_tool(tool or profile_path())
     if cell is not None and (jobs or scheduler or only or every > 1 or listed):
         raise UsageError(
-            "--cell plays one cell, here.", todo="Leave --jobs, --scheduler, --only, --every and --list out."
+            "--cell plays one cell in this process.",
+            todo="Leave --jobs, --scheduler, --only, --every and --list out.",
         )
     if cell is not None:
         raise SystemExit(_one(description, _whole(description, as_json), cell, output, as_json=as_json))

@@ -46,7 +46,7 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
         todo = (
             "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
         )
-        raise UsageError("There is no recording here.", where=str(recording), todo=todo)
+        raise UsageError("This folder contains no recording.", where=str(recording), todo=todo)
     styles = STYLES if style == "both" else (style,)
     files: list[Path] = []
     with Progress(f"Reading {states}", shown=not as_json) as progress:

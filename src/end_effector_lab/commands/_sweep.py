@@ -49,7 +49,9 @@ def run(
     combinations(axes)
     single = output is not None and output.suffix.lower() in FIGURES
     if single and len(axes) != 2:
-        raise UsageError(f"A map has two axes, not {len(axes)}.", where=str(output), todo="Name a folder.")
+        raise UsageError(
+            f"A map needs two --sweep options, not {len(axes)}.", where=str(output), todo="Name a folder."
+        )
     if output is not None and len(axes) == 2:
         figures()  # without what draws them nothing is proven
     files: list[Path] = []

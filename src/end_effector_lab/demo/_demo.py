@@ -102,7 +102,7 @@ def fresh_folder(folder: Path) -> Path:
     with os_errors("The folder cannot be made", folder):
         if folder.exists() and any(folder.iterdir()) and not (folder / DESCRIPTION).exists():
             raise UsageError(
-                "This folder holds something that no demo wrote.",
+                "This folder contains files that `eehal demo` did not write.",
                 where=str(folder),
                 todo="Choose another with -o.",
             )

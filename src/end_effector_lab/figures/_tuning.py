@@ -36,7 +36,7 @@ def tuning(found: Tuning) -> Figure:
     changing = [each for each in found.tried if each.changes]
     if not changing:
         raise UsageError(
-            "Nothing changes for any value that was tried, so there is nothing to draw.",
+            "No tried value changes a result, so there is nothing to draw.",
             todo="The table says from where to where each was tried.",
         )
     with drawing():

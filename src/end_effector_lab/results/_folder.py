@@ -82,7 +82,7 @@ class ResultsFolder:
             stack.callback(os.close, folder)
             if not lock(folder):
                 raise UsageError(
-                    "Another process writes in this folder.", where=str(path), todo=f"Wait for its end. {ELSEWHERE}"
+                    "Another process is writing to this folder.", where=str(path), todo=f"Wait for its end. {ELSEWHERE}"
                 )  # fmt: skip
             self._check_kinds()
             self._check_mark()
@@ -124,7 +124,7 @@ class ResultsFolder:
     def misfit(self, what: str, where: str) -> UsageError:
         """The error about a line that does not fit."""
         return UsageError(
-            f"This line is no result of this {self._layout.noun}: {what}",
+            f"This line is not a result of this {self._layout.noun}: {what}",
             where=where,
             todo=f"{self._layout.todo} Or name another folder with -o.",
         )

@@ -53,7 +53,7 @@ def _check(folder: Path, names: Collection[str], is_ours: Callable[[Path], bool]
     todo = "Move it away, or name another folder with -o."
     try:
         if not stat.S_ISDIR(os.lstat(folder).st_mode):
-            raise UsageError("This is no folder.", where=str(folder), todo=todo)
+            raise UsageError("This is not a folder.", where=str(folder), todo=todo)
         found = sorted(os.scandir(folder), key=lambda each: each.name)
     except FileNotFoundError:
         return False

@@ -32,10 +32,10 @@ def read_axis(text: str) -> Axis:
     """From ``KEY=FROM:TO:STEP``, both ends included, or ``KEY=A,B,C``; raises UsageError."""
     key, equals, given = text.partition("=")
     if not equals or not all(key.split(".")) or not given:
-        raise UsageError("This is no axis of a sweep.", where=text, todo=_TODO)
+        raise UsageError("This is not a --sweep option.", where=text, todo=_TODO)
     values = _range(text, given) if ":" in given else tuple(each.strip() for each in given.split(","))
     if not all(values) or len(set(values)) < len(values):
-        raise UsageError("A value is empty or stands twice.", where=text, todo=_TODO)
+        raise UsageError("A --sweep value is empty or repeated.", where=text, todo=_TODO)
     return Axis(key, values)
 
 
@@ -43,7 +43,7 @@ def combinations(axes: Sequence[Axis]) -> Iterator[dict[str, str]]:
     """Every combination, the last axis first; raises UsageError for a key that stands twice, or too many."""
     keys = [axis.key for axis in axes]
     if len(set(keys)) < len(keys):
-        raise UsageError("A key is varied twice.", where=", ".join(keys))
+        raise UsageError("Two --sweep options name the same key.", where=", ".join(keys))
     if (count := prod(len(axis.values) for axis in axes)) > MOST:
         raise UsageError(f"These are {count} combinations; {MOST} are the most.", todo="Choose larger steps.")
     return (dict(zip(keys, each, strict=True)) for each in product(*(axis.values for axis in axes)))
@@ -54,7 +54,7 @@ def _range(text: str, given: str) -> tuple[str, ...]:
         first, last, step = (Decimal(each) for each in given.split(":"))
         count = int((last - first) / step) + 1 if step > 0 else 0
     except (ValueError, DecimalException, OverflowError):
-        raise UsageError("This is no range of numbers.", where=text, todo=_TODO) from None
+        raise UsageError("This is not a range of numbers.", where=text, todo=_TODO) from None
     if not 1 <= count <= MOST:
         raise UsageError(f"This range has no value, or more than {MOST}.", where=text, todo=_TODO)
     return tuple(f"{(first + step * number).normalize():f}" for number in range(count))

@@ -175,7 +175,7 @@ def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:
         try:
             stanza[last] = YAML(typ="safe", pure=True).load(value)
         except (YAMLError, ValueError, TypeError) as error:
-            raise UsageError(f"This is no value: {str(error).splitlines()[0]}.", where=value) from None
+            raise UsageError(f"This is not a value: {str(error).splitlines()[0]}.", where=value) from None
     yaml.dump(tree, output)
     examination = examine_text(output.getvalue(), path)
     diagnostics: Sequence[Diagnostic] = examination.diagnostics

@@ -195,7 +195,7 @@ class Bench:
         station = self._by_line.get(name) or self._second.get(name)
         if station is None and name not in self._blow_offs:
             raise UsageError(
-                f"nothing hangs on a line named {name!r}.",
+                f"no device is connected to the line {name!r}.",
                 todo=did_you_mean(name, [*self._by_line, *self._second, *self._blow_offs]),
             )
         self._advance(at)

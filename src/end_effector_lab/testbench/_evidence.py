@@ -102,7 +102,7 @@ def _solved(description: Description, name: str, asked: EvidenceConditions, free
     if confirmed is None or gone is None:
         which = "gone" if gone is None else "confirmed"
         raise UsageError(
-            f"{name!r} cannot be simulated: nothing that its channels show makes {which!r} true alone.",
+            f"{name!r} cannot be simulated: no value of its channels makes {which!r} true alone.",
             where=description.where("actuators", name, "evidence", which),
             todo="Can its conditions hold one at a time?",
         )

@@ -262,7 +262,7 @@ def parse_scenario(text: str, description: Description) -> Scenario:
             )
         if fault.link == "polled" and (name not in polled if name else not polled):
             raise UsageError(
-                f"{part!r} is a fault of a link that asks, and {name or description.name} does not."
+                f"{part!r} is a fault of a polled link, and {name or description.name} does not."
             )
         named = links if fault.link else alarms if fault.channel else devices
         changed = named.setdefault(name, {}) if name else whole

@@ -120,7 +120,7 @@ class ClusterWorkers:
             raise WorkersError(
                 f"The scheduler has gone: {_first_line(error)}.",
                 where=self._address,
-                todo="What was done is kept: the same command goes on when the scheduler is there again.",
+                todo="Finished work is kept: repeat the command when the scheduler runs again.",
             ) from None
 
 
@@ -216,7 +216,7 @@ class _Computation:
             raise WorkersError(
                 f"All workers have gone, {GONE_S:g} s ago.",
                 where=self._client.scheduler.address,
-                todo="What was done is kept: the same command goes on when there are some again.",
+                todo="Finished work is kept: repeat the command when there are workers again.",
             )
 
 

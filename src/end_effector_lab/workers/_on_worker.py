@@ -73,5 +73,5 @@ def unfit(worker: str, why: str) -> WorkersError:
     return WorkersError(
         f"This worker does not fit: {why}.",
         where=worker,
-        todo=f"Install there what is installed here, and start it with {START}.",
+        todo=f"Install the same versions there, and start it with {START}.",
     )

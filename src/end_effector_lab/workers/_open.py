@@ -36,7 +36,9 @@ def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
         UsageError: both are given, or the jobs are too many.
     """
     if scheduler and jobs:
-        raise UsageError("A cluster has its own processes.", todo="Leave --jobs out, or --scheduler.")
+        raise UsageError(
+            "--scheduler and --jobs exclude each other.", todo="Leave --jobs out, or --scheduler."
+        )
     if scheduler:
         return cluster_workers(scheduler)
     here = len(os.sched_getaffinity(0))

@@ -91,7 +91,7 @@ class _Reader:
                 if deep
                 else f"More than {XML_ELEMENTS} elements"
             )
-            raise ModelError(f"{what}.", where=self._where(), todo="This is no model that UPPAAL wrote.")
+            raise ModelError(f"{what}.", where=self._where(), todo="UPPAAL does not write such a model.")
         element = Element(tag, attributes, Text("", self.file, [self._here(0)], self.encoding))
         if self.open:
             self.open[-1].children.append(element)

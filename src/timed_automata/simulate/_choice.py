@@ -59,7 +59,7 @@ def parse_choices(network: Network, text: str) -> tuple[Choice, ...]:
     transition makes true. ``@`` is followed by the time since the start, ``+`` by that since the step before, ms.
 
     Raises:
-        UsageError: a time is not one, or the condition is about clocks.
+        UsageError: a time is not one, or the condition names a clock.
         ModelError: a condition that does not type-check.
     """
     return tuple(_choice(network, item.strip()) for item in text.split(";") if item.strip())
@@ -71,7 +71,7 @@ def _choice(network: Network, text: str) -> Choice:
     what, sign = found["what"].strip(), found["sign"]
     if not what:
         todo = "Write for instance 'grip @ 1000'."
-        raise UsageError(f"'{text}' says when, but not what.", todo=todo)
+        raise UsageError(f"'{text}' has a time and no choice.", todo=todo)
     if "@" in what:
         raise UsageError(
             f"'{text}' does not end with a time in ms.", todo="Write for instance 'grip @ 1000'."
@@ -98,5 +98,5 @@ def _channel(network: Network, what: str) -> int | None:
 def _condition(network: Network, what: str) -> _Holds:
     formula = compile_formula(network, parse_expression(Text.plain(what, "choice")))
     if not isinstance(formula, Data):
-        raise UsageError(f"'{what}' is about clocks.", todo="Choose by channels, locations and variables.")
+        raise UsageError(f"'{what}' names a clock.", todo="Choose by channels, locations and variables.")
     return lambda state: bool(formula.cases(state))

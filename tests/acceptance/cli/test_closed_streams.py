@@ -52,7 +52,7 @@ def test_a_command_ends_as_it_does_with_empty_streams(words: str, names: dict[st
     assert "Traceback" not in said
     assert process.returncode == ENDING[words], said
     if words == "run {tool}":
-        assert said.startswith("Standard input has ended before a command came.")
+        assert said.startswith("Standard input ended before the first command.")
 
 
 def test_without_standard_error_as_well(names: dict[str, str]) -> None:

@@ -30,7 +30,7 @@ def test_without_a_tool_it_says_how_to_name_one(hal: Hal, program: str) -> None:
     code, said = ended(hal, program)
     how = hal.by(Difference.PARAMETERS, ros1="_description:=FILE", ros2="-p description:=FILE")
     assert (code, how in said) == (2, True), said
-    assert said.startswith(f"{program}: No tool is named: exactly one is driven.")
+    assert said.startswith(f"{program}: No tool is named: exactly one tool is needed.")
 
 
 WRONG: Mapping[str, tuple[Mapping[str, str], str]] = {

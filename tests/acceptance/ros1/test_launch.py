@@ -42,7 +42,7 @@ def refused(system: Any, *arguments: str, cwd: Path | None = None) -> str:
 
 
 NO_TOOL = (
-    "end_effector.launch: No tool is named: exactly one is driven. Give description:=FILE or profile:=NAME "
+    "end_effector.launch: No tool is named: exactly one tool is needed. Give description:=FILE or profile:=NAME "
     "(roslaunch ignores an argument that it does not know); shipped profiles: verdin_gripper."
 )
 
@@ -101,9 +101,9 @@ def test_the_line_owner_needs_a_tool(system: Any) -> None:
     child = system.start("no_tool", "rosrun", "end_effector_hal", "line_owner", "__ns:=nothing")
     assert child.wait_for_end(timeout_s=PATIENCE_S) == 2
     said = child.text().strip()
-    assert said.startswith("line_owner: No tool is named: exactly one is driven. Give _description:=FILE"), (
-        said
-    )
+    assert said.startswith(
+        "line_owner: No tool is named: exactly one tool is needed. Give _description:=FILE"
+    ), said
     assert "\n" not in said
 
 

@@ -51,7 +51,7 @@ def test_commands_come_from_a_pipe_as_well(system: Any) -> None:
     done = system.cli(*RUN, typed="grip\n\nfly\ndrop\n")
     assert done.returncode == 0
     said = [line for line in done.stdout.splitlines() if "SUCCEEDED" in line or "fly" in line]
-    assert [line.split(":")[0] for line in said] == ["grip", "'fly' is no command. There are", "release"]
+    assert [line.split(":")[0] for line in said] == ["grip", "'fly' is not a command. There are", "release"]
 
 
 def test_a_script_in_which_something_fails_says_why_and_ends_with_1(system: Any) -> None:
@@ -109,7 +109,9 @@ def test_a_bad_patience_is_a_sentence(system: Any, text: str) -> None:
 def test_a_bad_script_is_a_sentence(system: Any) -> None:
     done = system.cli(*RUN, "_script:=lock; gripp")
     assert done.returncode == 2
-    assert done.stderr.strip().splitlines()[-1] == "supervisor: 'gripp' is no command. Did you mean 'grip'?"
+    assert (
+        done.stderr.strip().splitlines()[-1] == "supervisor: 'gripp' is not a command. Did you mean 'grip'?"
+    )
 
 
 class Terminal:
@@ -156,7 +158,7 @@ def test_a_prompt_is_not_blocked_by_a_running_grip(system: Any, terminal: Termin
     terminal.type("grip\n")
     system.until("the cylinder", lambda: list(system.state.actuators) == [2, 1, 0])
     terminal.type("fly\n")
-    system.until("a sentence", lambda: terminal.reads("'fly' is no command."))
+    system.until("a sentence", lambda: terminal.reads("'fly' is not a command."))
     terminal.type("cancel\n")
     system.until("the outcome", lambda: terminal.reads("grip: CANCELLED after"))
     terminal.type("quit\n")

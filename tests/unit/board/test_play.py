@@ -79,7 +79,7 @@ def test_the_same_folder_again(play: Callable[[Left], Any], tmp_path: Path) -> N
 def test_a_folder_of_somebody_else(play: Callable[[Left], Any], tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "thesis.txt").write_text("")
-    with pytest.raises(UsageError, match="holds something that no demo wrote"):
+    with pytest.raises(UsageError, match="did not write"):
         play(at_rest)
 
 

@@ -223,7 +223,7 @@ RUN = {"run": 0, "grips": 0, "s": 1.0}
             RUN | {"case": {"seed": 0, "happenings": []}, "failures": {"a": "b"}},
             "not the one that seed 0 gives",
         ),
-        (RUN | {"case": {"seed": 0, "happenings": [["1", "grip"]]}, "failures": {"a": "b"}}, "no case"),
+        (RUN | {"case": {"seed": 0, "happenings": [["1", "grip"]]}, "failures": {"a": "b"}}, "not a case"),
         (
             RUN | {"case": {}, "moments": [], "new": {"edges": [9999], "locations": [], "pairs": []}},
             "what this tool does not have",
@@ -238,7 +238,7 @@ def test_a_line_that_is_of_no_run_is_refused(line: object, what: str, tmp_path: 
 
 def test_a_file_of_failures_that_is_none_is_refused(tmp_path: Path) -> None:
     (tmp_path / "001.json").write_text("[]")
-    with pytest.raises(UsageError, match="no failure of a campaign"):
+    with pytest.raises(UsageError, match="not a failure report"):
         read_failures(tmp_path)
 
 

@@ -17,14 +17,14 @@ HOW = "DESCRIPTION or --profile NAME"
 def test_without_a_tool_it_drives_none() -> None:
     ended = CliRunner().invoke(command, [])
     assert str(ended.exception) == (
-        "No tool is named: exactly one is driven. Give DESCRIPTION or --profile NAME; "
+        "No tool is named: exactly one tool is needed. Give DESCRIPTION or --profile NAME; "
         "shipped profiles: verdin_gripper."
     )
 
 
 def test_two_tools_are_one_too_many() -> None:
     ended = CliRunner().invoke(command, ["tool.yaml", "--profile", "verdin_gripper"])
-    assert str(ended.exception).startswith("Two tools are named: exactly one is driven.")
+    assert str(ended.exception).startswith("Two tools are named: exactly one tool is needed.")
 
 
 def test_a_profile_is_named_instead(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -140,31 +140,31 @@ def test_actuators_that_are_all_on_inputs_of_the_board_have_no_link() -> None:
             ["--actuators", "a:vacum"],
             "there is no kind of actuator 'vacum'. Did you mean vacuum? There are: ",
         ),
-        (["--actuators", "a"], "'a' is no actuator. Write NAME:KIND, such as cups:vacuum,rod:cylinder."),
-        (["--actuators", ""], "'' is no actuator. Write NAME:KIND"),
-        (["--actuators", "A:vacuum"], "'A' is no name of an actuator. Write lower-case letters"),
+        (["--actuators", "a"], "'a' is not an actuator. Write NAME:KIND, such as cups:vacuum,rod:cylinder."),
+        (["--actuators", ""], "'' is not an actuator. Write NAME:KIND"),
+        (["--actuators", "A:vacuum"], "'A' is not a valid name of an actuator. Write lower-case letters"),
         (["--actuators", "a:vacuum,a:cylinder"], "Two actuators are named 'a'. Give each a name of its own."),
         (
             ["--actuators", "null:vacuum"],
-            "'null' is no name of an actuator: in a description it means something",
+            "'null' has another meaning in a description and cannot",
         ),
         (
             ["--actuators", "a:vacuum,true:gripper"],
-            "'true' is no name of an actuator: in a description it means",
+            "'true' has another meaning in a description and",
         ),
         (
             ["--actuators", "supply:vacuum"],
-            "This tool cannot be described so: topic 'PressureSupply' belongs to the nodes "
+            "The description would be invalid: topic 'PressureSupply' belongs to the nodes "
             "(topic: PressureSupply), expected another name. "
             "Name the actuator 'supply' otherwise.",
         ),
         (
             ["--actuators", "time_s:vacuum"],
-            "This tool cannot be described so: this name means something else",
+            "The description would be invalid: this name means something else",
         ),
         (
             ["--actuators", ",".join(f"v{n}:vacuum" for n in range(6)), "--link", "ees1-ascii"],
-            "ees1-ascii carries nothing more that could prove 'v3', a vacuum. Name fewer actuators, or another",
+            "ees1-ascii has no free channel that can prove 'v3', a vacuum. Name fewer actuators, or another",
         ),
         (
             ["--actuators", "a:vacuum", "--link", "modbuss"],
@@ -178,7 +178,10 @@ def test_actuators_that_are_all_on_inputs_of_the_board_have_no_link() -> None:
             ["--actuators", "a:vacuum", "--link", "y:text", "--link", "y:text"],
             "Two links are named 'y'. Give",
         ),
-        (["--actuators", "a:vacuum", "--link", "Y:text"], "'Y' is no name of a link. Write lower-case"),
+        (
+            ["--actuators", "a:vacuum", "--link", "Y:text"],
+            "'Y' is not a valid name of a link. Write lower-case",
+        ),
         (
             ["--actuators", "a:vacuum", "--link", "y:none"],
             "Inputs of the board have no link. Write --link none",

@@ -28,7 +28,7 @@ def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.Monkey
     with pytest.raises(MissingExtraError) as refused, _simulation.simulated(TOOL, "nominal"):
         pass
     assert str(refused.value) == (
-        "Nothing that simulates a tool is installed. "
+        "The package that simulates a tool is not installed. "
         "Install it: pip install '.[lab]' in a checkout of end-effector-hal."
     )
     assert list(_simulation.possible_scenarios(TOOL)) == []
@@ -53,7 +53,7 @@ def test_what_is_not_simulated_has_no_seed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     said = refused(monkeypatch, capsys, "--seed", "3")
-    assert said == "A seed is for a simulated tool: nothing of a real one is drawn. Add --simulate.\n"
+    assert said == "--seed is for a simulated tool: a real one has nothing random. Add --simulate.\n"
     assert "-1 is not in the range" in refused(monkeypatch, capsys, "--simulate", "--seed", "-1")
 
 

@@ -206,7 +206,7 @@ def test_entry_point(monkeypatch):
         get_codec("broken")
     monkeypatch.setattr("end_effector_hal.codecs.Half", object(), raising=False)
     with pytest.raises(
-        UsageError, match="half: this is no codec: it has no name, channels, period_us, baudrate"
+        UsageError, match="half: this is not a codec: it has no name, channels, period_us, baudrate"
     ):
         get_codec("half")
 

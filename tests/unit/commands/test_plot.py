@@ -123,7 +123,10 @@ def test_what_is_cut_off_or_damaged_is_noted_and_the_rest_drawn(plot, run):
     ("arguments", "message"),
     [
         (["none.csv"], "none.csv: Cannot be read: No such file or directory."),
-        (["."], ".: There is no recording here. Name a folder that `eehal run --record`, `eehal demo` or"),
+        (
+            ["."],
+            ".: This folder contains no recording. Name a folder that `eehal run --record`, `eehal demo` or",
+        ),
         (["bad.csv"], "bad.csv:1: The header is 'hello'"),
         (["empty.csv"], "empty.csv: This recording holds no row, so there is nothing to draw."),
         (["never", "-o", "a.pdf"], "a.pdf: 'a.pdf' is neither .png nor .svg."),

@@ -156,7 +156,7 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
 def test_what_no_demo_wrote_is_not_thrown_away(tmp_path: Path) -> None:
     (tmp_path / "nominal").mkdir()
     (tmp_path / "nominal" / "thesis.txt").write_text("four years")
-    with pytest.raises(UsageError, match="holds something that no demo wrote"):
+    with pytest.raises(UsageError, match="did not write"):
         fresh_folder(tmp_path / "nominal")
     assert (tmp_path / "nominal" / "thesis.txt").exists()
 
@@ -308,9 +308,9 @@ def test_one_scenario_on_its_own_wires(played: Played) -> None:
         (["--only", "nominal", "--only", "x"], "there is no scenario x. There are: nominal, fails-once"),
         (
             ["--own-wires", "--only", "nominal", "--seed", "7"],
-            "nothing is drawn here. Give --seed to the testbench at their other end.",
+            "draws no random numbers. Give --seed to the testbench at their other end.",
         ),
-        (["--own-wires"], "one scenario of the testbench is played at a time. Give --only NAME."),
+        (["--own-wires"], "plays one scenario at a time. Give --only NAME."),
     ],
 )
 def test_refused_options(played: Played, options: list[str], message: str) -> None:

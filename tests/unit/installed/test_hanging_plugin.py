@@ -74,7 +74,7 @@ supply: {{channel: none}}
 def test_who_uses_it_reads_that_its_import_does_not_end() -> None:
     for get in (codecs.get_codec, kinds.get_kind):
         for _ in range(2):
-            with pytest.raises(UsageError, match=r"evil: its import has not ended after 0\.2 s\."):
+            with pytest.raises(UsageError, match=r"evil: its import did not end within 0\.2 s\."):
                 get("evil")
 
 
@@ -86,6 +86,6 @@ def test_check_names_it_and_means_nothing_else(codec: str, kind: str, tmp_path: 
     with pytest.raises(DescriptionError) as refused:
         load_tool(path)
     said = str(refused.value)
-    assert "evil: its import has not ended after 0.2 s" in said
+    assert "evil: its import did not end within 0.2 s" in said
     assert "did you mean 'evil'" not in said
     assert "that can be loaded" in said

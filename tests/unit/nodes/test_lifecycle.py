@@ -53,7 +53,7 @@ def test_what_a_tool_lacks(verdin: Description, values: dict[str, Any], lacks: t
 
 
 def test_a_proof_is_asked_for_then_and_there_and_kept(verdin: Description) -> None:
-    with pytest.raises(UsageError, match="Nothing is known of a proof of verdin_gripper as it is now"):
+    with pytest.raises(UsageError, match="No proof is stored of verdin_gripper as it is now"):
         require_proof(verdin, prove_now=False)
     assert require_proof(verdin, prove_now=True).holds
     assert require_proof(verdin, prove_now=False).holds

@@ -207,7 +207,7 @@ def test_a_trace_of_another_description_is_left_out(copy: Path, verdin: Descript
 def test_a_file_that_is_no_trace_is_left_out_and_told(copy: Path) -> None:
     (copy / "grip-8.mcap").write_bytes(b"nothing of the kind")
     document = read(copy)
-    assert "This is no MCAP file." in document["recording"]["notes"][0]
+    assert "This is not an MCAP file." in document["recording"]["notes"][0]
     assert document["summary"]["goals"]
 
 
@@ -215,7 +215,7 @@ def test_what_is_no_recording_is_refused_in_words(tmp_path: Path, monkeypatch: p
     with pytest.raises(UsageError, match="There is no trace here"):
         RecordingFiles(tmp_path)
     (tmp_path / "grip.mcap").write_bytes(b"nothing of the kind")
-    with pytest.raises(UsageError, match="This is no MCAP file"):
+    with pytest.raises(UsageError, match="This is not an MCAP file"):
         RecordingFiles(tmp_path)
     monkeypatch.setattr(files_module, "MOST_BYTES", 10)
     with pytest.raises(UsageError, match="at most 0 MB are read"):
@@ -438,7 +438,7 @@ def test_a_bag_is_shown_as_far_as_it_goes(tmp_path: Path, verdin: Description) -
 
 def test_a_bag_that_cannot_be_shown_says_what_it_takes(tmp_path: Path, verdin: Description) -> None:
     source = bag(tmp_path / "lift.bag")
-    with pytest.raises(UsageError, match="does not hold its description"):
+    with pytest.raises(UsageError, match="does not contain its description"):
         open_recordings([source], None)
     strange = write_ros1(tmp_path / "other.bag", [("/elsewhere", COMMAND, 0, {"command": 2})])
     with pytest.raises(
@@ -446,7 +446,7 @@ def test_a_bag_that_cannot_be_shown_says_what_it_takes(tmp_path: Path, verdin: D
     ):
         open_recordings([strange], Path(verdin.source))
     (tmp_path / "empty.bag").write_bytes(b"")
-    with pytest.raises(UsageError, match="This is no bag"):
+    with pytest.raises(UsageError, match="This is not a bag"):
         open_recordings([tmp_path / "empty.bag"], Path(verdin.source))
 
 

@@ -28,7 +28,7 @@ def test_a_recording_without_it_is_read(tmp_path):
     ("text", "message"),
     [
         ("time_s,tool_changer\n0,9\n", "csv:2: tool_changer is 9, expected is 0 to 5."),
-        ("time_s,tool_changer,x\n", "csv:1: This is no table of a tool changer."),
+        ("time_s,tool_changer,x\n", "csv:1: This is not a table of a tool changer."),
         ("time_s,tool_changer\n1,0\n0,1\n", "csv:3: Time runs backwards"),
     ],
 )

@@ -163,7 +163,7 @@ def test_the_figure_has_the_switches_of_both_on_one_clock(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["{one}", "{here}/nothing"], "There is no recording here."),
+        (["{one}", "{here}/nothing"], "This folder contains no recording."),
         (["{one}", "{here}/empty"], "This recording holds no row."),
         (["{one}", "{one}", "-o", "{here}"], "-o names a file that ends with .png or .svg."),
     ],

@@ -29,8 +29,8 @@ def test_a_recording_without_it_is_read(tmp_path):
     ("text", "message"),
     [
         ("time_s,open_on\n0,2\n", "csv:2: open_on is '2', expected is 1, 0 or nothing."),
-        ("time_s,open\n", "csv:1: This is no table of switches."),
-        ("time_s\n", "csv:1: This is no table of switches."),
+        ("time_s,open\n", "csv:1: This is not a table of switches."),
+        ("time_s\n", "csv:1: This is not a table of switches."),
         ("time_s,open_on\n1,0\n0,1\n", "csv:3: Time runs backwards"),
     ],
 )

@@ -88,7 +88,7 @@ def test_a_line_that_does_not_fit_is_named_with_its_number(line: bytes, tmp_path
 
 
 def test_two_do_not_write_at_once(tmp_path: Path) -> None:
-    with opened(tmp_path), pytest.raises(UsageError, match="Another process writes"):
+    with opened(tmp_path), pytest.raises(UsageError, match="Another process is writing"):
         opened(tmp_path)
     opened(tmp_path).close()
 
@@ -200,11 +200,11 @@ def test_nothing_of_somebody_else_is_removed(tmp_path: Path) -> None:
     theirs.mkdir()
     (theirs / "a").write_text("precious")
     folder.symlink_to(theirs)
-    with pytest.raises(UsageError, match="no folder"):
+    with pytest.raises(UsageError, match="not a folder"):
         replaced(folder)
     folder.unlink()
     folder.write_text("a file")
-    with pytest.raises(UsageError, match="no folder"):
+    with pytest.raises(UsageError, match="not a folder"):
         replaced(folder)
     folder.unlink()
     folder.mkdir()

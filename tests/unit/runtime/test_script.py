@@ -39,8 +39,8 @@ def test_an_empty_script_holds_nothing() -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("lock; gripp; quit", "'gripp' is no command. Did you mean 'grip'?"),
-        ("fly", "'fly' is no command. There are: "),
+        ("lock; gripp; quit", "'gripp' is not a command. Did you mean 'grip'?"),
+        ("fly", "'fly' is not a command. There are: "),
         ("grip 3", "'grip 3': nothing may follow 'grip'."),
         ("lock grip", "nothing may follow 'lock'. Separate commands by ';'."),
         ("grip & wait 3", "nothing may follow 'grip'. Separate commands by ';', also behind an '&'."),
@@ -52,7 +52,7 @@ def test_an_empty_script_holds_nothing() -> None:
         ("wait inf", "expected is 'wait <seconds>'"),
         ("wait 1 2", "expected is 'wait <seconds>'"),
         ("wait 1 &", "a wait cannot go on in the background"),
-        ("&", "'&' is no command."),
+        ("&", "'&' is not a command."),
     ],
 )
 def test_what_is_no_script_is_said_in_a_sentence(text: str, expected: str) -> None:

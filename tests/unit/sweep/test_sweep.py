@@ -62,7 +62,7 @@ def test_combinations_are_bounded_and_each_key_stands_once() -> None:
         ("2", "x"),
         ("2", "y"),
     ]
-    with pytest.raises(UsageError, match="varied twice"):
+    with pytest.raises(UsageError, match="name the same key"):
         combinations([one, one])
     many = Axis("c", tuple(map(str, range(101))))
     with pytest.raises(UsageError, match="10201 combinations"):
@@ -100,7 +100,7 @@ def test_a_combination_has_the_verdict_of_a_file_that_says_the_same(tmp_path: Pa
         (f"actuators.{ACTUATOR}.timeou_s=1", DescriptionError, "did you mean 'timeout_s'"),
         ("actuators.nobody.timeout_s=1", ReportedError, "nobody"),
         ("name.more=1", UsageError, "no key 'name.more'"),
-        (f"{TIMEOUT}=[", UsageError, "no value"),
+        (f"{TIMEOUT}=[", UsageError, "not a value"),
     ],
 )
 def test_what_is_no_key_is_refused_before_anything_is_proven(
@@ -159,7 +159,7 @@ def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"values"', '"value"', "no result of this sweep"),
+        ('"values"', '"value"', "not a result of this sweep"),
         (TIMEOUT, GRIP, "of other keys"),
         ('"holds": false', '"holds": true', "something speaks against it"),
     ],
@@ -182,7 +182,7 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path) -> None:
     [
         (["--sweep", "a=1", "--all"], "Leave the other options out"),
         (["--jobs", "2"], "Add --sweep"),
-        (["--sweep", "a=1", "-o", "map.png"], "A map has two axes, not 1"),
+        (["--sweep", "a=1", "-o", "map.png"], "A map needs two --sweep options, not 1"),
         (["--sweep", "a=1", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"], "Leave --jobs out"),
     ],
 )

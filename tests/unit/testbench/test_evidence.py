@@ -118,7 +118,7 @@ def test_what_the_kind_shows_by_itself_is_left_to_it() -> None:
 def test_what_cannot_be_played_is_refused_in_one_sentence(evidence: str, which: str) -> None:
     with pytest.raises(UsageError) as refused:
         Bench(tool("gripper", evidence, BITS))
-    assert "'it' cannot be simulated: nothing that its channels show" in str(refused.value)
+    assert "'it' cannot be simulated: no value of its channels" in str(refused.value)
     assert f"makes {which!r} true alone" in str(refused.value)
 
 

@@ -200,7 +200,7 @@ def test_a_text_that_is_too_deep_never_reaches_the_parser(monkeypatch: pytest.Mo
 def test_elements_within_each_other(tag: str) -> None:
     with pytest.raises(ModelError) as caught:
         read_document(f"<{tag}>".encode() * 50_000, "model.xml")
-    assert f"Elements are nested more than {XML_DEPTH} deep. This is no model that UPPAAL wrote." in str(
+    assert f"Elements are nested more than {XML_DEPTH} deep. UPPAAL does not write such a model." in str(
         caught.value
     )
     assert str(caught.value).startswith("model.xml:1:")

@@ -26,7 +26,7 @@ def read_json(content: bytes, read: Callable[[Any], T]) -> T:
     try:
         return read(json.loads(content))
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise UsageError(f"this is not the JSON that was expected: {error}.") from error
+        raise UsageError(f"unexpected JSON: {error}.") from error
 
 
 DEEPEST = 4

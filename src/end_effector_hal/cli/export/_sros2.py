@@ -95,14 +95,14 @@ def security_policy(description: Description, processes: str = "one", namespace:
         namespace: of all nodes.
 
     Raises:
-        UsageError: this is no namespace.
+        UsageError: this is not a namespace.
     """
     space = "/" + namespace.strip("/")
     words = space.split("/")[1:]
     if not _NAME.issuperset(space) or any(
         word[:1].isdigit() or (not word and space != "/") for word in words
     ):
-        raise UsageError(f"{namespace!r} is no namespace.", todo="Write one such as /cell_1/left.")
+        raise UsageError(f"{namespace!r} is not a namespace.", todo="Write one such as /cell_1/left.")
     policy = ET.Element("policy", version=VERSION)
     policy.append(ET.Comment(f" Of {description.name}, by `eehal export sros2`; not edited by hand. "))
     enclaves = ET.SubElement(policy, "enclaves")

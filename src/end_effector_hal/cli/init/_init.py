@@ -119,4 +119,4 @@ def _asked(what: str, default: str | None = None) -> str:
 
 
 def _refuse(what: str) -> str:
-    raise UsageError(f"This cannot be guessed: {what}.", todo="Call it on a terminal, where it asks.")
+    raise UsageError(f"This has no default: {what}.", todo="Call it on a terminal, where it asks.")

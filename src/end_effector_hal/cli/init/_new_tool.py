@@ -158,7 +158,7 @@ def _refuse_faulty(text: str, folder: Path) -> None:
     if faults:
         first = faults[0]
         named = f"Name the actuator {first.path[1]!r} otherwise." if first.path[:1] == ("actuators",) else ""
-        raise UsageError(f"This tool cannot be described so: {first.message}.", todo=named)
+        raise UsageError(f"The description would be invalid: {first.message}.", todo=named)
 
 
 class _CodecChannels:
@@ -196,7 +196,7 @@ class _CodecChannels:
             proofs = [asked.key for asked in each.kind.channels if asked.confirms]
             if not any(key in found[each.name] for key in proofs):
                 raise UsageError(
-                    f"{self._codec.name} carries nothing more that could prove {each.name!r}, a {each.kind.name}.",
+                    f"{self._codec.name} has no free channel that can prove {each.name!r}, a {each.kind.name}.",
                     todo="Name fewer actuators, or another --link: "
                     f"{', '.join(each for each in codec_names() if each != self._codec.name)}.",
                 )

@@ -50,15 +50,17 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
         kind, _, link = rest.partition(":")
         if not colon:
             raise UsageError(
-                f"{each.strip()!r} is no actuator.", todo="Write NAME:KIND, such as cups:vacuum,rod:cylinder."
+                f"{each.strip()!r} is not an actuator.",
+                todo="Write NAME:KIND, such as cups:vacuum,rod:cylinder.",
             )
         if not NAME.fullmatch(name):
             raise UsageError(
-                f"{name!r} is no name of an actuator.", todo="Write lower-case letters, digits and '_'."
+                f"{name!r} is not a valid name of an actuator.",
+                todo="Write lower-case letters, digits and '_'.",
             )
         if name in _OTHER_WORDS:
             raise UsageError(
-                f"{name!r} is no name of an actuator: in a description it means something else.",
+                f"{name!r} has another meaning in a description and cannot name an actuator.",
                 todo=f"Write another one, such as {name}_1.",
             )
         if name in found:
@@ -78,7 +80,7 @@ def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
             name, what = BOARD if each == BOARD and len(each_text) > 1 else "", each
         elif not NAME.fullmatch(name) or name in _OTHER_WORDS:
             raise UsageError(
-                f"{name!r} is no name of a link.",
+                f"{name!r} is not a valid name of a link.",
                 todo="Write lower-case letters, digits and '_': front:text.",
             )
         if not name and several:

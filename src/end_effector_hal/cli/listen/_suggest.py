@@ -164,7 +164,9 @@ def print_suggestions(tool: Description, folder: Path, *, as_json: bool) -> None
     good = [each for each in found if isinstance(each, Suggestion)]
     refused = [each for each in found if isinstance(each, str)]
     if not good:
-        raise UsageError("The recording suggests nothing.", where=str(folder), todo=" ".join(refused))
+        raise UsageError(
+            "The recording does not suffice to suggest thresholds.", where=str(folder), todo=" ".join(refused)
+        )
     if as_json:
         told = {
             each.actuator: {

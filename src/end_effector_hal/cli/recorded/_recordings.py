@@ -120,7 +120,7 @@ def _tool(path: Path, description: Path | None) -> Description:
 
     if description is None:
         raise UsageError(
-            "This has no trace, and so does not hold its description.",
+            "This recording does not contain its description.",
             where=str(path),
             todo="Name it: --description FILE.",
         )
@@ -132,7 +132,7 @@ def _bag(path: Path, description: Path | None) -> RecordedTables:
 
     if NAME not in _BAG_READERS.names:
         raise MissingExtraError(
-            "Nothing that reads bags is installed.", todo=f"Install it: {command_for('bags')}."
+            "The package that reads bags is not installed.", todo=f"Install it: {command_for('bags')}."
         )
     tool = _tool(path, description)
     made = Path(mkdtemp(prefix="eehal-bag-"))

@@ -69,7 +69,7 @@ def command(
         read = _read(recordings, description, progress)
     if not read.collector.grips:
         raise UsageError(
-            "There is no grip in what was recorded.",
+            "The recording contains no grip.",
             where=str(recordings[0]),
             todo="; ".join(read.notes) or "Record some: `eehal run --record`.",
         )

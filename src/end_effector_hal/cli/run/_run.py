@@ -99,7 +99,7 @@ def command(
         raise UsageError(NOT_SIMULATED, todo="Add --simulate.")
     if not simulate and seed is not None:
         raise UsageError(
-            "A seed is for a simulated tool: nothing of a real one is drawn.", todo="Add --simulate."
+            "--seed is for a simulated tool: a real one has nothing random.", todo="Add --simulate."
         )
     begun, succeeded = now_us(), True
     terminal = sys.stdout.isatty() and not as_json

@@ -273,7 +273,7 @@ class Prompt:
                 refuse(UsageError("A command could not be read: there is not enough memory."))
                 time.sleep(1.0)
         if not read and not self.shown:
-            refuse(UsageError("Standard input has ended before a command came. See also --script."))
+            refuse(UsageError("Standard input ended before the first command. See also --script."))
 
     def _line(self) -> str | None:
         try:

@@ -52,7 +52,7 @@ class Simulation(Protocol):
 
 def _checked(found: Any) -> Simulation:
     if not callable(found):
-        raise UsageError("it is nothing that can be called.")
+        raise UsageError("it is not callable.")
     return cast(Simulation, found)
 
 
@@ -75,7 +75,7 @@ def simulated(description: Description, scenario: str, seed: int = 0) -> Iterato
     """
     if NAME not in _SIMULATION.names:
         raise MissingExtraError(
-            "Nothing that simulates a tool is installed.", todo=f"Install it: {command_for('lab')}."
+            "The package that simulates a tool is not installed.", todo=f"Install it: {command_for('lab')}."
         )
     start = _SIMULATION.get(NAME)
     with TemporaryDirectory(prefix="eehal-run-", ignore_cleanup_errors=True) as folder:

@@ -111,7 +111,7 @@ def _names(facts: Facts, key: str) -> Iterator[Fault]:
         if (key, index) in facts.broken:
             continue
         if name in seen:
-            yield Fault.at(place, "EE-220", f"actuator {name!r} stands twice in {key}", expected="it once")
+            yield Fault.at(place, "EE-220", f"actuator {name!r} is repeated in {key}", expected="it once")
         elif name not in known:
             expected = f"one of {', '.join(known)}" if known else "a name under actuators"
             plain = (

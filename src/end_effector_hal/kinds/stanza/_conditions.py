@@ -80,12 +80,12 @@ class Condition(Part):
         said = [key for key in _SAYS if getattr(self, key) is not None]
         words = [key.rstrip("_") for key in said]
         if len(said) > 1:
-            what = f"a condition says {len(said)} things at once: {', '.join(words)}"
+            what = f"a condition has {len(said)} keys that exclude each other: {', '.join(words)}"
             raise _wrong(what, "one of them", "all: [{…}, {…}] holds where each of them does")
         if self.channel is not None and not {*said} & {*_THRESHOLDS}:
             raise _wrong("'channel' has no threshold", f"one of {', '.join(_THRESHOLDS)}, beside channel")
         if not said:
-            raise _wrong("a condition says nothing", f"one of {', '.join(key.rstrip('_') for key in _SAYS)}")
+            raise _wrong("a condition is empty", f"one of {', '.join(key.rstrip('_') for key in _SAYS)}")
         key = said[0]
         if key in _THRESHOLDS and self.channel is None:
             raise _wrong(f"{key!r} does not say of which channel", f"channel: its name, beside {key}")

@@ -99,7 +99,7 @@ class ProgramNode(Generic[P]):
 
     def _repeat(self) -> None:
         if not self.program.alive:
-            self._node.fail(ReportedError(f"The program {self._program} does not work any more."))
+            self._node.fail(ReportedError(f"The program {self._program} has failed."))
             return
         with self._lock:
             if self._last is not None:

@@ -87,7 +87,7 @@ def read_tables(folder: Path) -> RunTables:
     states = folder / "states.csv" if folder.is_dir() else folder
     if not states.exists():
         raise UsageError(
-            "There is no recording here.",
+            "This folder contains no recording.",
             where=str(folder),
             todo="Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote.",
         )

@@ -56,7 +56,7 @@ def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
         return ()
     lines = read_lines(path)
     if read_header(lines, path, COLUMNS):
-        raise UsageError("This is no table of a tool changer.", where=f"{path}:1")
+        raise UsageError("This is not a table of a tool changer.", where=f"{path}:1")
     rows: list[ChangerRow] = []
     for line in lines:
         if not line.complete:

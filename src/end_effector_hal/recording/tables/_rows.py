@@ -200,7 +200,9 @@ class TableWriter(Closing):
 
     def _check_time(self, time_s: float) -> None:
         if not 0 <= time_s <= LONGEST_S:
-            raise UsageError(f"{time_s} is no time since the start in seconds.", where=str(self._file.path))
+            raise UsageError(
+                f"{time_s} is not a time since the start in seconds.", where=str(self._file.path)
+            )
 
     def close(self) -> None:
         """Close the file; may be called again."""

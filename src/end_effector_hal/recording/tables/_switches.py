@@ -78,7 +78,7 @@ def read_switches(path: str | Path) -> SwitchesLog | None:
     lines = read_lines(path)
     columns = read_header(lines, path, FIXED)
     if not columns or not all(column.endswith(ON) and column != ON for column in columns):
-        raise UsageError("This is no table of switches.", where=f"{path}:1")
+        raise UsageError("This is not a table of switches.", where=f"{path}:1")
     rows: list[tuple[float, Levels]] = []
     for line in lines:
         if not line.complete:

@@ -157,7 +157,7 @@ def _plain(value: object) -> object:
 
 def _create(folder: Path, program: str) -> tuple[Path, int]:
     if folder.exists() and not folder.is_dir():
-        raise UsageError("This is no folder.", where=str(folder))
+        raise UsageError("This is not a folder.", where=str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
     first = folder / f"{program}{SUFFIX}"

@@ -93,7 +93,7 @@ def read_trace(path: str | Path) -> TraceFile:
     with os_errors("Cannot be read", path):
         data = read_file(path)
     if data[: len(MAGIC)] != MAGIC[: len(data)]:
-        raise UsageError("This is no MCAP file.", where=str(path))
+        raise UsageError("This is not an MCAP file.", where=str(path))
     topics: dict[int, str] = {}
     numbered: list[tuple[int, Record]] = []
     attachments: dict[str, bytes] = {}

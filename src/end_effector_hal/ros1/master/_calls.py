@@ -38,7 +38,7 @@ def ask_pid() -> int:
     """The process id of the master, which tells one from the next; raises RosError when it cannot be reached."""
     pid = ask_master("getPid")
     if not isinstance(pid, int):
-        raise RosError(f"What answers at {master_uri()} is no ROS master.")
+        raise RosError(f"The program at {master_uri()} is no ROS master.")
     return pid
 
 

@@ -74,7 +74,7 @@ def read_command_message(line: bytes) -> ProgramCommand:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "message"
-        raise UsageError(f"This is no command: {place}: {first['msg']}.") from None
+        raise UsageError(f"This is not a command: {place}: {first['msg']}.") from None
 
 
 def record_line(kind: str, at: int, content: object) -> bytes:

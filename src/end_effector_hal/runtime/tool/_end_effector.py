@@ -192,7 +192,7 @@ class EndEffector(Closing):
             lacks = missing(self.description, self._grip.status, self._change.status, self._reader.health)
             raise NotReadyError(
                 f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
-                todo="eehal doctor says what this machine lacks.",
+                todo="eehal doctor prints what is missing.",
             )
 
     def begin(self, command: Command) -> Refused | RunningGoal:

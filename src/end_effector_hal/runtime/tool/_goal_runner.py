@@ -94,7 +94,7 @@ class GoalRunner:
             UsageError: it is not GRIP, RELEASE, LOCK or UNLOCK.
         """
         if command not in GOAL_COMMANDS:
-            raise UsageError(f"{command!r} is no goal.", todo="Goals are GRIP, RELEASE, LOCK and UNLOCK.")
+            raise UsageError(f"{command!r} is not a goal.", todo="Goals are GRIP, RELEASE, LOCK and UNLOCK.")
         goal = RunningGoal(command, CHANNELS[command], runner=self)
         program = self._programs[goal.program]
         with self._lock:

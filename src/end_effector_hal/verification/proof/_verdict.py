@@ -80,7 +80,7 @@ def keep_verdict(verdict: Verdict) -> Path:
     except OSError as error:
         todo = "Set XDG_STATE_HOME to a folder that only you can write."
         raise UsageError(
-            f"The verdict cannot be kept: {error.strerror}.", where=str(path), todo=todo
+            f"The verdict cannot be stored: {error.strerror}.", where=str(path), todo=todo
         ) from None
     return path
 

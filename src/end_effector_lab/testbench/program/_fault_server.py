@@ -148,7 +148,7 @@ class FaultServer:
         if at > request.until_us:
             raise UsageError("The request came too late: nothing was changed.")
         if request.until_us > at + VALID_US:
-            raise UsageError("The request may wait for too long: its time is wrong, and nothing was changed.")
+            raise UsageError("until_us is too far ahead: check the clock. Nothing was changed.")
         if not request.scenario.isprintable():
             raise UsageError(f"scenario {request.scenario!r} has characters that cannot be printed.")
         if request.word == "check":

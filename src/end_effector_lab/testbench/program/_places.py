@@ -54,7 +54,7 @@ def open_inputs(
         if description.lines.backend != "virtual" or not description.lines.path:
             # Taking a HAL's own output lines as inputs would drop what they hold.
             raise UsageError(
-                "the description has no virtual lines; say where to see the lines.",
+                "the description has no virtual lines: name the lines with --lines.",
                 todo=f"{_CHOICES} Or make a copy on virtual lines: eehal testbench --prepare FOLDER DESCRIPTION.",
             )
         text = f"virtual:{description.lines.path}"

@@ -252,10 +252,10 @@ def test_a_condition_chooses_what_makes_it_true_not_what_leaves_it_so():
         ("c[1] @ 10000000000.001", "The time in 'c[1] @ 10000000000.001' is too long. A run has at most"),
         (f"c[1] + {'9' * 6000}", "is too long. A run has at most 10000000000 ms."),
         ("c[1] @ 2.0005", "The time in 'c[1] @ 2.0005' is finer than a microsecond."),
-        ("@ 3", "'@ 3' says when, but not what."),
+        ("@ 3", "'@ 3' has a time and no choice."),
         ("c[1] @ soon", "'c[1] @ soon' does not end with a time in ms."),
-        ("x > 3", "'x > 3' is about clocks."),
-        ("deadlock", "'deadlock' is about clocks."),
+        ("x > 3", "'x > 3' names a clock."),
+        ("deadlock", "'deadlock' names a clock."),
     ],
 )
 def test_a_choice_that_cannot_be_met(choices, message):

@@ -86,7 +86,7 @@ def _alarms(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     if not given:
         return
     if facts.get("channels", name, "unit") is not None:
-        yield key_fault(facts, path, "a pressure is no alarm", "no unit: a bit, or codes")
+        yield key_fault(facts, path, "a pressure cannot be an alarm", "no unit: a bit, or codes")
         return
     alarms = [given] if isinstance(given, dict | str) else given
     entries = [each if isinstance(each, dict) else {} for each in alarms]
@@ -120,11 +120,7 @@ def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[F
     for index, code in enumerate(codes):
         place = facts.places.value(*path, "alarm", index, "code")
         if code in codes[:index]:
-            what = (
-                "this code has a text already"
-                if code is not None
-                else "there are two texts for all other codes"
-            )
+            what = "another alarm has this code" if code is not None else "two alarms have no code"
             yield Fault.at(place, CODE, what, expected="each once")
         elif code is not None and (code in invalid or (code == 0 if on is None else code not in on)):
             what = "this raw value is invalid, too" if code in invalid else "this raw value is no alarm"
