@@ -174,18 +174,6 @@ def test_the_fingerprint_is_of_the_content(changed: Callable[..., str]) -> None:
     assert len({plain, *map(fingerprint, others)}) == 1 + len(others)
 
 
-def test_keys_that_were_added_later_change_no_fingerprint(changed: Callable[..., str]) -> None:
-    description = examine_text(changed(), "tool.yaml").description
-    assert description is not None
-    dumped = description.model_dump(mode="json", by_alias=True)["actuators"]
-    assert {"evidence", "part_bit", "confirmed_ms"} <= set(description.actuators["cup"].LATER)
-    assert not dumped["cup"].keys() & set(description.actuators["cup"].LATER)
-    assert "evidence" not in dumped["rod"]
-    written = examine_text(changed(L9="    channel: none\n    part_bit: cup_on"), "tool.yaml").description
-    assert written is not None
-    assert written.model_dump()["actuators"]["cup"]["part_bit"] == "cup_on"
-
-
 def test_profiles_by_name() -> None:
     assert profile_path() == profile_path("verdin_gripper")
     assert profile_path().is_file()

@@ -188,8 +188,6 @@ DeviceAlarms = Annotated[
 class Channel(Part):
     """One signal: where it comes from (one of text, record, modbus, codec, digital, analog), and what it means."""
 
-    LATER = ("link", "codec", "alarm")
-
     link: Name | None = Field(
         default=None, description="name under `links` of the one that it comes over, where there are several"
     )

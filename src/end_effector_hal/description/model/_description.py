@@ -77,8 +77,6 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 class Description(Part):
     """A whole end-effector."""
 
-    LATER = ("named_links", "channels", "inputs", "outputs")
-
     schema_version: Literal[1, 2] = Field(
         default=2,
         alias="schema",

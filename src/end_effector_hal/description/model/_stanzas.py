@@ -26,8 +26,6 @@ from ._channels import LinkFrame
 class ToolChanger(Part):
     """The tool changer: its line active unlocks, inactive locks. The words are those of ISO 11593, a vocabulary."""
 
-    LATER = ("opposite",)
-
     line: LineName = Field(description="name of the GPIO line; active means unlock")
     pin: Word = Field(default="", description="where it is found on the board; for people")
     opposite: Opposite | None = Field(
@@ -104,8 +102,6 @@ class Freshness(Part):
 
 class Link(Freshness):
     """The sensor link."""
-
-    LATER = ("parity", "stopbits", "period_ms", "frame")
 
     def superseded(self) -> tuple[str, ...]:
         """A declared frame has no codec."""

@@ -24,8 +24,6 @@ class GripperActuator(Actuator):
     `part_bit`, or `open_bit` and `closed_bit`, must be named.
     """
 
-    LATER = (*Actuator.LATER, "blow_off")
-
     kind: Literal["gripper"] = Field(description="what it is")
     channel: Literal["none"] = Field(default="none", description="a gripper has no pressure sensor")
     open_bit: Name | None = Field(

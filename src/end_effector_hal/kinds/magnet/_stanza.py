@@ -16,8 +16,6 @@ class MagnetActuator(Actuator):
     of the part, and by `gone_bit` where there is one.
     """
 
-    LATER = (*Actuator.LATER, "blow_off")
-
     kind: Literal["magnet"] = Field(description="what it is")
     channel: Literal["none"] = Field(default="none", description="a magnet has no pressure sensor")
     part_bit: Name | None = Field(

@@ -15,8 +15,6 @@ class BlowOff(Part):
     With `duration_s` a release blows: after the gap for so long, and goes on after another one.
     """
 
-    LATER = ("duration_s", "until_gone")
-
     line: LineName = Field(description="name of the GPIO line; active means blowing")
     gap_s: Seconds = Field(
         default=0.05,

@@ -6,7 +6,7 @@ the key says otherwise.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
@@ -42,15 +42,12 @@ class Part(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    LATER: ClassVar[tuple[str, ...]] = ()
-    """Keys that were added later: one with its default is left out, so that descriptions keep their hash."""
-
     @model_serializer(mode="wrap")
     def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Every key that has a value, defaults included; an absent stanza stays absent: ``link: null`` is no link."""
         content: dict[str, Any] = dump(self)
-        for key in self.LATER:
-            field = type(self).model_fields[key]
-            if getattr(self, key) == field.default:
+        for key, field in type(self).model_fields.items():
+            if field.default in (None, {}) and getattr(self, key) == field.default:
                 content.pop(key, None)
                 content.pop(field.alias or key, None)
         for key in self.superseded():
@@ -58,5 +55,5 @@ class Part(BaseModel):
         return content
 
     def superseded(self) -> tuple[str, ...]:
-        """Keys that another one stands for: not even their defaults are told."""
+        """Keys that another key replaces; they are not written, not even with their defaults."""
         return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -19,8 +19,6 @@ class Activation(Part):
     the same unit may hold a part. `command_off` follows it, then `command_on`. A command that has a bit which the last
     row sets would activate the device, too: it is not written while `ready` is off.
     """
-
-    LATER: ClassVar[tuple[str, ...]] = ("address",)
 
     address: Annotated[int | None, Field(ge=0, le=0xFFFF)] = Field(
         default=None, description="of the first register of each row; null: that of the output"
@@ -60,8 +58,6 @@ class Handshake(Part):
 
 class RegisterOutput(Part):
     """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
-
-    LATER: ClassVar[tuple[str, ...]] = ("link", "use_write_multiple", "handshake", "acknowledge")
 
     link: Name | None = Field(
         default=None, description="name under `links` of the bus, where several of them are Modbus"

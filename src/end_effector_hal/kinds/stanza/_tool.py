@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import isnan
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -39,8 +39,6 @@ class Actuator(Part):
     constants that an actuator gives the automata: ``timeout_s`` is T_CONFIRM, ``reset_s`` T_RESET, ``release_s``
     T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
-
-    LATER: ClassVar[tuple[str, ...]] = ("opposite", "modbus", "on_power_loss", "evidence")
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str

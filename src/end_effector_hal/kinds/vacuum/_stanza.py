@@ -19,8 +19,6 @@ from end_effector_hal.kinds.stanza import (
 class VacuumActuator(Actuator):
     """A vacuum generator with its cups: proven by its pressure, or by one or two switches (`part_bit`, `gone_bit`)."""
 
-    LATER = (*Actuator.LATER, "part_bit", "gone_bit", "confirmed_ms", "lost_ms", "gone_ms")
-
     kind: Literal["vacuum"] = Field(description="what it is")
     blow_off: BlowOff | None = Field(default=None, description="absent: none is fitted")
     confirmed_kpa: BelowAmbient = Field(

@@ -87,8 +87,3 @@ def test_what_is_written_is_required_as_it_stands(tmp_path: Path) -> None:
     (tmp_path / "tool.yaml").write_text(text, encoding="utf-8")
     durations = load(tmp_path / "tool.yaml").durations
     assert (durations.grip_ms, durations.release_ms, durations.computed) == (58_000, 6_150, ("release_s",))
-
-
-def test_the_fingerprint_of_a_description_that_writes_its_bounds_stays() -> None:
-    """Recordings and verdicts are found by it."""
-    assert load(profile_path()).fingerprint() == "884d7d2df40d"
