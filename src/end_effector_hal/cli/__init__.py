@@ -1,7 +1,7 @@
 """The command line ``eehal``: a thin face; each command is a module of its own, loaded when it is used."""
 
 from ._completion import completed, profiles, typed_tool
-from ._figures import figures
+from ._figures import figures, is_figure
 from ._json_output import json_text, print_document
 from ._main import main
 from ._options import PathName, end_in_order, seed_option, the_folder, write_whole
@@ -13,6 +13,7 @@ __all__ = [
     "completed",
     "end_in_order",
     "figures",
+    "is_figure",
     "json_text",
     "main",
     "print_document",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -12,14 +12,13 @@ from end_effector_hal.errors import MissingExtraError, UsageError
 from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunDifference, RunInfo, RunTables, StatesLog
-    from end_effector_hal.verification.tune import Tuning
+    from end_effector_hal.recording import RunInfo, StatesLog
     from timed_automata import Template
 
 GROUP = "end_effector_hal.figures"
 NAME = "lab"
 FORMATS = ("png", "svg")
-_NAMED = ("timeline", "overlay", "tuning", "draw_template", "save")
+_NAMED = ("timeline", "draw_template", "save")
 
 
 class Figures(Protocol):
@@ -27,20 +26,6 @@ class Figures(Protocol):
 
     def timeline(self, log: StatesLog, pressures: None, info: RunInfo) -> object:
         """The states of a run as lanes."""
-        ...
-
-    def overlay(
-        self,
-        first: RunTables,
-        second: RunTables,
-        differences: Sequence[RunDifference],
-        names: tuple[str, str],
-    ) -> object:
-        """Two runs over each other, their differences marked."""
-        ...
-
-    def tuning(self, found: Tuning) -> object:
-        """What recorded grips would have become, over the value of each number."""
         ...
 
     def draw_template(self, template: Template, constants: Mapping[str, object]) -> object:
@@ -82,15 +67,6 @@ def figures() -> Figures:
 def is_figure(output: Path) -> bool:
     """Whether ``-o`` names a figure, ``FILE.png`` or ``FILE.svg``, and no folder."""
     return output.suffix.lstrip(".").lower() in FORMATS and not output.is_dir()
-
-
-def need_figure(output: Path) -> None:
-    """Raise UsageError unless ``-o`` names a figure, MissingExtraError where nothing draws it: before work is done."""
-    if not is_figure(output):
-        raise UsageError(
-            f"{output.name!r} is neither .png nor .svg.", where=str(output), todo="Choose one of these."
-        )
-    figures()
 
 
 def draw_run(log: StatesLog, info: RunInfo, file: Path) -> Path:

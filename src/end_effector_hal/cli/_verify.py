@@ -108,8 +108,8 @@ def command(
     kept.
 
     With --sweep the values of some keys are varied: which combinations hold, what fails first, the worst cases.
-    KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table, JSON and, of two keys, a map of each
-    worst case; FILE.png: of the grip. The exit code is 4 when no combination holds. No verdict is kept.
+    KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR it writes a table and
+    JSON there. The exit code is 4 when no combination holds. No verdict is kept.
     """
     from end_effector_hal.description import profile_path
     from end_effector_hal.recording import check_replaceable, content_hash

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from end_effector_hal.cli import Progress, figures, print_document
+from end_effector_hal.cli import Progress, is_figure, print_document
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
     from end_effector_lab.results import ResultsFolder
     from end_effector_lab.sweep import Axis, Proven
 
-FIGURES = (".png", ".svg")
 _MOST_ROWS = 60
 _NONE_HOLDS = 4
 
@@ -33,35 +32,29 @@ def run(
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Prove each combination, print which hold and write what was found; the exit code.
+    """Prove each combination, print which hold and write the results; return the exit code.
 
     Args:
         path: of the description.
         wanted: axes as they were typed.
         scheduler, jobs: who proves, see `open_workers`.
-        output: a folder, or a file for the map of the grip's worst case; None: nothing is written.
+        output: the folder of the results; None: nothing is written.
         as_json: print JSON.
     """
-    from end_effector_lab.sweep import combinations, heat_maps, read_axis, sweep, sweep_folder
+    from end_effector_lab.sweep import combinations, read_axis, sweep, sweep_folder
     from end_effector_lab.workers import open_workers
 
     axes = [read_axis(each) for each in wanted]
     combinations(axes)
-    single = output is not None and output.suffix.lower() in FIGURES
-    if single and len(axes) != 2:
-        raise UsageError(
-            f"A map needs two --sweep options, not {len(axes)}.", where=str(output), todo="Name a folder."
-        )
-    if output is not None and len(axes) == 2:
-        figures()  # without what draws them nothing is proven
+    if output is not None and is_figure(output):
+        raise UsageError("-o names the folder of a sweep, not a figure.", where=str(output))
     files: list[Path] = []
     with (
         open_workers(scheduler, jobs) as workers,
         Progress("Reading", shown=not as_json) as progress,
         ExitStack() as stack,
     ):
-        folder = None if single else output
-        results = stack.enter_context(sweep_folder(path, axes, folder)) if folder else None
+        results = stack.enter_context(sweep_folder(path, axes, output)) if output else None
         begun, first = time.monotonic(), -1
 
         def on_progress(done: int, of: int) -> None:
@@ -73,10 +66,8 @@ def run(
             )
 
         found = sweep(path, axes, workers, on_progress, results)
-        if folder and results:
-            files = _write(axes, found, results, folder)
-    if output is not None and len(axes) == 2:
-        files += heat_maps(axes, found, output)
+        if output and results:
+            files = _write(axes, found, results, output)
     if as_json:
         print_document(_document(axes, found) | {"files": [str(file) for file in files]})
     else:

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from end_effector_hal.recording import AlarmRow, RunTables, SwitchesLog
-from end_effector_lab.figures import overlay, timeline
+from end_effector_hal.recording import AlarmRow, SwitchesLog
+from end_effector_lab.figures import timeline
 from end_effector_lab.figures._style import FILLS
 from tests.support.trace_recordings import INFO, NOMINAL
 from tests.unit.figures.figure_facts import bars, overlaps, texts
@@ -97,20 +97,3 @@ def test_a_switch_without_a_lane_makes_no_figure_longer():
     short = drawn(replace(INFO, switches=PROVES), (0.0, (False, True)))
     same = drawn(replace(INFO, switches=PROVES), (0.0, (False, True)), (LAST_S + 2, (False, False)))
     assert short.axes[0].get_xlim() == same.axes[0].get_xlim()
-
-
-def test_two_runs_have_it_below_each_other():
-    """One that opens as the last thing of its run is a red mark without room for a word."""
-    info, opened_s = replace(INFO, e_stop="stop_ok"), LAST_S + 2
-    first, second = (
-        RunTables(NOMINAL, info, switches=SwitchesLog(("stop_ok",), ((0.0, (True,)), (at_s, (False,)))))
-        for at_s in (2.5, opened_s)
-    )
-    figure = overlay(first, second, [], ("one", "other"))
-    assert texts(figure).count("E-stop") == 1
-    shown = bars(figure, "e-stop")
-    assert [word for word, *_ in shown] == ["closed", "open"] * 2
-    _, start, end, colour = shown[-1]
-    assert start < opened_s < end
-    assert red(colour)
-    assert overlaps(figure) == []

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import figures, is_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
-from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
 
 if TYPE_CHECKING:
@@ -31,13 +29,8 @@ _SOURCES = ("description", "hash", "version", "scenario", "seed", "ros_generatio
     "--within-kpa", default=5.0, show_default=True, type=click.FloatRange(0.0, 10_000.0),
     help="Pressures that are nearer to each other are the same.",
 )  # fmt: skip
-@click.option(
-    "-o", "--output", metavar="FILE.(png|svg)", type=PathName(), help="Draw both over each other, with marks."
-)
-@click.option("--json", "as_json", is_flag=True, help="Print {differences, sources, file} as JSON.")
-def command(
-    first: Path, second: Path, within_s: float, within_kpa: float, output: Path | None, as_json: bool
-) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print {differences, sources} as JSON.")
+def command(first: Path, second: Path, within_s: float, within_kpa: float, as_json: bool) -> None:
     """List what differs between two recordings: when, on which line, and what.
 
     FIRST and SECOND are folders of runs. Both are counted from their first command. Each state is looked for in the
@@ -48,42 +41,24 @@ def command(
     """
     from end_effector_hal.recording import Tolerances, compare_runs, read_tables
 
-    if output is not None and not is_figure(output):
-        raise UsageError("-o names a file that ends with .png or .svg.", where=str(output))
     with Progress("Comparing", shown=not as_json):
-        if output is not None:
-            figures()  # without what draws it nothing is read
         runs = read_tables(first), read_tables(second)
         found = compare_runs(*runs, Tolerances(within_s, within_kpa))
         sources = _sources(runs[0].info, runs[1].info)
-        if output is not None:
-            figures().save(figures().overlay(*runs, found, _names(first, second)), output)
     if as_json:
-        told = [each.as_json() for each in found]
-        print_document({"differences": told, "sources": sources, "file": str(output) if output else None})
+        print_document({"differences": [each.as_json() for each in found], "sources": sources})
     else:
-        _print(found, sources, output)
+        _print(found, sources)
     raise click.exceptions.Exit(int(bool(found)))
 
 
-def _names(first: Path, second: Path) -> tuple[str, str]:
-    """Short, but never the same."""
-    one, other = first.resolve(), second.resolve()
-    short = one.name, other.name
-    return (
-        short
-        if short[0] != short[1]
-        else (f"{one.parent.name}/{one.name}", f"{other.parent.name}/{other.name}")
-    )
-
-
 def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:
-    """In what the origins differ, as in run.json: name, and both values."""
+    """The fields of run.json that differ: the name, and both values."""
     both = {name: [getattr(first, name), getattr(second, name)] for name in _SOURCES}
     return {name: values for name, values in both.items() if values[0] != values[1]}
 
 
-def _print(found: list[RunDifference], sources: dict[str, list[object]], output: Path | None) -> None:
+def _print(found: list[RunDifference], sources: dict[str, list[object]]) -> None:
     from end_effector_hal.recording import count_differences
 
     for name, (one, other) in sources.items():
@@ -96,8 +71,6 @@ def _print(found: list[RunDifference], sources: dict[str, list[object]], output:
     for one_s, other_s, line, text in rows:
         click.echo(f"{one_s:>{widths[0]}}  {other_s:>{widths[1]}}  {line:{widths[2]}}  {text}")
     click.echo(f"{count_differences(len(found)).capitalize()}.")
-    if output is not None:
-        click.echo(str(output))
 
 
 def _said(value: object) -> str:

@@ -1,4 +1,4 @@
-"""``eehal tune``: what recorded grips say of the thresholds and time-outs of a tool."""
+"""``eehal tune``: try other thresholds and time-outs on recorded grips."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import figures, need_figure
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._progress import Progress
@@ -35,15 +34,10 @@ MOST_RECORDINGS = 2000
     type=PathName(),
     help="Whose values are today's; a bag holds none.  [default: the one that was recorded]",
 )
-@click.option(
-    "-o", "--output", metavar="FILE.(png|svg)", type=PathName(), help="A curve for each number, as a figure."
-)
 @click.option("--all", "every", is_flag=True, help="Print every value that was tried.")
 @click.option("--json", "as_json", is_flag=True, help="Print {ok, grips, parameters, …} as JSON.")
-def command(
-    recordings: tuple[Path, ...], description: Path | None, output: Path | None, every: bool, as_json: bool
-) -> None:
-    """Say what recorded grips would have become with other thresholds and time-outs.
+def command(recordings: tuple[Path, ...], description: Path | None, every: bool, as_json: bool) -> None:
+    """List what recorded grips would have become with other thresholds and time-outs.
 
     RECORDING is a folder of `eehal run --record`, a folder of such folders, one of their traces, or a ROS bag. Each
     number of each actuator is tried alone, from a fraction of its value to twice as much, on what the sensors showed
@@ -63,8 +57,6 @@ def command(
     """
     from end_effector_hal.verification.tune import tune
 
-    if output is not None:
-        need_figure(output)
     with Progress("Reading", shown=not as_json) as progress:
         read = _read(recordings, description, progress)
     if not read.collector.grips:
@@ -77,14 +69,10 @@ def command(
         found = tune(
             read.collector.grips, read.tool, read.tools, lambda share: progress(f"Trying values: {share:.0%}")
         )
-    drawn = figures().save(figures().tuning(found), output) if output is not None else None
     if as_json:
-        content = {"ok": True, **found.as_json(), "recordings": read.names, "notes": read.notes}
-        print_document(content | {"file": str(drawn) if drawn else None})
-        return
-    _print(found, read, every=every)
-    if drawn is not None:
-        click.echo(str(drawn))
+        print_document({"ok": True, **found.as_json(), "recordings": read.names, "notes": read.notes})
+    else:
+        _print(found, read, every=every)
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
@@ -58,23 +58,6 @@ class RunTables:
         yield (
             "alarms",
             [(row.time_s, f"{'' if row.event == BEGUN else 'over: '}{row.text}") for row in self.alarms],
-        )
-
-    def later(self, by_s: float) -> RunTables:
-        """The same on another clock, seconds later."""
-        pressures = self.pressures and replace(
-            self.pressures, samples=tuple((at + by_s, values) for at, values in self.pressures.samples)
-        )
-        switches = self.switches and replace(
-            self.switches, rows=tuple((at + by_s, levels) for at, levels in self.switches.rows)
-        )
-        return RunTables(
-            replace(self.log, rows=tuple(replace(row, time_s=row.time_s + by_s) for row in self.log.rows)),
-            self.info,
-            pressures,
-            tuple(replace(row, time_s=row.time_s + by_s) for row in self.changer),
-            tuple(replace(row, time_s=row.time_s + by_s) for row in self.alarms),
-            switches,
         )
 
 

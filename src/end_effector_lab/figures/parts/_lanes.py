@@ -83,7 +83,6 @@ class Lane:
     beside: list[Beside] = field(default_factory=list)
     caption: str = ""
     bar_in: float = BAR_IN
-    gap_in: float = GAP_IN
     ruled: bool = False
 
     @property
@@ -95,7 +94,7 @@ class Lane:
     def height_in(self) -> float:
         """Caption, bar, words below and gap."""
         lowest = max((words.box.y1 for words in self.beside), default=0.0)
-        return self.bar_at + self.bar_in + max(lowest, 0.0) + self.gap_in
+        return self.bar_at + self.bar_in + max(lowest, 0.0) + GAP_IN
 
 
 def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:

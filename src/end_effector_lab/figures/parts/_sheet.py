@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from end_effector_lab.figures._style import RULE, WRONG
 
 from ._events import FOOT_IN, ROW_IN, Event, draw_events, line_of, lined
-from ._lanes import Lane, draw_lane
+from ._lanes import GAP_IN, Lane, draw_lane
 from ._page import WIDTH_IN, Page
 from ._switches import draw_steps
 
@@ -63,7 +63,7 @@ def draw_lanes(
         draw_steps(axes, lane, below + lane.bar_at)
         below += lane.height_in
         if lane.ruled:
-            axes.axhline(below - lane.gap_in / 2, color=RULE, linewidth=0.8, zorder=1)
+            axes.axhline(below - GAP_IN / 2, color=RULE, linewidth=0.8, zorder=1)
     for event in lined(events):
         start = -(event.row + 0.1) * ROW_IN if event.row else FOOT_IN * 0.4
         axes.plot([event.moment.time_s] * 2, [start, below], zorder=3, **line_of(event))
@@ -77,18 +77,14 @@ def draw_plots(
     events: Sequence[Event],
     top: float,
     deadlines: Sequence[float] = (),
-    since: str = "start",
 ) -> None:
-    """Plots of a height each, and the axis of time below the last of them, or below the lanes where there are none.
-
-    ``since``: when zero is, for the label of the axis.
-    """
+    """Plots of a height each, and the axis of time below the last of them, or below the lanes where there are none."""
     if not plots:
         axes = sheet.axes(top, top + 0.02)
         axes.set_yticks([])
         axes.spines[["left", "top", "right"]].set_visible(False)
         axes.tick_params(labelsize=9.5)
-        _label_time(axes, since)
+        _label_time(axes)
     for number, (height, plot) in enumerate(plots, start=1):
         top += PANEL_GAP_IN
         axes = sheet.axes(top, top + height)
@@ -103,9 +99,9 @@ def draw_plots(
         axes.spines["bottom"].set_visible(last)
         axes.yaxis.set_label_coords(-0.62 / sheet.page.width, 0.5)
         if last:
-            _label_time(axes, since)
+            _label_time(axes)
 
 
-def _label_time(axes: Axes, since: str) -> None:
+def _label_time(axes: Axes) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(nbins=13, steps=[1, 2, 5, 10]))
-    axes.set_xlabel(f"time since {since} [s]", fontsize=10)
+    axes.set_xlabel("time since start [s]", fontsize=10)
