@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy
-from mcap.writer import CompressionType, Writer
 from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
@@ -99,25 +98,6 @@ def write_ros2(
                 connections[topic] = writer.add_connection(topic, kind, typestore=store)
             data = store.serialize_cdr(_filled(store, kind, fields), kind)
             writer.write(connections[topic], (STARTED_US + log_us) * 1000, data)
-    return path
-
-
-def write_mcap(path: Path, messages: Iterable[Message], compression: CompressionType) -> Path:
-    """One file, by another writer: in chunks of 4 kB, each with a checksum."""
-    store = _store(Stores.ROS2_JAZZY, None)
-    with path.open("wb") as file:
-        writer = Writer(file, chunk_size=4_096, compression=compression)
-        writer.start(profile="ros2", library="tests")
-        channels: dict[str, int] = {}
-        for topic, kind, log_us, fields in messages:
-            if topic not in channels:
-                text, _ = store.generate_msgdef(kind, ros_version=2)
-                schema = writer.register_schema(kind, "ros2msg", text.encode())
-                channels[topic] = writer.register_channel(topic, "cdr", schema)
-            data = bytes(store.serialize_cdr(_filled(store, kind, fields), kind))
-            at = (STARTED_US + log_us) * 1000
-            writer.add_message(channels[topic], at, data, at)
-        writer.finish()
     return path
 
 

@@ -1,6 +1,6 @@
-"""Bags of rosbag and rosbag2, read into recordings."""
+"""Import bags of rosbag and rosbag2 as recordings."""
 
-from ._bag import open_bag
+from ._bag import Bag
 from ._import import ImportedBag, import_bag, record_bag
 
-__all__ = ["ImportedBag", "import_bag", "open_bag", "record_bag"]
+__all__ = ["Bag", "ImportedBag", "import_bag", "record_bag"]

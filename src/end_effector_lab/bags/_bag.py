@@ -1,62 +1,97 @@
-"""Opening a bag: which format it has is seen in its first bytes."""
+"""Open a bag of ROS 1 or ROS 2 with the library `rosbags`."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from rosbags.interfaces import MessageDefinitionFormat
+from rosbags.rosbag1 import Reader as Reader1
+from rosbags.rosbag2 import Reader as Reader2
 
 from end_effector_hal.errors import UsageError
 
-from ._bag_message import Bag
-from ._mcap import McapBag
-from ._rosbag1 import Rosbag1
-from ._rosbag2 import Rosbag2
+from ._bag_message import IDL, MSG, ROS1, BagMessage, reason_of
 
-MAGIC_ROS1, MAGIC_MCAP, MAGIC_SQLITE = b"#ROSBAG", b"\x89MCAP0\r\n", b"SQLite format 3\0"
-_MESSAGES_COMPRESSED = re.compile(rb"^\s*compression_mode:\s*['\"]?message\b", re.IGNORECASE | re.MULTILINE)
+_ROS1, _ROS2 = (".bag", ".active"), (".mcap", ".db3")
 _WHAT = "Name a .bag file, a folder that rosbag2 wrote, or an .mcap file."
+_SYNTAX = {MessageDefinitionFormat.MSG: MSG, MessageDefinitionFormat.IDL: IDL}
 
 
-def open_bag(path: Path) -> Bag:
-    """Open a bag; raises UsageError for what is none, or cannot be read at all."""
-    try:
-        if path.is_dir():
-            return _open_folder(path)
-        if not path.is_file():
+class Bag:
+    """An open bag; closing it closes its files.
+
+    Args:
+        path: a ``.bag`` file of ROS 1, a folder of rosbag2, or one of its ``.mcap`` and ``.db3`` files.
+
+    Raises:
+        UsageError: there is no bag, or it is damaged; the message names the tool that repairs it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        if not path.exists():
             raise UsageError("There is no such bag.", where=str(path), todo=_WHAT)
-        with path.open("rb") as file:
-            head = file.read(len(MAGIC_SQLITE))
-        if head.startswith(MAGIC_MCAP):
-            return McapBag((path,))
-        if head.startswith(MAGIC_SQLITE):
-            return Rosbag2((path,))
-        if head.startswith(MAGIC_ROS1):
-            return Rosbag1(path)
-    except OSError as error:
-        raise UsageError(f"Cannot be read: {error.strerror or error}.", where=str(path)) from None
-    raise UsageError("This is not a bag.", where=str(path), todo=_WHAT)
+        if path.is_file() and path.suffix not in (*_ROS1, *_ROS2):
+            raise UsageError("This is not a bag.", where=str(path), todo=_WHAT)
+        self._path = path
+        self._ros1 = path.is_file() and path.suffix in _ROS1
+        if not self._ros1:
+            self._check_closed()
+        with self._refusing_damage():
+            self._reader = Reader1(path) if self._ros1 else Reader2(path)
+            self._reader.open()
 
+    def close(self) -> None:
+        """Close the files."""
+        self._reader.close()
 
-def _open_folder(path: Path) -> Bag:
-    """The files decide, so that a folder without its metadata.yaml, as a killed recorder leaves it, is read as well."""
-    metadata = path / "metadata.yaml"
-    told = metadata.read_bytes() if metadata.exists() else b""
-    files = _numbered(path, ".mcap")
-    if files and not _MESSAGES_COMPRESSED.search(told):
-        return McapBag(files)
-    if told:
-        return Rosbag2((path,))
-    if files := _numbered(path, ".db3"):
-        return Rosbag2(files)
-    raise UsageError("There is no bag in this folder.", where=str(path), todo=_WHAT)
+    def topics(self) -> dict[str, str]:
+        """Return each topic and its type."""
+        return {
+            each.topic: each.msgtype
+            for each in self._reader.connections
+            if isinstance(each.topic, str) and isinstance(each.msgtype, str)  # a column holds anything
+        }
 
+    def messages(self, topics: frozenset[str]) -> Iterator[BagMessage]:
+        """Yield the messages of these topics, in the order in which they were written.
 
-def _numbered(folder: Path, suffix: str) -> tuple[Path, ...]:
-    """The files of a folder in the order of writing: ``NAME_0``, ``NAME_1``, … ``NAME_10``."""
+        Raises:
+            UsageError: the rest of the bag is damaged.
+        """
+        wanted = [each for each in self._reader.connections if each.topic in topics]
+        with self._refusing_damage():
+            for one, at, data in self._reader.messages(wanted) if wanted else ():
+                syntax = ROS1 if self._ros1 else _SYNTAX.get(one.msgdef.format, "")
+                definition = one.msgdef.data
+                yield BagMessage(one.topic, one.msgtype, at // 1000, data, definition, syntax)
 
-    def key(path: Path) -> list[tuple[int, str]]:
-        return [
-            (int(each[:18]), "") if each.isdecimal() else (0, each) for each in re.split(r"(\d+)", path.name)
-        ]
+    def _check_closed(self) -> None:
+        """Refuse what a killed recorder of ROS 2 leaves: the library would read less than the bag holds."""
+        folder = self._path if self._path.is_dir() else self._path.parent
+        if self._path.is_dir() and not (folder / "metadata.yaml").exists():
+            if any(each.suffix in _ROS2 for each in folder.iterdir()):
+                raise self._damaged("it has no metadata.yaml")
+            raise UsageError("There is no bag in this folder.", where=str(self._path), todo=_WHAT)
+        logs = folder.glob("*.db3-wal" if self._path.is_dir() else f"{self._path.name}-wal")
+        for log in (each for each in logs if each.stat().st_size):
+            raise self._damaged(f"{log.name} holds messages that its database does not hold")
 
-    return tuple(sorted((each for each in folder.iterdir() if each.suffix == suffix), key=key))
+    @contextmanager
+    def _refusing_damage(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise UsageError(f"Cannot be read: {error.strerror or error}.", where=str(self._path)) from None
+        except Exception as error:  # noqa: BLE001 the library raises anything for bytes that are no records
+            raise self._damaged(reason_of(error)) from None
+
+    def _damaged(self, reason: str) -> UsageError:
+        repair = "rosbag reindex" if self._ros1 else "ros2 bag reindex"
+        more = "" if self._path.suffix != ".mcap" else " `mcap recover` repairs a single .mcap file."
+        return UsageError(
+            f"The bag is damaged, or its recorder was killed: {reason}.",
+            where=str(self._path),
+            todo=f"Repair it with `{repair}`, and import it again.{more}",
+        )

@@ -1,11 +1,11 @@
-"""Messages of a bag, read as the bag defines them: it may be of another version."""
+"""Read the messages of a bag as the bag defines them: their version may be another one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Any
 
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
@@ -44,28 +44,6 @@ class BagMessage:
     def read(self) -> Any:
         """An object with its fields; raises ValueError with a reason."""
         return _reader(self.type, self.definition, self.syntax)(self.data)
-
-
-class Bag(Protocol):
-    """What the files of a bag hold.
-
-    Attributes:
-        faults: what cannot be read, a sentence each; more may come while messages are read.
-    """
-
-    faults: list[str]
-
-    def topics(self) -> dict[str, str]:
-        """Each topic and its type."""
-        ...
-
-    def messages(self, topics: frozenset[str]) -> Iterator[BagMessage]:
-        """The messages of these topics, in the order in which they were written."""
-        ...
-
-    def close(self) -> None:
-        """Close the files."""
-        ...
 
 
 def plain_type(name: str) -> str:

@@ -1,4 +1,4 @@
-"""A bag becomes a recording: what DataLogger would have written of the same messages."""
+"""Import a bag: write what DataLogger would have written of the same messages."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, RecordingLimits, RunInfo
 from end_effector_hal.vocabulary import printable
 
-from ._bag import open_bag
-from ._bag_message import Bag, BagMessage, plain_type
+from ._bag import Bag
+from ._bag_message import BagMessage, plain_type
 from ._fields import command_of, frame_of, lacking, state_of
 from ._line_of_time import LineOfTime
 
@@ -42,7 +42,7 @@ class ImportedBag:
         frames: messages of the sensors.
         seconds: from the beginning of the bag to the newest stamp.
         notes: what a reader of the recording should know.
-        faults: what could not be read.
+        faults: the messages that are left out, a sentence for each topic.
     """
 
     folder: Path
@@ -71,7 +71,8 @@ def import_bag(
         namespace: of the tool; None: there is only one.
 
     Raises:
-        UsageError: the bag has no such tool, or no state of it can be read; nothing is written then.
+        UsageError: the bag has no such tool, or no state of it can be read, and nothing is written; or the rest of the
+            bag is damaged, and what was written remains.
         ReportedError: the recording cannot be written any more; what was written remains.
     """
     with os_errors("Cannot be used", folder):
@@ -94,9 +95,7 @@ def _space(bag: Bag, topics: Mapping[str, str], namespace: str | None) -> str:
         what = other or [f"its topics are {', '.join(sorted(topics))}" if topics else "it has no topics"]
         raise UsageError(
             f"The bag has no states of an end-effector: {printable('; '.join(what))}.",
-            todo=printable(
-                " ".join((f"Record {END_EFFECTOR_STATE.name} and {SENSOR_FRAME.name}.", *bag.faults))
-            ),
+            todo=f"Record {END_EFFECTOR_STATE.name} and {SENSOR_FRAME.name}.",
         )
     shown = printable(", ".join(each or "/" for each in spaces))
     if namespace is None:
@@ -116,7 +115,7 @@ def record_bag(path: Path, folder: Path, description: Description | None) -> Imp
     Raises:
         UsageError: it is no bag, or has no tool.
     """
-    with closing(open_bag(path)) as bag:
+    with closing(Bag(path)) as bag:
         return import_bag(bag, folder, description=description)
 
 
@@ -170,7 +169,7 @@ class _Import:
                 self._why.setdefault(message.topic, str(error))
         if self._first is not None:
             self._begin(self._first, self._first.at_us)
-        faults = tuple(printable(each) for each in (*self._left_out(), *self._bag.faults))
+        faults = tuple(printable(each) for each in self._left_out())
         recording = self._recording
         if recording is None:
             what = f"Nothing is imported: no message of {self._name(END_EFFECTOR_STATE)} can be used."

@@ -35,21 +35,21 @@ def command(
 ) -> None:
     """Make a recording of the states and sensor frames in BAG, as DataLogger would have written it.
 
-    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. What cannot be read is listed,
-    and the rest is imported.
+    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. Messages that cannot
+    be understood are listed, and the rest is imported. A damaged bag is refused, with the tool that repairs it.
 
     Exit code 0: all of it was imported; 1: a part; 2: nothing.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import tool_path
-    from end_effector_lab.bags import import_bag, open_bag
+    from end_effector_lab.bags import Bag, import_bag
 
     tool = None
     if description or profile:
         tool = load_tool(tool_path(description or "", profile, how="--description FILE or --profile NAME"))
     if output is None:
         output = Path("runs", bag.resolve().stem)
-    with Progress(f"Importing {bag}", shown=not as_json), closing(open_bag(bag)) as opened:
+    with Progress(f"Importing {bag}", shown=not as_json), closing(Bag(bag)) as opened:
         imported = import_bag(opened, output, description=tool, namespace=namespace)
     if as_json:
         print_document(imported.as_json())

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_pressures, read_run, read_states
-from end_effector_lab.bags import import_bag, open_bag
+from end_effector_lab.bags import Bag, import_bag
 from tests.support.nightly import first_of
 
 pytestmark = pytest.mark.ros
@@ -59,7 +60,7 @@ def test_a_grip_is_imported_as_it_was_recorded(system: Any, tmp_path: Path, comp
     heard()
     recorder.end()
     logger.end()
-    with closing(open_bag(bag)) as opened:
+    with closing(Bag(bag)) as opened:
         found = import_bag(opened, tmp_path / "imported", description=system.world.description)
     assert not found.faults
     ours, theirs = timed(found.folder), timed(logged)
@@ -71,7 +72,7 @@ def test_a_grip_is_imported_as_it_was_recorded(system: Any, tmp_path: Path, comp
 
 
 def test_a_recorder_that_was_killed(system: Any, tmp_path: Path) -> None:
-    """Its file has no index, and is called ``.active``."""
+    """Its file has no index, and is called ``.active``; `rosbag reindex` repairs it."""
     recorder = system.start(
         "killed_bag", "rosrun", "rosbag", "record", "__name:=killed_bag", "--chunksize=4", "-O",
         str(tmp_path / "run.bag"), *TOPICS,
@@ -80,9 +81,12 @@ def test_a_recorder_that_was_killed(system: Any, tmp_path: Path) -> None:
     system.until("chunks", lambda: bag.exists() and bag.stat().st_size > 50_000)
     os.kill(recorder.pid, signal.SIGKILL)
     system.until("its end", lambda: recorder.code is not None)
-    with closing(open_bag(bag)) as opened:
+    with pytest.raises(UsageError, match=r"is damaged.*`rosbag reindex`"):
+        Bag(bag)
+    reindexed = system.start("reindexed_bag", "rosbag", "reindex", str(bag))
+    system.until("its index", lambda: reindexed.code is not None)
+    with closing(Bag(bag)) as opened:
         found = import_bag(opened, tmp_path / "imported", description=system.world.description)
-    assert "it has no index" in found.faults[0]
     assert found.states > 10
     assert found.frames > 50
     assert read_states(found.folder / "states.csv").rows

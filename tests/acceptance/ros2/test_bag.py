@@ -11,7 +11,7 @@ from typing import Any
 
 from end_effector_hal.errors import RosError
 from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
-from end_effector_lab.bags import import_bag, open_bag
+from end_effector_lab.bags import Bag, import_bag
 
 
 def timed(folder: Path) -> list[tuple[int, Any]]:
@@ -46,7 +46,7 @@ def test_a_grip_and_a_drop_are_imported_as_they_were_recorded(system: Any, tmp_p
         os.kill(child.pid, signal.SIGINT)
         system.until("its end", lambda child=child: child.code is not None)
 
-    with closing(open_bag(bag)) as opened:
+    with closing(Bag(bag)) as opened:
         found = import_bag(opened, tmp_path / "imported", description=system.world.description)
     assert not found.faults
     assert read_run(found.folder).gaps == ()

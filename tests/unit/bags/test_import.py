@@ -14,7 +14,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS
 from end_effector_hal.recording import read_alarms, read_pressures, read_run, read_states
-from end_effector_lab.bags import ImportedBag, import_bag, open_bag
+from end_effector_lab.bags import Bag, ImportedBag, import_bag
 from tests.support.bags import COMMAND, FRAME, STATE, definitions, frame, state, write_ros1, write_ros2
 
 S = 1_000_000
@@ -34,7 +34,7 @@ def write(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., Path]
 
 
 def imported(bag: Path, **options: Any) -> ImportedBag:
-    with closing(open_bag(bag)) as opened:
+    with closing(Bag(bag)) as opened:
         return import_bag(opened, bag.parent / "imported", **options)
 
 
