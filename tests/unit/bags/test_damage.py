@@ -105,7 +105,7 @@ def test_a_database_whose_recorder_was_killed_is_refused(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("name", "data", "said"),
     [
-        ("run.txt", b"", "This is no bag"),
+        ("run.txt", b"", "This is not a bag"),
         ("empty.bag", b"", "is damaged"),
         ("text.mcap", b"not a bag", "is damaged"),
         ("only_magic.mcap", b"\x89MCAP0\r\n", "is damaged"),

@@ -446,7 +446,7 @@ def test_a_bag_that_cannot_be_shown_says_what_it_takes(tmp_path: Path, verdin: D
     ):
         open_recordings([strange], Path(verdin.source))
     (tmp_path / "empty.bag").write_bytes(b"")
-    with pytest.raises(UsageError, match="This is not a bag"):
+    with pytest.raises(UsageError, match="The bag is damaged"):
         open_recordings([tmp_path / "empty.bag"], Path(verdin.source))
 
 

@@ -20,7 +20,6 @@ from end_effector_hal.recording import (
     RunTables,
     StatesLog,
     StatesWriter,
-    SwitchesLog,
     Tolerances,
     compare_runs,
     read_tables,
@@ -33,16 +32,12 @@ def later(run: RunTables, by_s: float) -> RunTables:
     pressures = run.pressures and replace(
         run.pressures, samples=tuple((at + by_s, values) for at, values in run.pressures.samples)
     )
-    switches = run.switches and replace(
-        run.switches, rows=tuple((at + by_s, levels) for at, levels in run.switches.rows)
-    )
     return RunTables(
         replace(run.log, rows=tuple(replace(row, time_s=row.time_s + by_s) for row in run.log.rows)),
         run.info,
         pressures,
         tuple(replace(row, time_s=row.time_s + by_s) for row in run.changer),
         tuple(replace(row, time_s=row.time_s + by_s) for row in run.alarms),
-        switches,
     )
 
 
@@ -140,10 +135,9 @@ def write(folder: Path, states: StatesLog, seed: int) -> Path:
     return folder
 
 
-def test_the_command_lists_and_draws(tmp_path: Path) -> None:
+def test_the_command_lists_the_differences(tmp_path: Path) -> None:
     one, other = write(tmp_path / "one", NOMINAL, 1), write(tmp_path / "other", FAILS_ONCE, 2)
-    figure = tmp_path / "both.svg"
-    done = CliRunner().invoke(eehal, ["compare", str(one), str(other), "-o", str(figure)])
+    done = CliRunner().invoke(eehal, ["compare", str(one), str(other)])
     assert done.exit_code == 1
     assert done.stdout.splitlines() == [
         "Seed: 1, in the second 2",
@@ -152,30 +146,9 @@ def test_the_command_lists_and_draws(tmp_path: Path) -> None:
         "       -   7.500 s  Cylinder      PENDING EXTEND: only in the second",
         "11.000 s  11.000 s  End effector  RELEASING: 6.25 s earlier in the second",
         "4 differences.",
-        str(figure),
     ]
-    drawn = figure.read_text()
-    assert "one and other: 4 differences" in drawn
-    assert "Cylinder: EXTENDED: 6.25 s later in the second" in drawn
-    assert drawn.count(">the second<") == 5  # end-effector, command, three actuators
     done = CliRunner().invoke(eehal, ["compare", str(one), str(one), "--json"])
     assert (done.exit_code, json.loads(done.stdout)["differences"]) == (0, [])
-
-
-def test_the_figure_has_the_switches_of_both_on_one_clock(tmp_path: Path) -> None:
-    """A recording of an earlier version has none: its lane is empty."""
-    one, other = write(tmp_path / "one", NOMINAL, 1), write(tmp_path / "other", FAILS_ONCE, 2)
-    proves = {"top_cup": {"actuator": "top_vacuum", "on": "confirmed", "off": "gone"}}
-    replace(INFO, switches=proves).write(one)
-    (one / "switches.csv").write_text("time_s,top_cup_on\n0.0,0\n2.5,1\n")
-    assert later(read_tables(one), 2.0).switches == SwitchesLog(
-        ("top_cup",), ((2.0, (False,)), (4.5, (True,))), str(one / "switches.csv")
-    )
-    figure = tmp_path / "both.svg"
-    assert CliRunner().invoke(eehal, ["compare", str(one), str(other), "-o", str(figure)]).exit_code == 1
-    drawn = figure.read_text()
-    assert drawn.count(">the second<") == 6
-    assert drawn.count(">on: confirmed<") == 1
 
 
 @pytest.mark.parametrize(
@@ -183,7 +156,6 @@ def test_the_figure_has_the_switches_of_both_on_one_clock(tmp_path: Path) -> Non
     [
         (["{one}", "{here}/nothing"], "This folder contains no recording."),
         (["{one}", "{here}/empty"], "This recording holds no row."),
-        (["{one}", "{one}", "-o", "{here}"], "-o names a file that ends with .png or .svg."),
     ],
 )
 def test_what_cannot_be_compared_is_refused(options: list[str], said: str, tmp_path: Path) -> None:
