@@ -129,7 +129,7 @@ def _board_lines(description: Description) -> LineBackend:
         return GpiodLines()
     if description.lines.path is None:
         raise UsageError(
-            "virtual lines need a file that stands for the chip.",
+            "virtual lines need a file for the chip.",
             where=description.where("lines"),
             todo="Add path: to lines.",
         )

@@ -53,7 +53,7 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
 def what_is_missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
     """What a tool that is not ready lacks, each a clause, and what it complains of; nothing: it is ready."""
     if state is None:
-        return ("its nodes say nothing",)
+        return ("its nodes report nothing",)
     pairs = zip(state.actuator_names, state.evidence, strict=True)
     unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
     lacks: list[str] = []
@@ -63,7 +63,7 @@ def what_is_missing(description: Description, state: StateMessage | None) -> tup
     elif state.state == EndEffectorState.OFF:
         lacks.append("its lines are not adopted")
     elif unknown:
-        lacks.append(f"its sensors say nothing of {', '.join(unknown)}")
+        lacks.append(f"its sensors do not show {', '.join(unknown)}")
     elif state.tool_changer == ChangerState.UNKNOWN and changer_is_sensed(description):
-        lacks.append("its sensors do not say whether the tool is locked")
+        lacks.append("its sensors do not show whether the tool is locked")
     return (*lacks, *(alarm.rstrip(".") for alarm in state.alarms if lacks))

@@ -36,7 +36,7 @@ def still_there(path: Path, fd: int) -> None:
     """Raises OSError when this open file does not stand at its path any more: what is written to it is lost."""
     found, own = os.stat(path), os.fstat(fd)
     if (found.st_dev, found.st_ino) != (own.st_dev, own.st_ino):
-        raise OSError(errno.ENOENT, "another file stands in its place")
+        raise OSError(errno.ENOENT, "another file is in its place")
 
 
 def append_whole(fd: int, data: bytes) -> None:

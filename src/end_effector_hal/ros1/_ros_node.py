@@ -90,7 +90,7 @@ class RosNode:
 
     def description(self) -> Description:
         """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
-        assert self._tool is not None, "the table says which nodes have a description"
+        assert self._tool is not None, "only nodes of the table have a description"
         return load_for_nodes(self._tool)
 
     def frames(self, description: Description) -> Frames:

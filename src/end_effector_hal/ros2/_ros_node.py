@@ -171,7 +171,7 @@ class RclpyNode:
                     reply = handler(request)
                 except Exception:
                     self.log.exception("a call of %s failed", service.name)
-                    reply = Answer(False, "The call failed by a fault of the program; its log says more.")
+                    reply = Answer(False, "The call failed because of a fault in the program; see its log.")
                 self._group.executor.create_task(lambda: answered.set_result(reply))
 
             self._group.workers.submit(work)

@@ -95,7 +95,7 @@ def _missing(error: ModuleNotFoundError) -> Exception:
     package = (error.name or "").partition(".")[0]
     if package in ("end_effector_msgs", "genpy"):
         return RosError(
-            "The messages of ROS 2 are not built, or those of ROS 1 stand before them in PYTHONPATH.",
+            "The messages of ROS 2 are not built, or those of ROS 1 come before them in PYTHONPATH.",
             todo="Source one ROS only; in the checkout: make ros2.",
         )
     if package in ROS_PACKAGES:

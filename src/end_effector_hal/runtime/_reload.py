@@ -31,7 +31,7 @@ _OF_POLICY = {
     "opposites": "second coils and pulses",
     "proven": "the inputs that the line arbiter reads itself",
 }
-CONTENT = "The description is checked, and can be taken over."
+CONTENT = "The description is valid and can be loaded."
 
 
 def reload_answer(before: Description) -> Answer:

@@ -53,7 +53,7 @@ def read_last_will(steps: object) -> LastWill:
     if len(will) > MOST_LINES:
         raise UsageError(f"a last will has at most {MOST_LINES} steps, this one has {len(will)}.")
     if any(a.after_us > b.after_us for a, b in pairwise(will)):
-        raise UsageError("the steps of a last will must stand in the order of their after_us.")
+        raise UsageError("the steps of a last will must be in the order of their after_us.")
     return will
 
 

@@ -60,7 +60,7 @@ def reason_of(error: BaseException) -> str:
 @lru_cache(maxsize=64)
 def _reader(kind: str, definition: str, syntax: str) -> Callable[[bytes], Any]:
     if not definition:
-        reason = f"the bag does not say what the fields of {plain_type(kind)} are"
+        reason = f"the bag does not define the fields of {plain_type(kind)}"
         return lambda _: _raise(reason)
     package, _, name = plain_type(kind).partition("/")
     kind = f"{package}/msg/{name}"

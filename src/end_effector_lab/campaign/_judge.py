@@ -277,7 +277,7 @@ class Judge:
             self._object("activation", f"{name} became active, and the tool is not locked (IL-05)")
         if self._description.interlocks.il_05 and self._changer and self._reality.lasts("silent"):
             self._object(
-                "activation", f"{name} became active, and nobody can prove that the tool is locked (IL-05)"
+                "activation", f"{name} became active, and no sensor proves that the tool is locked (IL-05)"
             )
         if self._reality.lasts("estop"):
             self._object("activation", f"{name} became active with an open emergency stop (IL-13)")

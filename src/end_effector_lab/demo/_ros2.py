@@ -91,7 +91,7 @@ def _free_domain() -> int:
             continue
         _claims.append(claim.detach())
         return number
-    raise RosError("All domains of ROS 2 are taken by tools on this machine.", todo="End some of them.")
+    raise RosError("All domains of ROS 2 are in use by tools on this machine.", todo="End some of them.")
 
 
 def apart(logs: Path) -> dict[str, str]:

@@ -63,7 +63,7 @@ NORMAL = SensorView()
 BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
 ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
 LET_GO = SensorView(frozenset({NO}), frozenset({LOST}), _YES)
-"""Of a sensor that shows, whatever is there, that nothing is."""
+"""Readings of a sensor that always shows nothing."""
 SILENCING = {"silent-after", "babble-after"}
 DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",

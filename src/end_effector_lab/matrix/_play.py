@@ -192,7 +192,7 @@ class CellRun:
         if outcome not in want.outcomes:
             objections.append(f"expected: {', '.join(sorted(want.outcomes))}")
         if want.alarm and not told:
-            objections.append("no alarm and no reason was told")
+            objections.append("no alarm and no reason was reported")
         objections += self._false_success()
         lost = self._lost()
         let_go = lost and lets_go(self._description, cell)

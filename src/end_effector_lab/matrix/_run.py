@@ -114,7 +114,7 @@ def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str,
         if wrong := _misfit(played, cells.get(played.id)):
             raise results.misfit(wrong, where)
         if played.id in done:
-            raise results.misfit("its cell stands in an earlier line, too.", where)
+            raise results.misfit("its cell is in an earlier line, too.", where)
         done[played.id] = played.as_json()
     return done
 

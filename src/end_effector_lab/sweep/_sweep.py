@@ -154,7 +154,7 @@ def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Prov
         if proven.holds and (proven.refused or proven.fails or proven.open):
             raise results.misfit("it holds, and something speaks against it.", where)
         if (values := tuple(proven.values.values())) in done:
-            raise results.misfit("its combination stands in an earlier line, too.", where)
+            raise results.misfit("its combination is in an earlier line, too.", where)
         done[values] = proven
     return done
 

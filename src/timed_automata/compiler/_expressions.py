@@ -208,7 +208,7 @@ class Expressions:
         raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
 
     def _braces(self, node: ast.Braces) -> Term:
-        raise fault(node.span, "Braces stand only in the initialiser of an array.")
+        raise fault(node.span, "Braces are allowed only in the initialiser of an array.")
 
     def _assignment(self, node: ast.Assignment) -> Term:
         what = f"'{node.span.snippet}', an assignment inside an expression"

@@ -149,7 +149,7 @@ class Monitor:
             if not self._concrete.may_delay():
                 self._refuse(at, "A committed or urgent location was not left.")
             elif not self._concrete.stays(at):
-                self._refuse(at, "A deadline has passed, and nothing was taken.")
+                self._refuse(at, "A deadline has passed, and no edge was taken.")
 
     # One observation
 
@@ -195,7 +195,7 @@ class Monitor:
         if event is None or (event.channel, event.at) != (step.received, step.at):
             self._refuse(step.at, f"{named(step)} received '{step.received}', which was not sent then.")
         elif (transition := self._reception(event)) is None:
-            self._refuse(step.at, f"Nobody can receive '{event.channel}' then, but {named(step)} did.")
+            self._refuse(step.at, f"No process can receive '{event.channel}' then, but {named(step)} did.")
         else:
             if not same_edges(self.network, transition, step):
                 who = in_words(self.network, transition.edges)

@@ -98,7 +98,7 @@ def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
     bound = {getattr(each, "variable", "") for each in early}
     for each in early:
         if isinstance(each, ast.Name) and each.name in {select.name for select in parsed.selects} - bound:
-            what = f"'{each.name}' is used here, but the label that selects it stands behind this one."
+            what = f"'{each.name}' is used here, but the label that selects it comes after this one."
             raise fault(each.span, what, "UPPAAL reads them in order: put the select label first.")
     return parsed
 

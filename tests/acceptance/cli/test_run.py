@@ -76,7 +76,7 @@ def test_a_tool_without_its_link_is_not_ready_and_says_why(world: World) -> None
             said = str(refused.value)
             assert said.startswith("verdin_gripper is not ready after 3 s: ")
             assert f"sensor link {world.port}" in said
-            assert "its sensors do not say whether the tool is locked" in said
+            assert "its sensors do not show whether the tool is locked" in said
             assert said.endswith("eehal doctor prints what is missing.")
             os.kill(world.testbench.pid, signal.SIGCONT)
             tool.wait_ready(LONG_S)

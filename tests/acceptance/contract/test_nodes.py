@@ -163,7 +163,7 @@ def test_more_goals_than_are_kept_are_refused_in_words(holding: Hal) -> None:
     holding.stop("Grip")
     try:
         drops = [holding.send("Drop") for _ in range(12)]
-        refused = "10 goals of Drop wait for their answer: more are not taken. Wait for their end."
+        refused = "10 goals of Drop wait for their answer: no more are accepted. Wait for their end."
         reasons = [drop.end()[1]["reason"] for drop in drops]
     finally:
         holding.signal("Grip", signal.SIGCONT)

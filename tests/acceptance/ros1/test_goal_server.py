@@ -194,7 +194,7 @@ def test_a_flood_of_goals_is_refused_in_words_and_takes_a_bounded_room(server: S
     refused = [each.result.reason for each in server.results.sent if each.result.reason != "busy"]
     assert len(refused) > 2000
     assert set(refused) == {
-        f"{OPEN} goals of TriggerGrip wait for their answer: more are not taken. Wait for their end."
+        f"{OPEN} goals of TriggerGrip wait for their answer: no more are accepted. Wait for their end."
     }
     assert server.server._came == {}
 

@@ -74,7 +74,7 @@ def test_a_halmain_that_is_killed_is_waited_for_and_the_goal_is_not_known(system
     system.until("the last step", lambda: list(system.state.outputs) == [True, True, True])
     os.kill(system.pid_of("/HALMain"), signal.SIGKILL)
     assert supervisor.wait_for_end(timeout_s=60.0) == 1
-    assert "grip: UNREACHABLE. HALMain was started again and does not know this goal: " in supervisor.text()
+    assert "grip: UNREACHABLE. HALMain was restarted and has lost this goal: " in supervisor.text()
     system.world.choose("nominal")
     system.wait_for(EndEffectorState.GRIPPED)
 

@@ -177,7 +177,7 @@ def test_what_is_held_can_be_dropped_though_a_sensor_is_lost(managed: Managed) -
     begun = len(managed.states)
     assert managed.change(ACTIVATE)
     managed.until(
-        "why", lambda: "active, for outputs are; but its sensors say nothing of top_vacuum" in managed.said()
+        "why", lambda: "active, for outputs are; but its sensors do not show top_vacuum" in managed.said()
     )
     managed.until("adopted", lambda: any(each.held for each in managed.states[begun:]))
     assert managed.edges() == held
@@ -211,7 +211,7 @@ def test_sigterm_while_active_ends_in_good_order_and_holds(managed: Managed) -> 
 
 
 @pytest.mark.parametrize(
-    ("requirement", "why"), [(None, "Nothing is known of a proof"), ("grip", "requirements 1 fail (grip)")]
+    ("requirement", "why"), [(None, "No proof is stored"), ("grip", "requirements 1 fail (grip)")]
 )
 def test_without_a_good_verdict_it_is_not_configured(
     managed: Managed, proof: Proof, requirement: str | None, why: str

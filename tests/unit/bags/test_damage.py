@@ -88,9 +88,7 @@ def test_a_database_without_definitions(tmp_path: Path) -> None:
     with closing(sqlite3.connect(folder / "run.db3")) as database:
         database.execute("DELETE FROM message_definitions")
         database.commit()
-    with pytest.raises(
-        UsageError, match="does not say what the fields of end_effector_msgs/EndEffectorState are"
-    ):
+    with pytest.raises(UsageError, match="does not define the fields of end_effector_msgs/EndEffectorState"):
         imported(folder, tmp_path / "imported")
 
 

@@ -106,7 +106,7 @@ def test_fingerprints_of_tools_with_one_link_know_no_names() -> None:
         (f"link: {TEXT}\n{BOTH}", f"cup: {CUP}", "'link' and 'links' exclude each other"),
         ("links: {}", "cup: {digital: {line: B}}", "'links' names no link"),
         ("links:", "cup: {digital: {line: B}}", "'links' has no value"),
-        (BOTH, "cup: {text: {field: 1}, unit: kPa}", "it is not said over which link 'cup' comes, expected "
+        (BOTH, "cup: {text: {field: 1}, unit: kPa}", "the link is missing over which 'cup' comes, expected "
          "link: one or two"),
         (BOTH, f"cup: {{link: onne, text: {{field: 1}}, unit: kPa}}\n  jaw: {JAW}",
          "there is no such link (onne), expected one of one, two; did you mean 'one'?"),

@@ -51,7 +51,7 @@ UNUSED = {
     "version": ({"L1": "%YAML 1.1\n---\nname: tool"}, "1:1: another version of YAML (%YAML 1.1), expected %YAML 1.2 [EE-203]"),
     "merge": ({"L6": "  cup: &cup", "L13": "    channel: cylinder\n    <<: *cup"}, "14:5: merge keys are not part of YAML 1.2 (<<), expected the keys themselves [EE-203]"),
     "key": ({"L3": "  port: x\n  ? [a]\n  : b"}, "4:5: a key is not a word ([a]), expected key: value [EE-203]"),
-    "alias in itself": ({"L1": "name: tool\nsummary: &a [*a]"}, "2:10: an alias stands inside of what it names (&a [*a]), expected a copy of the stanza [EE-203]"),
+    "alias in itself": ({"L1": "name: tool\nsummary: &a [*a]"}, "2:10: an alias is inside of what it names (&a [*a]), expected a copy of the stanza [EE-203]"),
 }  # fmt: skip
 
 

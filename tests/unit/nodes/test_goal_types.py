@@ -102,8 +102,8 @@ def test_that_an_effort_is_ignored_is_told_once(
             gripper.command(one(0.0, 40.0))
             parallel.command(joints(1.0, effort=(40.0,)))
     assert caplog.messages == [
-        "gripper_controller/gripper_cmd: max_effort is ignored: the air decides. Told once.",
-        "parallel_gripper_controller/gripper_cmd: velocity and effort are ignored: the air decides. Told once.",
+        "gripper_controller/gripper_cmd: max_effort is ignored: the air decides. Logged once.",
+        "parallel_gripper_controller/gripper_cmd: velocity and effort are ignored: the air decides. Logged once.",
     ]
 
 

@@ -34,11 +34,11 @@ def state(**values: Any) -> Any:
         ({"state": EndEffectorState.OFF}, ("its lines are not adopted", "The supply is low")),
         (
             {"evidence": [Evidence.GONE, Evidence.UNKNOWN], "alarms": []},
-            ("its sensors say nothing of b",),
+            ("its sensors do not show b",),
         ),
         (
             {"tool_changer": ChangerState.UNKNOWN, "alarms": []},
-            ("its sensors do not say whether the tool is locked",),
+            ("its sensors do not show whether the tool is locked",),
         ),
         (
             {"state": EndEffectorState.OFF, "link_up": False, "alarms": []},
@@ -49,7 +49,7 @@ def state(**values: Any) -> Any:
 def test_what_a_tool_lacks(verdin: Description, values: dict[str, Any], lacks: tuple[str, ...]) -> None:
     said = what_is_missing(verdin, state(**values))
     assert tuple(each.replace(verdin.link.port, "PORT") for each in said) == lacks
-    assert what_is_missing(verdin, None) == ("its nodes say nothing",)
+    assert what_is_missing(verdin, None) == ("its nodes report nothing",)
 
 
 def test_a_proof_is_asked_for_then_and_there_and_kept(verdin: Description) -> None:

@@ -193,5 +193,5 @@ def test_a_file_that_goes_is_a_sentence(tmp_path: Path) -> None:
         with pytest.raises(ReportedError, match="No such file or directory"):
             writer.write(1, 1, 2, [1])
         shutil.copy(tmp_path / "elsewhere", tmp_path / "states.csv")
-        with pytest.raises(ReportedError, match="another file stands in its place"):
+        with pytest.raises(ReportedError, match="another file is in its place"):
             writer.write(2, 1, 2, [0])

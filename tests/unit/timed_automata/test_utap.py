@@ -158,7 +158,7 @@ SELECT = ("select", "k : int[0, 1]")
 def test_a_select_stands_before_the_labels_that_use_it(early: tuple[str, str]) -> None:
     network(labels=labels(SELECT, early))
     with pytest.raises(
-        ModelError, match=r"^m.xml:7:\d+: 'k' is used here, but the label that selects it stands"
+        ModelError, match=r"^m.xml:7:\d+: 'k' is used here, but the label that selects it comes"
     ):
         network(labels=labels(early, SELECT))
 

@@ -86,7 +86,7 @@ class Coils:
             self._before_change()
             self._backend.set(dict.fromkeys(sorted(off), False))
         for line in sorted(guessed):
-            _log.warning("nothing says how %s stands: it counts as active", line)
+            _log.warning("the position of %s is unknown: it counts as active", line)
         self.guessed = frozenset(guessed)
         return levels
 

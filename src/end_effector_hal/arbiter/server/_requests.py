@@ -67,7 +67,7 @@ class RequestHandler:
             return refusal(number, error) | {"levels": self._arbiter.levels}
         except Exception:  # noqa: BLE001 the arbiter must outlive any message of a client
             _log.exception("a request of %s failed", connection.process)
-            failed = ArbiterError("the line arbiter failed at this request; its log says why.")
+            failed = ArbiterError("the line arbiter failed at this request; see its log.")
             return refusal(number, failed)
         return {"id": number, "ok": True, "error": None, "levels": self._arbiter.levels} | more
 

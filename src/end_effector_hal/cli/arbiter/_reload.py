@@ -11,7 +11,7 @@ import click
 from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
 
-GRANTED = "The description is checked and can be taken over: the tool is at rest."
+GRANTED = "The description is valid and can be loaded: the tool is at rest."
 
 
 @click.command("reload", context_settings={"ignore_unknown_options": True})

@@ -39,7 +39,9 @@ def _parts(_context: click.Context, _parameter: click.Parameter, value: str | No
     metavar="PART,...",
     help=f"Of {', '.join(PARTS)}.",
 )
-@click.option("--passive", is_flag=True, help="Do not listen to the sensor port, even if nobody has it.")
+@click.option(
+    "--passive", is_flag=True, help="Do not listen to the sensor port, even if no other process has it."
+)
 @click.option(
     "--report",
     metavar="FILE.(txt|json)",
@@ -137,7 +139,7 @@ def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Ch
         except Exception as error:  # noqa: BLE001 a doctor says what it meets
             lines = [f"{path}: {type(error).__name__}: {error}"]
     if lines or description is None:
-        return None, [say.missing(line, "eehal check says all of it.") for line in lines]
+        return None, [say.missing(line, "eehal check prints everything.") for line in lines]
     return description, [say.ok(f"{path}: {description.name} ({description.fingerprint()})")]
 
 

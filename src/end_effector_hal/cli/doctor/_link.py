@@ -43,7 +43,7 @@ def _look_at(description: Description, name: str, *, listen: bool) -> CheckResul
     if holders := holders_of(port):
         yield _held(link.port, holders)
     elif not listen:
-        yield _say.ok(f"{link.port} is there and nobody reads it; not listened to")
+        yield _say.ok(f"{link.port} exists and is free; not listened to")
     else:
         yield _listen(description, name, link)
 

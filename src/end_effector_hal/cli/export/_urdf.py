@@ -15,7 +15,7 @@ _HEAD = """\
 <?xml version="1.0"?>
 <!-- The tool {tool}, written by `eehal export urdf` from its description ({fingerprint}).
 
-     EDIT stands where the description knows nothing: where the parts sit, along which axis they move, their shapes and
+     EDIT marks what the description does not contain: where the parts sit, along which axis they move, their shapes and
      masses. No link has a shape yet: a planner does not see the tool, and moves as if it were not there.
 
      Joints are called as in joint_states and in MoveIt's controllers; other names are free.

@@ -230,7 +230,7 @@ def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
     yield "lines:"
     if virtual:
         yield _key("backend", "virtual", "no hardware: `eehal testbench` plays it")
-        yield _key("path", json.dumps(str(place / "chip"), ensure_ascii=False), "stands for the chip")
+        yield _key("path", json.dumps(str(place / "chip"), ensure_ascii=False), "is the virtual chip")
     else:
         yield _key("backend", "gpiod", "virtual: no hardware; `eehal run --simulate` does that")
 

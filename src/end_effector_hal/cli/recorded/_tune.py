@@ -116,7 +116,7 @@ def _read(paths: tuple[Path, ...], description: Path | None, progress: Progress)
         read.tools.append(files.description)
         read.notes += [f"{path.name}: {note}" for note in files.notes]
         if read.collector.full:
-            read.notes.append(f"There are more grips than are taken: what comes after {path} is left out.")
+            read.notes.append(f"There are too many grips: those after {path} is left out.")
             break
     if read is None:
         raise next(iter(refused.values()))
@@ -198,7 +198,7 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
             click.echo(
                 f"  {each.parameter.key.removeprefix('actuators.')} {low:g} to {_number(each, high)}{counts}"
             )
-    click.echo("Not tried, for no recorded grip can tell:")
+    click.echo("Not tried, because no recorded grip depends on it:")
     reasons: dict[str, list[str]] = {}
     for key, why in found.not_tried:
         reasons.setdefault(why, []).append(key.removeprefix("actuators."))

@@ -250,7 +250,7 @@ class Prompt:
         while left:
             while not select.select([], [number], [], LAST_LINES_S / 5)[1]:
                 if time.monotonic() > self._until_s:
-                    raise TimeoutError("nobody reads the output")
+                    raise TimeoutError("no process reads the output")
             left = left[os.write(number, left[: select.PIPE_BUF]) :]
 
     def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:

@@ -79,7 +79,7 @@ class Lines(Part):
     backend: Literal["gpiod", "virtual"] = Field(
         default="gpiod", description="gpiod: the kernel's character device; virtual: a file, no hardware"
     )
-    path: Word | None = Field(default=None, description="virtual: the file that stands for the chip")
+    path: Word | None = Field(default=None, description="virtual: the file that is the virtual chip")
     socket: Word | None = Field(
         default=None, description="Unix socket of the line arbiter; default: in the run directory"
     )
@@ -188,7 +188,7 @@ class Automata(Part):
     file: str = Field(
         default="end_effector.xml",
         min_length=1,
-        description="relative to the description; default: the shipped one where none stands beside it",
+        description="relative to the description; default: the shipped one if there is none beside it",
     )
     grip: Texts = Field(
         default=("Gripper", "Actuator"), description="processes that the grip program executes"

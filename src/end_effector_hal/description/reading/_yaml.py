@@ -117,7 +117,7 @@ class Reader:
         self._count += 1
         self.places.values[path] = self._place(node)
         if id(node) in self._inside:
-            self._refuse(node, "an alias stands inside of what it names", "a copy of the stanza", path)
+            self._refuse(node, "an alias is inside of what it names", "a copy of the stanza", path)
             return None
         if self._count > NODES:
             if self._count == NODES + 1:
@@ -154,7 +154,7 @@ class Reader:
                 )
             elif key in mapping:
                 first = self.places.keys[(*path, key)].line
-                once = f"it once; the first stands in line {first}"
+                once = f"it once; the first is in line {first}"
                 self.faults.append(
                     Fault.at(self._place(key_node), "EE-204", f"key {key!r} stands twice", expected=once)
                 )

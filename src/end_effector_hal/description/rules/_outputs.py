@@ -50,7 +50,7 @@ def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
     if ("actuators", name, "modbus", "link") in facts.broken:
         return
     if link is None and len(buses) > 1:
-        what, expected = "it is not said on which bus", f"link: {' or '.join(known)}"
+        what, expected = "the bus is missing", f"link: {' or '.join(known)}"
         yield Fault.at(place, "EE-206", what, found="", expected=expected)
     elif link is not None and ("links", link) not in buses:
         place = facts.places.value("actuators", name, "modbus", "link")
@@ -256,7 +256,7 @@ def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[
         if output is not None and output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
             yield (
                 f"{name}: keep_alive_ms = {output.keep_alive_ms}, and the bus is read each "
-                f"{number(period_ms)} ms: one lost answer, and the device takes the link for lost"
+                f"{number(period_ms)} ms: after one lost answer the device counts the link as lost"
             )
         if output is not None:
             when = f" for {output.keep_alive_ms} ms" if output.keep_alive_ms else ""
@@ -271,4 +271,4 @@ def _falls(name: str, key: str, what: str, when: str) -> Iterator[str]:
     if what == "release":
         yield f"{name}: {key}: release: a held part falls {when}"
     elif what == "undefined":
-        yield f"{name}: {key}: undefined: nobody has said whether a held part falls {when}"
+        yield f"{name}: {key}: undefined: the description does not say whether a held part falls {when}"

@@ -187,5 +187,5 @@ def _files(facts: Facts) -> Iterator[Fault]:
         )
     path_wanted = facts.get("lines", "backend") == "virtual" and ("lines", "path") not in facts.broken
     if path_wanted and not facts.get("lines", "path"):
-        place, expected = facts.places.value("lines", "backend"), "path: the file that stands for the chip"
+        place, expected = facts.places.value("lines", "backend"), "path: the file that is the virtual chip"
         yield Fault.at(place, "EE-206", "key 'path' is missing in 'lines'", expected=expected)

@@ -85,4 +85,4 @@ class Cylinder(DeviceKind[CylinderActuator]):
             return f"only the pressure {part.channel} confirms that it is {position}: a stuck rod is not detected"
         if position == "extended":
             return "extended cannot be proven"
-        return "retracted is taken as the opposite of extended: a rod that stops on its way is taken for retracted"
+        return "retracted is assumed to be the opposite of extended: a rod that stops on its way counts as retracted"

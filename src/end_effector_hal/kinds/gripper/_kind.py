@@ -67,9 +67,9 @@ class Gripper(DeviceKind[GripperActuator]):
     def _instead(self, part: GripperActuator, key: str) -> str:
         if key == "part_bit":
             proof = f"fingers between their ends for {part.settle_ms} ms prove a part"
-            return f"{proof}: one that is stuck on its way is taken for it"
+            return f"{proof}: a cylinder that is stuck on its way counts as that"
         if key == "open_bit":
-            return f"{part.part_bit} off is taken for open: fingers that stay closed are not seen"
+            return f"{part.part_bit} off counts as open: fingers that stay closed are not detected"
         return "that it closed on nothing is not seen: an attempt ends by its time-out"
 
     def travel(self, part: GripperActuator) -> Travel | None:

@@ -88,7 +88,7 @@ class Condition(Part):
             raise _wrong("a condition is empty", f"one of {', '.join(key.rstrip('_') for key in _SAYS)}")
         key = said[0]
         if key in _THRESHOLDS and self.channel is None:
-            raise _wrong(f"{key!r} does not say of which channel", f"channel: its name, beside {key}")
+            raise _wrong(f"{key!r} names no channel", f"channel: its name, beside {key}")
         if key in ("all", "any") and not getattr(self, key):
             raise _wrong(f"{key!r} has no conditions", "at least one condition")
         if self.between_kpa is not None:
@@ -100,7 +100,7 @@ class Condition(Part):
             if not -1e6 <= low < high <= 1e6:
                 raise _wrong("'between' is no range", "[low, high], in the unit of the channel")
         if self.depth > DEEPEST:
-            raise _wrong("conditions stand too deep in each other", f"at most {DEEPEST} levels")
+            raise _wrong("conditions are nested too deep", f"at most {DEEPEST} levels")
         return self
 
     @model_serializer(mode="wrap")

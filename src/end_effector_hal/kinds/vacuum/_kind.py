@@ -108,7 +108,7 @@ class Vacuum(DeviceKind[VacuumActuator]):
             yield f"channel: {part.channel}: only {part.part_bit} shows a part: a weak grip and a leak are not detected"
         if part.gone_bit not in carried:
             left = "what is left of a vacuum under its threshold is not seen"
-            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off is taken for vented: {left}"
+            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off counts as vented: {left}"
 
     def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
         """Below ambient."""

@@ -67,7 +67,7 @@ class DataLogger:
             self._trouble = str(error)
         else:
             if self._trouble:
-                self._log.warning("rows are written again; run.json says what is missing")
+                self._log.warning("rows are written again; run.json lists the missing ones")
             self._trouble = ""
 
     def _health(self) -> Health:

@@ -119,7 +119,7 @@ class _JointGoals(GoalType):
             return f"The position {position:g} is none of this tool: 0 grips, {GRIP_UPPER:g} drops."
         if any(values) and not self._ignored_told:
             self._ignored_told = True
-            self._log.info("%s: %s ignored: the air decides. Told once.", self.action.name, ignored)
+            self._log.info("%s: %s ignored: the air decides. Logged once.", self.action.name, ignored)
         return command
 
     @staticmethod

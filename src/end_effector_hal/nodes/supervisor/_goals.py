@@ -127,7 +127,7 @@ class GoalClients:
             elif at > goal.sent_at:
                 said, goal.session = False, session if goal.session is None else goal.session
                 if session != goal.session:
-                    self._lose(goal, "HALMain was started again and does not know this goal")
+                    self._lose(goal, "HALMain was restarted and has lost this goal")
 
     def cancel(self) -> bool:
         """Cancel every running goal of any client; return whether a goal of ours is running."""
@@ -146,7 +146,7 @@ class GoalClients:
 
     def _ended(self, goal: SentGoal, result: ResultMessage | None, succeeded: bool) -> None:
         if result is None:
-            self._lose(goal, "HALMain was started again and does not know this goal")
+            self._lose(goal, "HALMain was restarted and has lost this goal")
         else:
             self._end(goal, lambda: goal.end(result, succeeded))
 

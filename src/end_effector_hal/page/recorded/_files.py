@@ -98,9 +98,7 @@ class RecordingFiles:
         recorded = {part.header.program for part in parts}
         for program in PROGRAMS:
             if program not in recorded:
-                self.notes.append(
-                    f"There is no trace of the {program} program: what only it knows is missing."
-                )
+                self.notes.append(f"There is no trace of the {program} program: its records are missing.")
 
     def again(self) -> RecordingFiles:
         """The same recording as it is now."""

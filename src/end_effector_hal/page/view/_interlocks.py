@@ -87,7 +87,7 @@ class InterlockTable:
             state, why = self._static[name]
             return {**row, "state": state, "why": why}
         if not known:
-            return {**row, "state": NOT_KNOWN, "why": "no program has said it yet"}
+            return {**row, "state": NOT_KNOWN, "why": "no program has reported it yet"}
         why = said.get(name, "").removeprefix(f"{name}: ")
         return {**row, "state": BLOCKING if why else FULFILLED, "why": why}
 

@@ -71,7 +71,7 @@ class Replica:
         if not self.connected:
             return self.why
         if self.published is None or self.controller is None:
-            return f"The {self.program} program has not said yet where it stands."
+            return f"The {self.program} program has not sent its state yet."
         if refused := self.published.refused.get(word):
             return refused
         if word in MAINTENANCE_WORDS:

@@ -91,7 +91,7 @@ class ToolView:
         replica.take(kind, record)
         if kind == "header" and not self._heard[program]:
             self._heard[program] = True
-            self.log.add(at, "page", f"The {program} program is heard.", program)
+            self.log.add(at, "page", f"The {program} program is connected.", program)
         if program == "grip" and kind == "frame":
             self._frames[self._source_of.get(next(iter(record.values), ""), 0)].append(at)
             self.timeline.frame(at, record.values)

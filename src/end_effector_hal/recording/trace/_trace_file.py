@@ -24,9 +24,7 @@ CHUNK_HEAD = struct.Struct("<BQQQQIIQ")
 """Opcode and length; first and last time, size, checksum, length of the name of the compression, which is empty; length
 of the records."""
 NO_CHECKSUM = 0
-_COMPRESSED = (
-    "records are compressed, as in no trace; `mcap decompress` unpacks a file that somebody has packed"
-)
+_COMPRESSED = "records are compressed, as in no trace; `mcap decompress` decompresses a file"
 """Not unpacked here: a few bytes may become gigabytes, and the page opens what it is given."""
 
 

@@ -182,7 +182,7 @@ class TraceWriter:
         try:
             self.on_trouble()
         except Exception:  # noqa: BLE001 what it does ends no recording
-            _log.exception("the trouble of a trace could not be told")
+            _log.exception("the failure of a trace could not be reported")
 
     # From here on: in the writer's thread.
 

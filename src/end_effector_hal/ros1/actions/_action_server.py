@@ -186,9 +186,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         if len(goal_id) > LONGEST_ID:
             return f"The id of the goal is longer than {LONGEST_ID} characters."
         if len(self._came) >= OPEN:
-            return (
-                f"{OPEN} goals of {self._name} wait for their answer: more are not taken. Wait for their end."
-            )
+            return f"{OPEN} goals of {self._name} wait for their answer: no more are accepted. Wait for their end."
         return ""
 
     def _refuse(self, goal_id: Any, reason: str) -> None:

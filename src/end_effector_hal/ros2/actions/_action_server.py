@@ -89,9 +89,7 @@ class RclpyActionServer:
     def _accepted(self, handle: ServerGoalHandle) -> None:
         goal = RclpyGoal(self, handle)
         if len(self._open) >= OPEN:
-            why = (
-                f"{OPEN} goals of {self._name} wait for their answer: more are not taken. Wait for their end."
-            )
+            why = f"{OPEN} goals of {self._name} wait for their answer: no more are accepted. Wait for their end."
             ending = Ending(Outcome.REJECTED, why)
             goal.end(ending, self._result(ending))
             return
@@ -99,14 +97,14 @@ class RclpyActionServer:
         try:
             self._on_goal(goal)
         except Exception:  # noqa: BLE001 what escapes here ends the executor
-            self._log.exception("%s: a goal could not be taken", self._name)
+            self._log.exception("%s: a goal could not be accepted", self._name)
 
     def _cancelled(self, handle: ServerGoalHandle) -> CancelResponse:
         goal = self._open.get(bytes(handle.goal_id.uuid))
         try:
             taken = goal is not None and self._on_cancel(goal)
         except Exception:  # noqa: BLE001 what escapes here ends the executor
-            self._log.exception("%s: a cancel could not be taken", self._name)
+            self._log.exception("%s: a cancel could not be accepted", self._name)
             taken = False
         return CancelResponse.ACCEPT if taken else CancelResponse.REJECT
 

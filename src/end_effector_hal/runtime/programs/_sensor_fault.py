@@ -66,7 +66,7 @@ class SensorFault:
                 self._is_latched = self._is_reset = self._was_found = False
                 self._keeper.clear(SENSOR_FAULT)
         except ReportedError as error:
-            _log.warning("the line arbiter is told of the sensor fault when it is back: %s", error)
+            _log.warning("the line arbiter gets the sensor fault when it is back: %s", error)
 
     def _is_kept(self) -> bool:
         return SENSOR_FAULT in self._keeper.status()["faults"]

@@ -60,13 +60,13 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
     elif Evidence.UNKNOWN in grip.evidence:
         pairs = zip(description.sequence, grip.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
-        yield f"its sensors say nothing of {', '.join(unknown)}"
+        yield f"its sensors do not show {', '.join(unknown)}"
     elif present := _present(description, grip):
         names = ", ".join(map(display_name, present))
         are = "is" if len(present) == 1 else "are"
         yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07): a Drop releases once more"
     if not changer_ready(description, change):
-        yield "its sensors do not say whether the tool is locked"
+        yield "its sensors do not show whether the tool is locked"
     told = (description.sensors, *map(description.link_name, description.named_links))
     said = [alarm for alarm in (*grip.alarms, *change.alarms) if not any(each in alarm for each in told)]
     yield from (alarm.rstrip(".?") for alarm in dict.fromkeys(said))

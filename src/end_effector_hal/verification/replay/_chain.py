@@ -79,13 +79,13 @@ class Chain:
             yield from self._faults_of_run()
             return
         if before.segment >= segment:
-            yield f"Segment {segment} was recorded after segment {before.segment}, but stands behind it."
+            yield f"Segment {segment} was recorded after segment {before.segment}, but comes after it."
         elif before.segment + 1 < segment:
             yield f"Between segment {before.segment} and this one, {segment}, others are missing."
         elif self._header.follows and not before.complete:
             yield f"Segment {before.segment} was closed in good order, and has no end now: something was cut off."
         elif before.complete and self._joined is not None and not self._header.follows:
-            yield f"Segment {before.segment} was closed in good order, and this one does not say that it follows."
+            yield f"Segment {before.segment} was closed in good order, but this one is not its successor."
 
     def _faults_of_run(self) -> Iterator[str]:
         """Nothing of another run stands right before a segment that is not the first."""

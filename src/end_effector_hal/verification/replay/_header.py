@@ -110,11 +110,9 @@ def _of_times(trace: ProgramTrace) -> Iterator[Objection]:
     try:
         started = datetime.fromisoformat(header.started)
     except ValueError:
-        yield Objection(header.at, "no run", f"The header says that it started at {header.started!r}.")
+        yield Objection(header.at, "no run", f"By the header it started at {header.started!r}.")
         return
     started = started if started.tzinfo else started.replace(tzinfo=UTC)
     if abs(started.timestamp() - day_us / 1e6) > STARTED_S:
-        what = (
-            f"The header says that it started at {header.started}, and its message has another time of day."
-        )
+        what = f"By the header it started at {header.started}, and its message has another time of day."
         yield Objection(header.at, "no run", what)

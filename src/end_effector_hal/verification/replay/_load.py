@@ -94,7 +94,7 @@ class ProgramTrace:
         if self.file.complete:
             return "This version does not take the description in this trace any more:"
         return (
-            "Bytes of the description in this trace were changed, or this version does not take it any more "
+            "Bytes of the description in this trace were changed, or this version does not accept it "
             "(the trace was not closed, so that no checksum tells):"
         )
 

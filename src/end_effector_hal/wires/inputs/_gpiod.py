@@ -116,7 +116,7 @@ class GpiodInputLines:
             raise WireError(
                 f"the input lines do not work any more: {error.strerror}.",
                 where=self._pattern,
-                todo="The GPIO chip has gone, or its driver fails: dmesg may say why. "
+                todo="The GPIO chip has gone, or its driver fails: see dmesg. "
                 "They are claimed again as soon as it is back.",
             ) from error
 

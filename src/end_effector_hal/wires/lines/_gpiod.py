@@ -88,7 +88,7 @@ class GpiodLines:
             raise WireError(
                 f"the lines do not work any more: {error.strerror}.",
                 where=self._pattern,
-                todo="The GPIO chip has gone, or its driver fails: dmesg may say why.",
+                todo="The GPIO chip has gone, or its driver fails: see dmesg.",
             ) from error
 
     def _value(self, level: bool) -> Any:
@@ -230,7 +230,7 @@ def open_chip(gpiod: Any, path: str) -> Any:
         ) from error
     except OSError as error:
         raise WireError(
-            f"the GPIO chip cannot be opened: {error.strerror}.", where=path, todo="dmesg may say why."
+            f"the GPIO chip cannot be opened: {error.strerror}.", where=path, todo="see dmesg."
         ) from error
 
 

@@ -55,7 +55,7 @@ class Device(Model):
     def meet(self, part: bool) -> None:
         """Whether there is a part to grip from now on; only what has `PARTS` can do without."""
         if not part:
-            raise ValueError(f"{type(self).__name__} does not know of parts")
+            raise ValueError(f"{type(self).__name__} has no parts")
 
     def stick(self, sticks: bool) -> None:
         """Whether the part stays on it when it is released, until it is blown off; only what `STICKS` does."""

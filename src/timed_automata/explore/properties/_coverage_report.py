@@ -91,7 +91,7 @@ def open_channels(network: Network) -> Iterator[str]:
                 ends[channel].add(edge.direction)
     for number, found in ends.items():
         if found != {"!", "?"}:
-            missing = {frozenset("!"): "nobody receives on it", frozenset("?"): "nobody sends on it"}
+            missing = {frozenset("!"): "no edge receives on it", frozenset("?"): "no edge sends on it"}
             yield f"{network.channels[number].name}: {missing.get(frozenset(found), 'nobody uses it')}"
 
 

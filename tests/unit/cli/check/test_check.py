@@ -112,8 +112,8 @@ def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
         "bottom_vacuum: bottom is a switch, on or off, and no pressure: thresholds are off",
         "cylinder: channel: none: only cylinder_extended confirms that it is extended, "
         "thresholds are off: lost air is not detected",
-        "cylinder: retracted_bit: none: retracted is taken as the opposite of extended: "
-        "a rod that stops on its way is taken for retracted",
+        "cylinder: retracted_bit: none: retracted is assumed to be the opposite of extended: "
+        "a rod that stops on its way counts as retracted",
         "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
         "supply: channel: none: IL-06 is off, 600 kPa is taken for it: a lack of air is not seen",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
@@ -132,7 +132,7 @@ def test_pressures_alone_prove_less_as_well(check: Check) -> None:
         "a stuck rod is not detected",
         "tool changer: locked_bit: none, unlocked_bit: none: a lock cannot be proven: IL-04 and IL-05 are off",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
-        "e_stop: channel: none: an open e-stop is not seen: IL-13 knows a stop of the software only",
+        "e_stop: channel: none: an open e-stop is not seen: IL-13 covers only the software stop",
     ]
 
 

@@ -101,7 +101,7 @@ def test_a_passive_look_opens_nothing(machine: Machine) -> None:
         pty.write(b"abc")
         assert machine.finding("link", "--passive")[:2] == (
             "ok",
-            f"{machine.port} is there and nobody reads it; not listened to",
+            f"{machine.port} exists and is free; not listened to",
         )
 
 

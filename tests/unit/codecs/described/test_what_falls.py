@@ -12,7 +12,7 @@ SILENT, POWER = (
     "a held part falls when the bus or the line arbiter is silent",
     "a held part falls without power",
 )
-NOBODY = "undefined: nobody has said whether"
+NOBODY = "undefined: the description does not say whether"
 
 
 @pytest.mark.parametrize(

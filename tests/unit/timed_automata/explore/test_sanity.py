@@ -49,8 +49,8 @@ def test_channels_with_one_end() -> None:
     found = survey("clock x; broadcast chan out[2]; chan into, none;", loop(*edges))
     assert found.open_channels == (
         "out[0]: nobody uses it",
-        "out[1]: nobody receives on it",
-        "into: nobody sends on it",
+        "out[1]: no edge receives on it",
+        "into: no edge sends on it",
         "none: nobody uses it",
     )
     assert not found.complete

@@ -153,7 +153,7 @@ def test_a_header_with_another_constant(
         ("model", "0" * 12, "that the UPPAAL file is '000000000000'"),
         ("at", -1, "Record 0 (header) has another time than its message, by 1 µs"),
         ("started", "2026-01-01T00:00:00+00:00", "its message has another time of day"),
-        ("started", "soon", "that it started at 'soon'"),
+        ("started", "soon", "it started at 'soon'"),
         ("follows", True, "that the first segment follows another one"),
     ],
 )

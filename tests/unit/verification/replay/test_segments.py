@@ -232,7 +232,7 @@ def with_header(trace: ProgramTrace, **changed: Any) -> ProgramTrace:
     ("changed", "said"),
     [
         ({"run": "0123456789abcdef"}, "the trace right before it is of another run"),
-        ({"follows": False}, "this one does not say that it follows"),
+        ({"follows": False}, "this one is not its successor"),
         ({"segment": 1}, "there is a state with which a later one begins"),
         ({"segment": 4}, "others are missing"),
         ({"segment": 0}, "they are counted from 1 on"),

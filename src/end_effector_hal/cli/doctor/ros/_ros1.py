@@ -108,7 +108,9 @@ def _nodes() -> CheckResult:
     absent = [name for name in HAL_NODES if name not in called]
     if not absent:
         return _say.ok(f"nodes {', '.join(HAL_NODES)} answer")
-    todo = "roslaunch end_effector_hal end_effector.launch description:=FILE; its output says why a node does not stay."
+    todo = (
+        "roslaunch end_effector_hal end_effector.launch description:=FILE; its output says why a node ends."
+    )
     if len(absent) == len(HAL_NODES):
         return _say.missing("none of the HAL's nodes runs", todo)
     return _say.missing(f"nodes that do not answer: {', '.join(absent)}", todo)

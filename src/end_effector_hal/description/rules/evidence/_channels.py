@@ -247,7 +247,7 @@ def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     for stanza, part in parts:
         watched = codec.noise_shows and codec.channels.get(part.channel) is Kind.PRESSURE
         if watched and part.frozen_s is not None and part.frozen_s < least_s:
-            what = f"a living sensor would be taken for a frozen one: {FROZEN_SAMPLES} samples take"
+            what = f"a working sensor would count as frozen: {FROZEN_SAMPLES} samples take"
             yield Fault.at(
                 description.place(*stanza, "frozen_s"),
                 "EE-225",

@@ -136,9 +136,9 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         elif changer.present_bit not in channels:
             yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02, IL-05)"
     if e_stop is None:
-        yield "e-stop: none in the description: IL-13 knows a stop of the software only"
+        yield "e-stop: none in the description: IL-13 covers only the software stop"
     elif e_stop.channel not in channels:
-        yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 knows a stop of the software only"
+        yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 covers only the software stop"
 
 
 def _blow_offs(description: Description) -> Iterator[str]:

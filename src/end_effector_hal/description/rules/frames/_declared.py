@@ -31,7 +31,7 @@ def _channel(facts: Facts, name: str) -> Iterator[Fault]:
     path = ("channels", name)
     if name == NO_CHANNEL:
         place, expected = facts.places.key(*path), "another name"
-        yield Fault.at(place, "EE-211", "this name says that there is no channel", expected=expected)
+        yield Fault.at(place, "EE-211", "this name means that there is no channel", expected=expected)
     sources = [each for each in Channel.SOURCES if facts.says(*path, each)]
     if not sources and facts.broken_within(*path):
         return
@@ -127,7 +127,7 @@ def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[F
             expected = "a value of 'on'" if on is not None else "not 0, where nothing is wrong"
             yield Fault.at(place, CODE, what, expected="one of the two" if code in invalid else expected)
         elif code is not None and limits is not None and not limits[0] <= code <= limits[1]:
-            what, expected = "no such raw value is ever sent", f"{limits[0]} to {limits[1]}"
+            what, expected = "this raw value is never sent", f"{limits[0]} to {limits[1]}"
             yield Fault.at(place, "EE-208", what, expected=expected)
 
 
@@ -172,7 +172,7 @@ def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
     if path in facts.broken:
         return
     if not facts.says(*path):
-        what, expected = f"it is not said over which link {name!r} comes", f"link: {' or '.join(links)}"
+        what, expected = f"the link is missing over which {name!r} comes", f"link: {' or '.join(links)}"
         yield Fault.at(facts.places.key("channels", name), "EE-206", what, found="", expected=expected)
     elif facts.says("link"):
         what = "there is one link, and it has no name"
@@ -198,9 +198,7 @@ def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
                     f"the same bits are {raw - width}" if limits[0] < 0 and limits[0] <= raw - width else ""
                 )
                 expected = f"{limits[0]} to {limits[1]}"
-                yield Fault.at(
-                    place, "EE-208", "no such raw value is ever sent", expected=expected, hint=hint
-                )
+                yield Fault.at(place, "EE-208", "this raw value is never sent", expected=expected, hint=hint)
             elif key == "on" and raw in invalid:
                 place = facts.places.value(*path, key, index)
                 yield Fault.at(place, CODE, "this raw value is invalid, too", expected="one of the two")

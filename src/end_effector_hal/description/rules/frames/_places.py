@@ -36,12 +36,12 @@ def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
         yield key_fault(facts, (*path, "key"), "a value stands in a field or behind a key", "one of the two")
     elif not facts.says(*path, "field") and not facts.says(*path, "key") and not facts.broken_within(*path):
         place, expected = facts.places.key(*path), "field: which one, or key: what stands in front of it"
-        yield Fault.at(place, "EE-206", "it is not said where in the line", found="", expected=expected)
+        yield Fault.at(place, "EE-206", "its place in the line is missing", found="", expected=expected)
     if key and isinstance(facts.get(*frame), dict):
         signs = "".join(facts.get(*frame, each) or "" for each in ("separator", "equals"))
         if set(key) & (set(signs) | ENDS) or key != key.strip():
             what, expected = (
-                "no such key is ever found",
+                "this key is never found",
                 "a key without separator, equals and blanks around it",
             )
             yield value_fault(facts, (*path, "key"), what, expected)
