@@ -101,10 +101,10 @@ test-gpiochip: setup ## on a real GPIO chip and serial driver, in a kernel of it
 		$(WALL) pytest -q --durations=0 --durations-min=1 tests/acceptance/gpiochip
 
 test-board: test-gpiochip ## by hand: the same on an emulated Verdin with its own device tree, all compared (an hour)
-	@$(ROS_ENV) && eehal board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/acceptance/board
+	@$(ROS_ENV) && python -m tools.board --build-only && time EEHAL_BOARD=1 pytest -q --durations=0 --durations-min=1 tests/acceptance/board
 
-board: setup ## a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
-	@$(ROS_ENV) && eehal board $(WITH)
+board: setup ## by hand: a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
+	@$(ROS_ENV) && python -m tools.board $(WITH)
 
 # Another architecture than this machine's is emulated: it takes qemu-user and many minutes, once
 NATIVE := $(shell dpkg --print-architecture 2>/dev/null)

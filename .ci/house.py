@@ -18,7 +18,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src"
 OURS = {path.name for path in SOURCE.iterdir()}
-READERS = ("tests", "examples", "benchmarks", "docs")
+READERS = ("tests", "tools", "examples", "benchmarks", "docs")
 """Folders whose files import the packages, too."""
 LONGEST_NAME = 100
 """Characters of a string that may name a module and a class, such as what a launcher starts."""

@@ -10,7 +10,6 @@ from timed_automata.errors import Diagnostic, ModelError, RangeError, ReportedEr
 
 __all__ = [
     "ArbiterError",
-    "BoardError",
     "DescriptionError",
     "Diagnostic",
     "LineBusyError",
@@ -108,13 +107,6 @@ class RosError(ReportedError, OSError):
     """ROS is not installed, or its master cannot be reached."""
 
     code = "EE-500"
-    exit_code = 3
-
-
-class BoardError(ReportedError, OSError):
-    """The emulated board cannot be built, or did not do its job."""
-
-    code = "EE-600"
     exit_code = 3
 
 

@@ -22,7 +22,7 @@ from ._json_output import print_line
 GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
-    "compare": "the differences of two recorded runs, as a list and as a figure",
+    "compare": "the differences of two recorded runs",
     "completion": "shell completion of commands and values",
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
@@ -45,7 +45,7 @@ _COMMANDS = {
 _AUDIENCES = {
     "To run a tool and look at it (operators)": ("run", "stop", "reset", "reload", "page", "arbiter", "doctor"),
     "To describe a tool and connect it (integrators)": (
-        "init", "check", "schema", "listen", "tune", "testbench", "board", "export", "completion",
+        "init", "check", "schema", "listen", "tune", "testbench", "export", "completion",
     ),
     "To prove, try out and judge it (researchers)": (
         "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",

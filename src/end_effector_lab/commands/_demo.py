@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 WIDTH = 120
 NAMES = ("nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock")
 
-# What `eehal board` takes as well.
+# `make board` takes these options as well.
 only_option = partial(
     click.option,
     "--only",

@@ -41,8 +41,7 @@ def _faults(context: click.Context) -> Iterable[str]:
 @click.option(
     "--lines",
     metavar="WHERE",
-    help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,..., gpio-sim, "
-    "virtio-gpio:SOCKET, qemu:SOCKET.  "
+    help="Where the lines are seen: virtual:PATH, rpi3, gpiod, gpiod:LINE=NAME,..., gpio-sim.  "
     "[default: the description's virtual chip]",
 )
 @click.option(

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_lab.board import board_parts
 from tests.support.by_hand import only_when_asked
 from tests.support.places import ROOT
+from tools.board import board_parts
 
 HERE = Path(__file__).parent
 

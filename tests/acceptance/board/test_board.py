@@ -12,11 +12,11 @@ from rich.console import Console
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.recording import StatesLog, read_states
-from end_effector_lab.board import play_on_board, run_board
 from end_effector_lab.demo import DemoScenario, WithoutRos, run_demo, scenarios
 from end_effector_lab.testbench import edges_of
 from tests.acceptance.gpiochip.same_story import differences
 from tests.support.places import ROOT
+from tools.board import play_on_board, run_board
 
 TOOL = load(profile_path())
 SCENARIOS = {scenario.name: scenario for scenario in scenarios(TOOL)}

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from end_effector_lab.processes import EEHAL
 from tests.acceptance.gpiochip.guest import READY, Ended, run_guest
 
 GPIO_SIM = Path("/sys/kernel/config/gpio-sim")
@@ -20,8 +22,8 @@ class Machine(Protocol):
 
     name: str
 
-    def lines(self, place: Path) -> str:
-        """For ``eehal testbench --lines``."""
+    def testbench(self, place: Path) -> list[str]:
+        """The command of the testbench with ``--lines``."""
 
     def port(self, place: Path) -> str:
         """Of the description: the serial port as the HAL sees it. The testbench's end is PLACE/uart."""
@@ -37,8 +39,8 @@ class Guest:
     kernel: Path
     name: str = "gpio-virtio"
 
-    def lines(self, place: Path) -> str:
-        return f"virtio-gpio:{place / 'chip'}"
+    def testbench(self, place: Path) -> list[str]:
+        return [sys.executable, "-m", "tools.testbench", "--lines", f"virtio-gpio:{place / 'chip'}"]
 
     def port(self, _place: Path) -> str:
         return "/dev/ttyS0"
@@ -54,8 +56,8 @@ class ThisMachine:
 
     name: str = "gpio-sim"
 
-    def lines(self, _place: Path) -> str:
-        return "gpio-sim"
+    def testbench(self, _place: Path) -> list[str]:
+        return [*EEHAL, "testbench", "--lines", "gpio-sim"]
 
     def port(self, place: Path) -> str:
         return str(place / "uart")

@@ -7,9 +7,9 @@ from queue import Queue
 
 from end_effector_hal.arbitration import output_lines
 from end_effector_hal.description import Description
-from end_effector_lab.testbench.inputs import VirtioGpioInputs
 from tests.acceptance.gpiochip.guest import HERE, run_guest
 from tests.acceptance.gpiochip.machines import Machine
+from tools.virtio_gpio import VirtioGpioInputs
 
 PYTEST = "pytest -q -p no:cacheprovider --timeout 240"
 LONGEST_S = 240.0

@@ -14,7 +14,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog, read_run, read_states
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo import report_on, scenarios
-from end_effector_lab.processes import EEHAL, Children
+from end_effector_lab.processes import Children
 from tests.acceptance.gpiochip.guest import Ended
 from tests.acceptance.gpiochip.machines import Machine
 from tests.acceptance.gpiochip.priority import WIRES, before_others
@@ -51,8 +51,8 @@ def play(machine: Machine, tool: Description, name: str, folder: Path, place: Pa
         testbench = children.start(
             "testbench",
             [
-                *before_others(WIRES), *EEHAL, "testbench", str(description), "--scenario", scenario.bench,
-                "--lines", machine.lines(place), "--port", f"pty:{place / 'uart'}",
+                *before_others(WIRES), *machine.testbench(place), str(description), "--scenario", scenario.bench,
+                "--port", f"pty:{place / 'uart'}",
                 "--events", str(place / "events"),
             ],
             log=folder / "testbench.log",

@@ -17,8 +17,6 @@ from end_effector_hal.wires.lines import _gpiod as gpio_module
 from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
-    QemuInputs,
-    VirtioGpioInputs,
     VirtualInputs,
 )
 from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
@@ -26,6 +24,8 @@ from tests.acceptance.testbench.emulator import Emulator
 from tests.support.gpio_kernel import Kernel, Kind
 from tests.support.patience import PATIENCE_S
 from tests.support.virtual_machine import VirtualMachine
+from tools.board import QemuInputs
+from tools.virtio_gpio import VirtioGpioInputs
 
 pytestmark = pytest.mark.wall
 

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import BoardError, RosError, UsageError
-from end_effector_lab.board import _parts as module
-from end_effector_lab.board import board_parts, need_its_wires
-from end_effector_lab.board._cpio import write_archive
-from end_effector_lab.board._parts import keep
-from end_effector_lab.board._root import write_root
-from end_effector_lab.commands._board import command
+from end_effector_hal.errors import RosError, UsageError
 from end_effector_lab.testbench import Events, edges_of
+from tools.board import BoardError, board_parts, need_its_wires
+from tools.board import _parts as module
+from tools.board.__main__ import command
+from tools.board._cpio import write_archive
+from tools.board._parts import keep
+from tools.board._root import write_root
 
 EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
 
@@ -62,7 +62,7 @@ def older(tmp_path: Path, name: str) -> Path:
 
 IN_USE = """
 import pathlib, sys
-from end_effector_lab.board._parts import keep
+from tools.board._parts import keep
 
 print(keep(pathlib.Path(sys.argv[1])), flush=True)
 input()
@@ -143,7 +143,9 @@ def test_on_a_machine_without_apt(tmp_path: Path) -> None:
             next(Path(place) / name for place in ("/usr/bin", "/bin") if (Path(place) / name).exists())
         )
     env = {**os.environ, "PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
-    ended = subprocess.run([*EEHAL, "board"], env=env, capture_output=True, text=True, check=False)
+    ended = subprocess.run(
+        [sys.executable, "-m", "tools.board"], env=env, capture_output=True, text=True, check=False
+    )
     assert ended.returncode == 3
     assert (
         ended.stderr.splitlines()[-1]
@@ -183,7 +185,7 @@ def test_the_root_is_what_was_built_and_the_project_and_the_job(tmp_path: Path) 
         b"job\0",
         b"echo done",
         b"opt/more\0",
-        b"site/end_effector_lab/commands/_board.py\0",
+        b"site/end_effector_lab/commands/_demo.py\0",
         f"site/end_effector_hal-{version('end-effector-hal')}.dist-info/entry_points.txt\0".encode(),
         b"RNDADDENTROPY",
     ):

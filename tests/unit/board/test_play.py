@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import BoardError, UsageError
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesWriter, run_info
-from end_effector_lab.board import Ended, play_on_board
-from end_effector_lab.board import _play as module
 from end_effector_lab.demo import scenarios
 from end_effector_lab.testbench import Events
+from tools.board import BoardError, Ended, play_on_board
+from tools.board import _play as module
 
 TOOL = load(profile_path())
 NOMINAL = scenarios(TOOL)[0]

@@ -19,7 +19,6 @@ ELSEWHERE = {
     "listen": "tests/unit/cli/test_listen.py",
     "report": "tests/unit/page/test_recorded.py",
     "demo": "tests/unit/demo/test_demo.py",
-    "board": "the same report as of demo",
     "testbench": "tests/acceptance/testbench/test_program.py",
     "import": "tests/unit/commands/test_import.py",
     "campaign": "tests/unit/campaign/test_campaign.py",

@@ -89,7 +89,7 @@ def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", first_of(["--help", "check", "plot --help", "demo --help", "board --help", "import --help"], 2)
+    "command", first_of(["--help", "check", "plot --help", "demo --help", "import --help"], 2)
 )
 def test_what_needs_none(command: str) -> None:
     done = eehal_without(["matplotlib", "numpy", "pymodbus", "rosbags"], *command.split())

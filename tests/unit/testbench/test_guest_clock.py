@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.wires import now_us
 from end_effector_lab.testbench.inputs import Monotonic, clock_of
-from end_effector_lab.testbench.inputs._qemu import GuestClock
+from tools.board._qemu import GuestClock
 
 
 class Counter:

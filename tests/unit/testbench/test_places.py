@@ -8,10 +8,9 @@ from end_effector_lab.testbench import PtyPort, SerialPort, open_inputs, open_po
 from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
-    QemuInputs,
-    VirtioGpioInputs,
     VirtualInputs,
 )
+from tools.board import pins_of
 
 
 @pytest.fixture
@@ -55,12 +54,8 @@ def test_lines_of_this_machine(verdin: Description) -> None:
     assert other.lines["SODIMM_212"] == "D"
 
 
-def test_lines_of_a_kernel_that_simulates_them_and_of_a_virtual_machine(verdin: Description) -> None:
+def test_lines_of_a_kernel_that_simulates_them(verdin: Description) -> None:
     assert isinstance(open_inputs("gpio-sim", verdin), GpioSimInputs)
-    guest = open_inputs("virtio-gpio:/run/x.sock", verdin)
-    assert isinstance(guest, VirtioGpioInputs)
-    assert guest.text == "virtio-gpio:/run/x.sock"
-    assert isinstance(open_inputs("qemu:/run/q.sock", verdin), QemuInputs)
 
 
 def test_ports(verdin: Description) -> None:
@@ -77,7 +72,7 @@ def test_ports(verdin: Description) -> None:
         (None, "the description has no virtual lines"),  # the HAL's own outputs are never taken as inputs
         ("virtual", "lines cannot be seen at 'virtual'"),
         ("virtual:", "lines cannot be seen"),
-        ("virtio-gpio", "lines cannot be seen at 'virtio-gpio'"),
+        ("virtual-gpio:x", "lines cannot be seen at 'virtual-gpio:x'"),
         ("rpi4", "Expected: virtual:PATH, gpiod"),
         ("gpiod:SODIMM_206=A", "Expected: gpiod:SODIMM_206=NAME,SODIMM_208=NAME"),
         ("gpiod:SODIMM_206=,SODIMM_208=B,SODIMM_210=C,SODIMM_212=D", "does not name each line once"),
@@ -100,7 +95,7 @@ def test_a_line_that_the_emulated_board_does_not_have(verdin: Description) -> No
     cup = verdin.actuators["top_vacuum"].model_copy(update={"line": "SODIMM_999"})
     other = verdin.model_copy(update={"actuators": dict(verdin.actuators) | {"top_vacuum": cup}})
     with pytest.raises(UsageError, match="has no line SODIMM_999"):
-        open_inputs("qemu:/run/q.sock", other)
+        pins_of(other)
 
 
 def test_real_lines_cannot_be_power_cycled(verdin: Description) -> None:

@@ -10,9 +10,9 @@ from queue import Queue
 import pytest
 
 from end_effector_hal.errors import WireError
-from end_effector_lab.testbench.inputs.virtio_gpio import Pins, VirtioGpioInputs
 from tests.support.patience import PATIENCE_S
 from tests.support.virtual_machine import GUEST, VirtualMachine
+from tools.virtio_gpio import Pins, VirtioGpioInputs
 
 NAMES = ["A", "B", "C"]
 GET_NAMES, GET_DIRECTION, SET_DIRECTION, GET_VALUE, SET_VALUE = 1, 2, 3, 4, 5

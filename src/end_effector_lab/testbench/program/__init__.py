@@ -1,7 +1,7 @@
 """The program: a testbench from a command line to a signal, what it is told meanwhile, and what it writes down."""
 
 from ._fault_server import FaultServer
-from ._places import open_inputs, open_ports, open_sensors
+from ._places import lines_of, open_inputs, open_ports, open_sensors
 from ._records import Events, Record, edges_of
 from ._run import run_testbench
 from ._virtual_copy import write_description, write_virtual_copy

@@ -16,19 +16,13 @@ from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
     LineInputs,
-    QemuInputs,
-    VirtioGpioInputs,
     VirtualInputs,
 )
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
 """Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""
 RPI3_PORT = "/dev/serial0"
-VERDIN = {"SODIMM_206": 0, "SODIMM_208": 1, "SODIMM_210": 5, "SODIMM_212": 6}
-"""Pins of the first GPIO controller of an i.MX 8M Plus, by the names that the Verdin's device tree gives them."""
-_CHOICES = (
-    "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3, gpio-sim, virtio-gpio:SOCKET or qemu:SOCKET."
-)
+_CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3 or gpio-sim."
 
 
 def open_inputs(
@@ -39,7 +33,6 @@ def open_inputs(
     Args:
         text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``:
             of other names; ``rpi3``; ``gpio-sim``: simulated ones of this machine's kernel;
-            ``virtio-gpio:SOCKET``: those of a virtual machine; ``qemu:SOCKET``: pins of an emulated Verdin;
             None: the description's virtual chip.
         description: whose lines are to be seen.
         power_cycle: of a virtual chip.
@@ -48,7 +41,7 @@ def open_inputs(
     Raises:
         UsageError: it, or the scenario, cannot be used with this description.
     """
-    lines = _lines(description)
+    lines = lines_of(description)
     pulled = pulls_of(input_lines(description))
     if text is None:
         if description.lines.backend != "virtual" or not description.lines.path:
@@ -75,10 +68,6 @@ def open_inputs(
         return GpioInputs(_renamed(rest, lines) if rest else {line: line for line in lines}, text)
     if text == "gpio-sim":
         return GpioSimInputs(lines)
-    if kind == "virtio-gpio" and rest:
-        return VirtioGpioInputs(rest, lines)
-    if kind == "qemu" and rest:
-        return QemuInputs(rest, _pins(lines))
     if text == "rpi3":
         return GpioInputs(_preset(description), text)
     raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)
@@ -163,7 +152,8 @@ def _port(text: str | None, description: Description, name: str, lines: str | No
     raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")
 
 
-def _lines(description: Description) -> list[str]:
+def lines_of(description: Description) -> list[str]:
+    """Return the lines that move something: the tool changer, the actuators and the blow-offs."""
     changer = [description.tool_changer.line] if description.tool_changer else []
     second = [each.line for each in description.opposites.values()]
     on_bus = description.register_outputs
@@ -179,14 +169,6 @@ def _renamed(text: str, lines: list[str]) -> dict[str, str]:
             todo=f"Expected: gpiod:{','.join(f'{line}=NAME' for line in lines)}.",
         )
     return pairs
-
-
-def _pins(lines: list[str]) -> dict[str, int]:
-    if unknown := [line for line in lines if line not in VERDIN]:
-        raise UsageError(
-            f"the emulated Verdin has no line {', '.join(unknown)}.", todo=f"It has {', '.join(VERDIN)}."
-        )
-    return {line: VERDIN[line] for line in lines}
 
 
 def _preset(description: Description) -> dict[str, str]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from end_effector_hal.errors import WireError
 from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires import now_us
-from end_effector_lab.testbench.inputs._inputs import OnEdge
+from end_effector_lab.testbench.inputs import OnEdge
 
 from ._front_end import FrontEnd
 from ._pins import Pins

@@ -18,7 +18,9 @@ from ._cpio import write_archive
 from ._parts import DISTRIBUTION
 
 HERE = Path(__file__).parent
-PACKAGES = [HERE.parents[1] / name for name in ("timed_automata", "end_effector_hal", "end_effector_lab")]
+PACKAGES = [
+    HERE.parents[1] / "src" / name for name in ("timed_automata", "end_effector_hal", "end_effector_lab")
+]
 HOME = Path("opt/end-effector")
 """Of the project, on the board."""
 EEHAL = "#!/usr/bin/env python3\nfrom end_effector_hal.cli import main\n\nmain()\n"

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import socket
+import sys
 import tarfile
 import tempfile
 import time
@@ -13,9 +14,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from end_effector_hal.errors import BoardError
-from end_effector_lab.processes import EEHAL, Child, Children
+from end_effector_lab.processes import Child, Children
 
+from ._errors import BoardError
 from ._root import write_root
 
 LIBRARIES = ("lib", "usr/lib")
@@ -55,7 +56,7 @@ def run_board(
         parts: see `board_parts`.
         folder: gets ``results/`` (what the job left in /run/results), the console, the logs and ``events``.
         job: for bash, in the environment of the project.
-        testbench: what `eehal testbench` is given besides its places.
+        testbench: arguments for `tools.testbench`, but for its places.
         files: text of more files for the board, by their path there.
         ros: with the nodes and their messages.
         timeout_s: the board is switched off after that, on our clock.
@@ -72,7 +73,7 @@ def run_board(
         bench = children.start(
             "testbench",
             [
-                *EEHAL, "testbench", *testbench, "--events", str(folder / "events"),
+                sys.executable, "-m", "tools.testbench", *testbench, "--events", str(folder / "events"),
                 "--lines", f"qemu:{place / 'pins'}", "--port", f"pty:{place / 'uart'}",
             ],
             log=folder / "testbench.log",

@@ -8,11 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from end_effector_hal.description import Description
-from end_effector_hal.errors import BoardError, UsageError
+from end_effector_hal.errors import UsageError
 from end_effector_lab.demo import DemoScenario, Report, fresh_folder, report_on
-from end_effector_lab.testbench import edges_of, open_inputs
+from end_effector_lab.testbench import edges_of
 
+from ._errors import BoardError
 from ._machine import run_board
+from ._pins import pins_of
 
 TOOL = "/opt/end-effector/tool/end_effector.yaml"
 PORTS = ("/dev/verdin-uart1", "/dev/ttymxc0")
@@ -26,7 +28,7 @@ def need_its_wires(description: Description) -> None:
             where=str(description.source),
             todo="The board has backend: gpiod.",
         )
-    open_inputs("qemu:its pins", description)
+    pins_of(description)
     ports = [link.port for link in description.links.values()] or ["for inputs of the board"]
     if missing := [port for port in ports if port not in PORTS]:
         raise UsageError(

@@ -14,8 +14,9 @@ from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-from end_effector_hal.errors import BoardError
 from end_effector_hal.owned import open_owned, owned_folder
+
+from ._errors import BoardError
 
 WHOLE = "root.cpio"
 """Is made last: with it a built board is whole."""

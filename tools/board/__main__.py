@@ -1,4 +1,4 @@
-"""``eehal board``: a scenario on the emulated Verdin."""
+"""``python -m tools.board``: a scenario on the emulated Verdin."""
 
 from __future__ import annotations
 
@@ -7,11 +7,22 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli import PathName, end_in_order
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import profile_path
+from end_effector_lab.commands import (
+    chosen,
+    console,
+    figures_wanted,
+    json_option,
+    no_figures_option,
+    only_option,
+    tell,
+)
+from tools import run
+from tools.board import BoardProgress, board_parts, need_its_wires, play_on_board
 
-from ._demo import chosen, console, figures_wanted, json_option, no_figures_option, only_option, tell
 
-
-@click.command("board", short_help="a scenario on an emulated Verdin, without hardware")
+@click.command("board")
 @click.argument("description", required=False, type=PathName())
 @click.option("--no-ros", is_flag=True, help="Without ROS: quicker, and the ROS messages are not needed.")
 @only_option(default=["nominal"], show_default=True)
@@ -46,10 +57,6 @@ def command(
 
     Without DESCRIPTION: the shipped tool. Exit code 1: a scenario did not run as expected; 3: something is missing.
     """
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.description import profile_path
-    from end_effector_lab.board import BoardProgress, board_parts, need_its_wires, play_on_board
-
     end_in_order()
     loaded = load_tool(description or profile_path())
     need_its_wires(loaded)
@@ -75,3 +82,7 @@ def command(
             )
         reports.append(report)
     tell(reports, as_json=as_json)
+
+
+if __name__ == "__main__":
+    run(command)

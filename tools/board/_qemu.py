@@ -10,8 +10,7 @@ from contextlib import suppress
 from queue import SimpleQueue
 
 from end_effector_hal.errors import WireError
-
-from ._inputs import OnEdge
+from end_effector_lab.testbench.inputs import OnEdge
 
 COUNTER, HERTZ, BITS = 0x30370054, 32768, 32
 """Low word of the real-time counter of an i.MX 8M Plus (SNVS); with ``-rtc clock=vm`` it counts the machine's time."""
