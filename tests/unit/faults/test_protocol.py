@@ -8,9 +8,14 @@ from hypothesis import strategies as st
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.faults import LONGEST, MOST_TEXT, read_fault_request, socket_of_testbench
+from end_effector_hal.faults import LONGEST, MOST_TEXT, FaultRequest, socket_of_testbench
+from end_effector_hal.wires.rpc import read_message
 
 RIGHT = {"id": 1, "word": "check", "scenario": "nominal", "until_us": 5}
+
+
+def read_fault_request(line: bytes) -> FaultRequest:
+    return read_message(FaultRequest, line, "request")
 
 
 def line(**changed: object) -> bytes:
@@ -50,7 +55,7 @@ def test_a_request() -> None:
     ],
 )
 def test_what_is_no_request_is_said_with_its_place(wrong: bytes, place: str) -> None:
-    with pytest.raises(UsageError, match=f"This is not a request to a testbench: {place}: "):
+    with pytest.raises(UsageError, match=f"This is no valid request: {place}: "):
         read_fault_request(wrong)
 
 
@@ -59,7 +64,7 @@ def test_what_is_no_request_is_said_with_its_place(wrong: bytes, place: str) -> 
 )
 def test_whatever_comes_is_refused_in_a_sentence(content: bytes | str) -> None:
     line = content.encode() if isinstance(content, str) else content
-    with pytest.raises(UsageError, match="This is not a request to a testbench: "):
+    with pytest.raises(UsageError, match="This is no valid request: "):
         read_fault_request(line)
 
 

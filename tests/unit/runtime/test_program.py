@@ -270,7 +270,7 @@ def test_a_command_that_waited_for_longer_than_it_is_valid_is_not_executed(
 
 def test_a_client_of_the_stream_drives_one_actuator_under_the_lease(tool: Tool) -> None:
     def ask(word: str, actuator: str, valid_us: int = 1) -> Answer:
-        message = ProgramCommand(1, word, tool.at + valid_us, actuator)
+        message = ProgramCommand(1, tool.at + valid_us, word, actuator)
         return tool.ask(lambda: tool.program._asked(message))
 
     names = "bottom_vacuum, cylinder, top_vacuum"

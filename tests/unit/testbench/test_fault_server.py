@@ -14,9 +14,9 @@ import pytest
 
 from end_effector_hal.description import load
 from end_effector_hal.errors import UsageError
-from end_effector_hal.faults import LONGEST, VALID_US
-from end_effector_hal.runtime.stream import MOST_READERS
+from end_effector_hal.faults import LONGEST
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.rpc import VALID_US, ClientLimits
 from end_effector_lab.testbench import FaultServer, Testbench, open_inputs, open_ports, write_virtual_copy
 from tests.support.patience import wait_until
 
@@ -127,9 +127,9 @@ def test_what_cannot_be_printed_or_came_too_late_changes_nothing(served: Served,
     accepted, reason = page.ask(scenario="nominal,\nno-tool")
     assert (accepted, "cannot be printed" in reason) == (False, True)
     accepted, reason = page.ask(scenario="no-tool", until_us=now_us() - 1)
-    assert (accepted, reason) == (False, "The request came too late: nothing was changed.")
+    assert (accepted, reason) == (False, "The request came too late and was not executed.")
     accepted, reason = page.ask(scenario="no-tool", until_us=now_us() + 10 * VALID_US)
-    assert (accepted, "its time is wrong" in reason) == (False, True)
+    assert (accepted, "Check the clock" in reason) == (False, True)
     assert served.bench.scenario == "nominal"
 
 
@@ -138,17 +138,16 @@ def test_what_is_no_request_gets_a_sentence_and_the_connection_goes_on(served: S
         page.sock.sendall(wrong + b"\n")
         answer = page.until("answer-to")
         assert (answer["id"], answer["accepted"]) == (None, False)
-        assert answer["reason"].startswith("This is not a request to a testbench: ")
+        assert answer["reason"].startswith("This is no valid request: ")
     assert page.ask(scenario="no-tool") == (True, "")
 
 
 def test_too_many_at_once_are_refused(served: Served, page: Page) -> None:
     request = {"id": 1, "word": "choose", "scenario": "nominal", "until_us": now_us() + VALID_US}
     page.sock.sendall(b"".join(json.dumps({**request, "id": n}).encode() + b"\n" for n in range(10)))
-    answers = [page.until("answer-to") for _ in range(10)]
-    assert [each["id"] for each in answers] == list(range(10))
-    assert [each["accepted"] for each in answers] == [True] * 4 + [False] * 6
-    assert answers[-1]["reason"].startswith("Too many requests at once")
+    answers = {each["id"]: each for each in (page.until("answer-to") for _ in range(10))}
+    assert [answers[number]["accepted"] for number in range(10)] == [True] * 4 + [False] * 6
+    assert answers[9]["reason"].startswith("Too many requests are waiting")
 
 
 def test_an_overlong_message_ends_its_connection_only(served: Served, page: Page) -> None:
@@ -161,7 +160,7 @@ def test_an_overlong_message_ends_its_connection_only(served: Served, page: Page
 
 
 def test_one_reader_too_many_is_turned_away(served: Served, page: Page) -> None:
-    others = [Page(served.path) for _ in range(MOST_READERS - 1)]
+    others = [Page(served.path) for _ in range(ClientLimits().clients - 1)]
     assert all(each.header["kind"] == "header" for each in others)
     refused = Page(served.path)
     assert refused.header["kind"] == "end"

@@ -18,9 +18,10 @@ from end_effector_hal.nodes.data_logger._commands_log import CommandsLog
 from end_effector_hal.owned import open_owned, owned_folder, write_owned
 from end_effector_hal.recording.tables._rows import RowFile
 from end_effector_hal.verification.proof._verdict import Verdict, keep_verdict
-from end_effector_hal.wires import Claim, listen
+from end_effector_hal.wires import Claim
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from end_effector_hal.wires.link import PtyPair
+from end_effector_hal.wires.rpc import Listener
 from end_effector_lab.testbench import write_virtual_copy
 from tests.support.stranger import NOBODY
 
@@ -93,7 +94,7 @@ def verdict(folder: Path) -> None:
 
 FOLDERS: dict[str, Callable[[Path], object]] = {
     "": arbiter,
-    ".": lambda folder: listen(folder / "x.sock"),
+    ".": lambda folder: Listener(folder / "x.sock"),
     "state/end-effector-hal/verdicts": verdict,
     "copy": lambda folder: write_virtual_copy(load(profile_path()), folder / "copy"),
 }

@@ -12,7 +12,8 @@ from collections.abc import Iterator, Mapping
 from end_effector_hal.arbiter.protocol import write_message
 from end_effector_hal.arbiter.rules import Session, process_words
 from end_effector_hal.vocabulary import LONGEST_MESSAGE
-from end_effector_hal.wires import Acceptor, now_us, program_name
+from end_effector_hal.wires import now_us, program_name
+from end_effector_hal.wires.rpc import Listener
 
 
 class Connection:
@@ -110,8 +111,8 @@ class Connections:
         selector: gets every connection, with itself as its data.
     """
 
-    def __init__(self, listener: socket.socket, selector: selectors.BaseSelector) -> None:
-        self._acceptor, self._selector = Acceptor(listener, "the line arbiter"), selector
+    def __init__(self, listener: Listener, selector: selectors.BaseSelector) -> None:
+        self._listener, self._selector = listener, selector
         self._open: dict[Connection, None] = {}  # in the order in which they came
         selector.register(listener, selectors.EVENT_READ)
 
@@ -121,7 +122,7 @@ class Connections:
     def accept(self) -> list[Connection]:
         """Accept those that wait; returns connections to be closed for them: the oldest of the user that has most."""
         for _ in range(ACCEPTED):
-            if (sock := self._acceptor.accept()) is None:
+            if (sock := self._listener.accept()) is None:
                 break
             try:
                 connection = Connection(sock, now_us())
@@ -166,4 +167,4 @@ class Connections:
         """All of them, and the listener."""
         for connection in self:
             self.drop(connection)
-        self._acceptor.close()
+        self._listener.close()

@@ -26,8 +26,9 @@ from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Conn
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
 from end_effector_hal.owned import owned_folder
-from end_effector_hal.wires import Claim, listen, no_socket, now_us
+from end_effector_hal.wires import Claim, now_us
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
+from end_effector_hal.wires.rpc import Listener, no_socket
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 
@@ -100,7 +101,7 @@ class ArbiterServer(Closing):
             self._arbiter = LineArbiter(backend, policy, now_us(), before, self._records.before_change)
             self._records.keep(self._arbiter)
             self._inputs = inputs() if inputs else None
-            listener = listen(self._path, group)
+            listener = Listener(self._path, group)
         except BaseException:
             if self._inputs is not None:
                 self._inputs.close()
@@ -191,7 +192,6 @@ class ArbiterServer(Closing):
     def close(self) -> None:
         """Give everything back, after `run`."""
         self._connections.close()
-        self._path.unlink(missing_ok=True)
         self._arbiter.end_pulses()
         state = self._arbiter.state
         if self._inputs is not None:

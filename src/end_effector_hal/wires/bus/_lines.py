@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import select
-import socket
 import threading
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,11 +17,12 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import LinkBusyError, WireError
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires._relay import RelayServer, relay_path
+from end_effector_hal.wires._relay import RELAYED, relay_path
 from end_effector_hal.wires.bus._output import fresh_for_us
 from end_effector_hal.wires.bus._outputs import BusOutputs
 from end_effector_hal.wires.bus._traffic import BusTraffic
 from end_effector_hal.wires.link import open_port
+from end_effector_hal.wires.rpc import Server
 
 if TYPE_CHECKING:
     import serial
@@ -91,14 +91,13 @@ class BusLines:
         del names  # all of them
         port = self._claimed()
         try:
-            self._relay = RelayServer(self._relay_path, self._group)
+            self._relay = Server(self._relay_path, RELAYED, self._group)
         except BaseException:
             if port is not None:
                 port.close()
             raise
-        self._wake_read, self._wake = os.pipe()
         self._news_read, self._news = os.pipe()
-        for end in (self._news_read, self._news, self._wake_read):
+        for end in (self._news_read, self._news):
             os.set_blocking(end, False)
         self._thread = threading.Thread(
             target=self._run, args=(port,), name=f"bus {self._link.port}", daemon=True
@@ -119,7 +118,7 @@ class BusLines:
         """Have them written; returns at once."""
         with self._lock:
             self._outputs.command(levels, now_us())
-        os.write(self._wake, b"x")
+        self._relay.wake()
 
     def unsure(self) -> frozenset[str]:
         """See `RemoteLines`."""
@@ -144,7 +143,7 @@ class BusLines:
         """See `RemoteLines`."""
         with self._lock:
             self._outputs.acknowledge(now_us())
-        os.write(self._wake, b"x")
+        self._relay.wake()
 
     def troubles(self) -> dict[str, str]:
         """See `RemoteLines`."""
@@ -173,14 +172,12 @@ class BusLines:
             self._cycle.wait(min(left, 0.05))
             self._cycle.clear()
         self._ended = True
-        os.write(self._wake, b"x")
+        self._relay.wake()
         if thread.ident is not None:
             thread.join(CLOSE_S)
         self._relay.close()
-        for end in (self._wake, self._news, self._news_read):
+        for end in (self._news, self._news_read):
             os.close(end)
-        if not thread.is_alive():
-            os.close(self._wake_read)
 
     @property
     def _pending(self) -> bool:
@@ -264,16 +261,11 @@ class BusLines:
             self._tell()
 
     def _select(self, ports: list[int], wait_s: float) -> list[int]:
-        """The ports that have something to read; the relay is served, a call to wake is heard."""
-        relay = self._relay.sockets
-        waited: list[int | socket.socket] = [*ports, self._wake_read, *relay]
-        ready = select.select(waited, [], [], wait_s)[0]
-        if self._wake_read in ready:
-            with suppress(BlockingIOError):
-                os.read(self._wake_read, 4096)
-        for each in relay:
-            if each in ready and each in self._relay.sockets:  # not one that another one's turn has ended
-                self._relay.ready(each)
+        """The ports that have something to read; the relay is served, and `Server.wake` ends the wait."""
+        relay = self._relay.fileno()
+        ready = select.select([*ports, relay], [], [], wait_s)[0]
+        if relay in ready:
+            self._relay.poll()
         return [port for port in ports if port in ready]
 
     def _tell(self) -> None:

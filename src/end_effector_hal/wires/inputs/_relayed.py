@@ -2,45 +2,53 @@
 
 from __future__ import annotations
 
-import json
 import logging
-import os
-import select
-import socket
 import threading
-from collections.abc import Callable, Collection, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Collection
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Any
 
-from end_effector_hal.errors import LinkError
+from pydantic import Field
+
+from end_effector_hal.errors import LinkError, UsageError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._relay import connect_relay
+from end_effector_hal.wires.rpc import Client, read_message, record_line
 
 from ._reader import InputsHealth
 
 _log = logging.getLogger("end_effector_hal.wires")
 AGAIN_S = 0.1
 CLOSE_S = 2.0
-LONGEST = 65_536
-"""Bytes of a record."""
 READS = "reads these inputs, does not hand them on"
 
 
+@dataclass(frozen=True, slots=True)
+class InputsRecord:
+    """The values of inputs, and when they were read (µs)."""
+
+    at: Annotated[int, Field(ge=0)]
+    content: dict[str, Any]
+
+
 def inputs_record(frame: Frame) -> bytes:
-    """A frame of inputs for the relay."""
-    return json.dumps({"at": frame.at, "values": dict(frame.values)}).encode() + b"\n"
+    """The record of a frame of inputs."""
+    return record_line("inputs", frame.at, frame.values)
 
 
-def read_inputs_record(record: bytes, channels: Collection[str], now: int) -> Frame | None:
-    """The frame of a record, with these channels only; None: it is none."""
+def read_inputs_record(line: bytes, channels: Collection[str], now: int) -> Frame | None:
+    """The frame of a record, with these channels only; None: it has none."""
     try:
-        given = json.loads(record)
-        at, found = given["at"], given["values"]
-        values = {name: found[name] for name in channels if type(found.get(name)) is bool}
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        record = read_message(InputsRecord, line, "record")
+    except UsageError:
         return None
-    return Frame(min(at, now), None, None, values) if values and type(at) is int and at >= 0 else None
+    values = {
+        name: value for name, value in record.content.items() if name in channels and type(value) is bool
+    }
+    return Frame(min(record.at, now), None, None, values) if values else None
 
 
 class RelayedInputs:
@@ -68,11 +76,11 @@ class RelayedInputs:
         self._last_frame: int | None = None
         self._opened = self._frames = 0
         self._ended = threading.Event()
+        self._relay: Client | None = None
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Begin; an arbiter that is not there yet is no error."""
-        self._wake_read, self._wake = os.pipe2(os.O_CLOEXEC)
         self._thread = threading.Thread(target=self._run, name="relayed inputs", daemon=True)
         self._thread.start()
 
@@ -82,7 +90,8 @@ class RelayedInputs:
         if thread is None:
             return
         self._ended.set()
-        os.close(self._wake)
+        if (relay := self._relay) is not None:
+            relay.abort()
         if thread is not threading.current_thread() and thread.ident is not None:
             thread.join(CLOSE_S)
 
@@ -98,46 +107,32 @@ class RelayedInputs:
         )
 
     def _run(self) -> None:
-        try:
-            while not self._ended.is_set():
-                try:
-                    with connect_relay(self._path, READS) as relay:
-                        self._opened += 1
-                        self._judge("")
-                        self._read(relay)
-                    self._judge("the line arbiter, which reads these inputs, has gone.")
-                except LinkError as error:
-                    self._judge(str(error))
-                except Exception as error:  # noqa: BLE001 this thread outlives a lack of files, and its callbacks
-                    _log.exception("the inputs that the line arbiter reads are not delivered")
-                    self._judge(f"they are not delivered: {error}")
-                select.select([self._wake_read], [], [], AGAIN_S)
-        finally:
-            os.close(self._wake_read)
-
-    def _read(self, relay: socket.socket) -> None:
-        """Until it ends."""
-        rest = b""
         while not self._ended.is_set():
-            ends: list[int | socket.socket] = [relay, self._wake_read]
-            if relay not in select.select(ends, [], [])[0]:
-                continue
-            with suppress(BlockingIOError, ConnectionError):
-                data = relay.recv(LONGEST)
-                *records, rest = (rest + data).split(b"\n")
-                for frame in self._frames_of(records):
-                    self._frames += 1
-                    self._last_frame = frame.at
-                    self._on_frame(frame)
-                if data and len(rest) < LONGEST:
-                    continue
-            return
+            try:
+                with closing(connect_relay(self._path, READS)) as self._relay:
+                    self._opened += 1
+                    self._judge("")
+                    self._read(self._relay)
+            except LinkError as error:
+                self._judge(str(error))
+            except Exception as error:  # noqa: BLE001 neither a lack of files nor a callback ends this thread
+                _log.exception("the inputs that the line arbiter reads are not delivered")
+                self._judge(f"they are not delivered: {error}")
+            self._ended.wait(AGAIN_S)
 
-    def _frames_of(self, records: list[bytes]) -> Iterator[Frame]:
-        for record in records:
-            frame = read_inputs_record(record, self._channels, now_us())
+    def _read(self, relay: Client) -> None:
+        """Until the relay ends."""
+        while not self._ended.is_set():
+            try:
+                line = relay.receive()
+            except OSError:
+                self._judge("the line arbiter, which reads these inputs, has gone.")
+                return
+            frame = read_inputs_record(line, self._channels, now_us())
             if frame is not None and not self._ended.is_set():
-                yield frame
+                self._frames += 1
+                self._last_frame = frame.at
+                self._on_frame(frame)
 
     def _judge(self, error: str) -> None:
         if error != self._error and not self._ended.is_set():

@@ -29,14 +29,14 @@ def test_a_frame_comes_as_it_went() -> None:
         b'"at"',
         b"\xff\xfe",
         b'{"at": 5}',
-        b'{"at": 5, "values": []}',
-        b'{"at": 5, "values": 3}',
-        b'{"at": 5, "values": {"other": true}}',
-        b'{"at": 5, "values": {"stop": 1}}',
-        b'{"at": -5, "values": {"stop": true}}',
-        b'{"at": true, "values": {"stop": true}}',
-        b'{"at": 5.5, "values": {"stop": true}}',
-        b'{"at": "5", "values": {"stop": true}}',
+        b'{"at": 5, "content": []}',
+        b'{"at": 5, "content": 3}',
+        b'{"at": 5, "content": {"other": true}}',
+        b'{"at": 5, "content": {"stop": 1}}',
+        b'{"at": -5, "content": {"stop": true}}',
+        b'{"at": true, "content": {"stop": true}}',
+        b'{"at": 5.5, "content": {"stop": true}}',
+        b'{"at": "5", "content": {"stop": true}}',
         b"[" * 60_000,
     ],
 )
@@ -45,7 +45,7 @@ def test_anything_else_is_no_frame(record: bytes) -> None:
 
 
 def test_what_is_not_expected_is_left_out_and_no_stamp_is_ahead_of_now() -> None:
-    record = b'{"at": 99, "values": {"stop": true, "rack": null, "other": true}}'
+    record = b'{"at": 99, "content": {"stop": true, "rack": null, "other": true}}'
     assert read_inputs_record(record, NAMES, 9) == Frame(9, None, None, {"stop": True})
 
 

@@ -1,4 +1,4 @@
-"""Who comes where there is no file for them is sent away; nothing spins, and the log says it once."""
+"""A client for which there is no file is turned away; nothing spins, and the log has it once."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tempfile import mkdtemp
 
 import pytest
 
-from end_effector_hal.wires import Acceptor, RelayServer, listen
+from end_effector_hal.wires.rpc import ClientLimits, Listener, Server
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def no_files_left() -> Iterator[None]:
 
 @pytest.fixture
 def path() -> Path:
-    return Path(mkdtemp(prefix="eehal-acceptor-")) / "a.sock"
+    return Path(mkdtemp(prefix="eehal-listener-")) / "a.sock"
 
 
 def connected(path: Path) -> socket.socket:
@@ -39,54 +39,53 @@ def connected(path: Path) -> socket.socket:
     return client
 
 
-def test_without_files_a_client_is_sent_away_and_nobody_waits(
+def test_without_files_a_client_is_turned_away_and_nobody_waits(
     path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    acceptor = Acceptor(listen(path), "the relay")
+    listener = Listener(path)
     waiting = [connected(path) for _ in range(3)]
     with no_files_left():
-        assert [acceptor.accept() for _ in waiting] == [None] * 3
+        assert [listener.accept() for _ in waiting] == [None] * 3
         assert [client.recv(1) for client in waiting] == [b""] * 3
-        assert acceptor.accept() is None, "nobody waits any more"
+        assert listener.accept() is None, "nobody waits any more"
     assert [each.message for each in caplog.records] == [
-        "the relay: a client is sent away: Too many open files"
+        f"{path}: a client is turned away: Too many open files"
     ]
     again = connected(path)
-    accepted = acceptor.accept()
+    accepted = listener.accept()
     assert accepted is not None
     accepted.sendall(b"x")
     assert again.recv(1) == b"x"
     for each in (*waiting, again, accepted):
         each.close()
-    acceptor.close()
+    listener.close()
 
 
-def test_a_relay_without_files_serves_those_whom_it_has(path: Path) -> None:
-    relay = RelayServer(path)
+def test_a_server_without_files_serves_the_clients_that_it_has(path: Path) -> None:
+    server = Server(path, ClientLimits(backlog=0))
     first = connected(path)
-    relay.ready(relay.sockets[0])
+    server.poll()
     second = connected(path)
     with no_files_left():
-        relay.ready(relay.sockets[0])
+        server.poll()
         assert second.recv(1) == b""
-        relay.send(b"record")
+        server.send(b"record")
     assert first.recv(6) == b"record"
     for each in (first, second):
         each.close()
-    relay.close()
+    server.close()
 
 
 def test_a_socket_that_cannot_take_its_place_leaves_nothing_behind(path: Path) -> None:
     path.mkdir()
     with pytest.raises(Exception, match="cannot be made"):
-        listen(path)
+        Listener(path)
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_the_socket_is_removed_unless_somebody_else_has_taken_its_place(tmp_path: Path) -> None:
+def test_the_socket_is_removed_unless_another_server_has_taken_its_place(tmp_path: Path) -> None:
     path = tmp_path / "socket"
-    first = Acceptor(listen(path), "first", path)
-    second = Acceptor(listen(path), "second", path)
+    first, second = Listener(path), Listener(path)
     first.close()
     assert path.exists()
     second.close()

@@ -1,4 +1,4 @@
-"""Both programs of a tool, and its commands."""
+"""The sockets of the programs and of a testbench, as the page reads them: records in, commands out."""
 
 from __future__ import annotations
 
@@ -10,18 +10,24 @@ from typing import Any
 
 from end_effector_hal.control import PROGRAMS, Answer
 from end_effector_hal.description import Description
-from end_effector_hal.page.view import ToolView
+from end_effector_hal.faults import (
+    TESTBENCH_RECORDS,
+    TestbenchHeader,
+    TestbenchScenario,
+    socket_of_testbench,
+)
+from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.runtime import reset, stop
+from end_effector_hal.runtime.boundary import STREAMED
 from end_effector_hal.runtime.stream import program_of, program_socket
 from end_effector_hal.wires import now_us
-
-from ._program_link import ProgramLink
+from end_effector_hal.wires.rpc.aio import AsyncClient
 
 RESET_S = 5.0
 
 
 class ToolLink:
-    """Brings the records to a view, and commands to the programs.
+    """Passes the records on to a view, and commands to the programs.
 
     Args:
         description: the tool.
@@ -34,8 +40,12 @@ class ToolLink:
         for worker in self._workers.values():
             worker.submit(int).result()  # the thread exists from now on: a command needs no new one
         self._links = {
-            name: ProgramLink(
-                program_socket(description, name), name, partial(self._take, name), partial(self._lost, name)
+            name: AsyncClient(
+                program_socket(description, name),
+                f"The {name} program",
+                STREAMED,
+                partial(self._take, name),
+                partial(self._lost, name),
             )
             for name in PROGRAMS
         }
@@ -50,7 +60,10 @@ class ToolLink:
             return await self._at_the_arbiter("stop", partial(stop, self._description))
         if word == "reset":
             return await self._reset()
-        return await self._links[program_of(word)].ask(word, actuator)
+        return await self._ask(word, actuator)
+
+    async def _ask(self, word: str, actuator: str = "") -> Answer:
+        return Answer(*await self._links[program_of(word)].request(command=word, actuator=actuator))
 
     async def _reset(self) -> Answer:
         """As `EndEffector.reset`: the tool changer, then what the programs and the line arbiter have latched."""
@@ -58,7 +71,7 @@ class ToolLink:
         status = self._view.status()
         if status is not None and status.changer_fault:
             answers.append(await self._reset_changer())
-        acknowledged = await self._links["grip"].ask("acknowledge")
+        acknowledged = await self._ask("acknowledge")
         if not acknowledged.accepted:
             answers.append(acknowledged)
         return await self._at_the_arbiter(
@@ -70,7 +83,7 @@ class ToolLink:
         return await asyncio.get_running_loop().run_in_executor(self._workers[word], ask)
 
     async def _reset_changer(self) -> Answer:
-        answer = await self._links["tool_change"].ask("reset")
+        answer = await self._ask("reset")
         until = now_us() + round(RESET_S * 1e6)
         while answer.accepted and now_us() < until:
             await asyncio.sleep(0.05)
@@ -92,3 +105,37 @@ class _Acknowledged:
 
     def acknowledge(self) -> None:
         pass
+
+
+class TestbenchLink:
+    """Passes the records of a testbench on to a view, and asks the testbench.
+
+    Args:
+        description: the tool.
+        view: gets the records.
+    """
+
+    __test__ = False  # no test class for pytest
+
+    def __init__(self, description: Description, view: FaultsView) -> None:
+        self._view = view
+        self._client = AsyncClient(
+            socket_of_testbench(description),
+            "The testbench",
+            TESTBENCH_RECORDS,
+            self._take,
+            lambda why: view.lose(why, now_us()),
+            missing="",  # a tool without a testbench needs no sentence
+        )
+        self.run = self._client.run
+        """Follow the testbench until it is cancelled."""
+
+    async def ask(self, word: str, scenario: str) -> Answer:
+        """Whether it could play a scenario (``check``), or play it (``choose``); an answer in any case."""
+        return Answer(*await self._client.request(word=word, scenario=scenario))
+
+    def _take(self, kind: str, at: int, content: TestbenchHeader | TestbenchScenario | None) -> None:
+        if isinstance(content, TestbenchHeader):
+            self._view.begin(content, now_us())
+        elif isinstance(content, TestbenchScenario):
+            self._view.scenario(content.scenario, now_us())

@@ -1,0 +1,201 @@
+"""The socket of a program: its records go out, commands come in (`wires.rpc`).
+
+Processes that may command the lines of a program may read its records, and give it commands.
+
+Rule 1: The program never waits. `RecordStream.put` hands records over; if the thread of the stream does not keep up,
+    all readers lose their place and get a new state.
+Rule 2: A reader begins with a state of the controller, which the program gives between two jobs, and gets every record
+    from there on.
+Rule 3: The automata decide on a command; the stream decides nothing.
+Rule 4: Nothing that happens to the socket ends a program: without it there is a warning in the log, and nothing else.
+
+The records have the words of the recording (docs/reference/recordings.md). The first is the ``header``; then comes
+``state``, where the program stands (nothing, if it has not started yet), and from there on every record. Two kinds are
+in no recording: ``published`` (the status with what the program adds to its automata) and ``alive`` (each 0.4 s in
+which nothing else is sent, while the program works). ``header`` comes again, with a new ``state``, when records were
+lost.
+
+A request has a ``command``, in maintenance with the ``actuator``. Only the automata accept a command or refuse it; in
+maintenance the answer comes when the line is written, before a sensor shows anything.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.rpc import Reply, RpcRequest, Server, ask, record_line
+
+_log = logging.getLogger("end_effector_hal.runtime")
+MOST_WAITING = 2_000
+"""Records that wait for the thread of the stream."""
+LOOK_S = 0.1
+"""How often it looks for records while somebody reads, as often as a page shows them: each look costs the program."""
+ALIVE_US = 400_000
+AT_ONCE = 65_536
+"""Bytes that are sent together; more would look as if a reader were behind."""
+TOO_LATE = "The command came too late and was not executed."
+MAINTENANCE_WORDS = ("activate", "deactivate")
+"""Of one actuator (IL-12)."""
+RELOAD, GO_ON = "reload", "go-on"
+RELOAD_WORDS = (RELOAD, GO_ON)
+"""Of either program: whether it can take over its description as the file is now; if so, nothing is activated for 30 s,
+or until ``go-on``."""
+PROGRAM_WORDS: Mapping[str, tuple[str, ...]] = {
+    "grip": ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS),
+    "tool_change": ("lock", "unlock", "arm", "reset"),
+}
+"""The commands of each program; ``acknowledge``: a person has seen the alarms that are over."""
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramCommand(RpcRequest):
+    """One command of a client."""
+
+    command: Annotated[str, Field(max_length=40)]
+    actuator: Annotated[str, Field(max_length=100)] = ""
+
+
+def program_socket(description: Description, program: str) -> Path:
+    """The socket of a program: beside that of the line arbiter; raises WireError as `socket_path` does."""
+    arbiter = socket_path(description)
+    return arbiter.with_name(f"{arbiter.name}.{program}")
+
+
+def program_of(word: str) -> str:
+    """The program that takes a command."""
+    return next(name for name, words in PROGRAM_WORDS.items() if word in words)
+
+
+def ask_program(path: Path, program: str, command: str) -> Answer:
+    """Ask for a command and wait for the answer; one that is not decided, if none came."""
+    return Answer(*ask(path, f"The {program} program", command=command))
+
+
+Entry = tuple[str, int, object]
+"""A record: its kind, its time and its content."""
+Commander = Callable[[ProgramCommand], Answer]
+
+
+class RecordStream:
+    """Serves from `serve` to `close`. `put` and `begin` belong to one thread at a time, and never wait.
+
+    Args:
+        path: of the Unix socket: mode 0660, of the group of ``beside``.
+        beside: the socket of the line arbiter, whose rights it gets.
+        header: makes the first record for a reader.
+        words: the commands that the program takes.
+    """
+
+    def __init__(
+        self, path: Path, beside: Path, header: Callable[[int], object], words: Collection[str]
+    ) -> None:
+        self._path, self._beside, self._header, self._words = path, beside, header, frozenset(words)
+        self.wants_state = False
+        """Somebody waits for a state: `begin` is to be called."""
+        self._active = False
+        self._batches: queue.SimpleQueue[tuple[bool, Sequence[Entry]]] = queue.SimpleQueue()
+        self._put_count = self._sent_count = 0  # each counted by one side only
+        self._alive_at = 0
+        self._server: Server | None = None
+
+    def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
+        """Make the socket, and begin; raises nothing.
+
+        Args:
+            command: asks the program, in a thread that may wait.
+            alive: whether the program works.
+            nudge: has the program do a job without an event, so that it sees :attr:`wants_state`; must not wait.
+        """
+        self._command, self._alive, self._nudge = command, alive, nudge
+        try:
+            group = str(self._beside.stat().st_gid)
+            server = Server(
+                self._path,
+                group=group,
+                whose="a program",
+                greets=True,
+                request=ProgramCommand,
+                handle=self._decide,
+            )
+            server.start("stream", lambda: self._turn(server))
+        except (ReportedError, OSError, RuntimeError) as error:
+            _log.warning("no page can show this program: %s", error)
+        else:
+            self._server = server
+
+    def put(self, batch: Sequence[Entry]) -> None:
+        """Have records sent; returns at once."""
+        if not self._active or not batch:
+            return
+        if self._put_count - self._sent_count + len(batch) > MOST_WAITING:
+            self._active = False  # until everybody got a new state
+            self._batches.put((False, ()))
+            return
+        self._put_count += len(batch)
+        self._batches.put((False, batch))
+
+    def begin(self, first: Sequence[Entry]) -> None:
+        """Go on from here, with these records after the header; returns at once."""
+        self.wants_state, self._active = False, True
+        self._batches.put((True, first))
+
+    def close(self) -> None:
+        """End all connections, and remove the socket."""
+        if self._server is not None:
+            self._server.close()
+
+    # From here on: in the threads of the server.
+
+    def _turn(self, server: Server) -> float | None:
+        sent, at = self._send_all(server), now_us()
+        if sent:
+            self._alive_at = at
+        elif at - self._alive_at >= ALIVE_US and len(server) and self._alive():
+            self._alive_at = at
+            server.send(record_line("alive", at, {}))
+        if not len(server):
+            self._active = False
+        if server.has_newcomers and not self.wants_state:
+            self.wants_state = True
+            self._nudge()
+        return LOOK_S if len(server) else None
+
+    def _send_all(self, server: Server) -> bool:
+        sent, following = False, bytearray()  # of several batches: one call of the system for each reader
+        while not self._batches.empty():
+            begins, batch = self._batches.get()
+            self._sent_count += 0 if begins else len(batch)
+            sent = True
+            lost = not batch and not begins
+            if following and (begins or lost or len(following) > AT_ONCE):
+                server.send(bytes(following))
+                following.clear()
+            if lost:
+                server.lose_all()
+                continue
+            data = b"".join(record_line(*entry) for entry in batch)
+            if begins:
+                at = now_us()
+                server.begin(record_line("header", at, self._header(at)) + data)
+            else:
+                following += data
+        if following:
+            server.send(bytes(following))
+        return sent
+
+    def _decide(self, message: ProgramCommand) -> Reply:
+        if message.command not in self._words:
+            return Reply(False, f"There is no such command here; there are {', '.join(sorted(self._words))}.")
+        answer = self._command(message)
+        return Reply(answer.accepted, answer.reason, answer.decided)

@@ -1,0 +1,121 @@
+"""A client that waits for what it asks."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from pydantic_core import from_json
+
+from ._messages import VALID_US, Reply, read_answer, request_line
+
+LONGEST_LINE = 4_000_000
+"""Bytes of a line of a server."""
+READ_BYTES = 262_144
+ANSWER_S = 10.0
+"""How long `ask` waits: a description is loaded and checked meanwhile."""
+
+
+class Client:
+    """Not connected at first, nor after `close`. Not thread-safe, but for `abort`.
+
+    Args:
+        path: of the socket.
+        timeout_s: of each wait; None: it waits for ever.
+    """
+
+    def __init__(self, path: str | Path, timeout_s: float | None) -> None:
+        self.path, self._timeout_s = str(path), timeout_s
+        self._socket: socket.socket | None = None
+        self._rest = b""
+
+    @property
+    def connected(self) -> bool:
+        """Whether it is connected, as far as the last call showed."""
+        return self._socket is not None
+
+    def connect(self, timeout_s: float | None = None) -> None:
+        """Connect within ``timeout_s`` (default: as every wait); raises OSError."""
+        self._socket, self._rest = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM), b""
+        self._socket.settimeout(self._timeout_s if timeout_s is None else timeout_s)
+        try:
+            self._socket.connect(self.path)
+        except OSError:
+            self.close()
+            raise
+        if self._timeout_s is not None:
+            # Time-outs of the kernel: with those of Python each call would be preceded by a poll.
+            limit = struct.pack("@ll", int(self._timeout_s), round(self._timeout_s % 1 * 1e6))
+            for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
+                self._socket.setsockopt(socket.SOL_SOCKET, option, limit)
+        self._socket.settimeout(None)
+
+    def fileno(self) -> int:
+        """For select, and to read what comes without this class."""
+        assert self._socket
+        return self._socket.fileno()
+
+    def send(self, line: bytes) -> None:
+        """Send a line; raises OSError."""
+        assert self._socket
+        self._socket.sendall(line)
+
+    def receive(self) -> bytes:
+        """The next line.
+
+        Raises:
+            BlockingIOError: none came in time.
+            OSError: the connection is gone, or the line has no end.
+        """
+        assert self._socket
+        while b"\n" not in self._rest:
+            if not (data := self._socket.recv(READ_BYTES)):
+                raise OSError("it closed the connection")
+            if len(self._rest) > LONGEST_LINE:
+                raise OSError("its message has no end")
+            self._rest += data
+        line, self._rest = self._rest.split(b"\n", 1)
+        return line
+
+    def abort(self) -> None:
+        """Have `receive` fail in the thread that waits there."""
+        if (sock := self._socket) is not None:
+            with suppress(OSError):
+                sock.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """Close the connection."""
+        if self._socket:
+            self._socket.close()
+            self._socket = None
+
+
+def ask(path: Path, who: str, **fields: object) -> Reply:
+    """Send one request and wait for its answer; returns a reply in any case.
+
+    Args:
+        path: of the socket.
+        who: serves it, to begin a sentence.
+        fields: of the request.
+    """
+    client, until = Client(path, ANSWER_S), time.monotonic() + ANSWER_S
+    try:
+        client.connect()
+        client.send(request_line(1, VALID_US, fields))
+        while time.monotonic() < until:
+            answer = read_answer(from_json(client.receive()))
+            if answer is not None and answer[0] == 1:
+                return answer[1]
+    except (FileNotFoundError, ConnectionRefusedError):
+        return Reply(False, f"{who} does not run: no process listens at {path}.", decided=False)
+    except BlockingIOError:
+        pass
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        return Reply(False, f"{who} cannot be asked ({path}): {why}.", decided=False)
+    finally:
+        client.close()
+    return Reply(False, f"{who} does not answer ({path}).", decided=False)

@@ -1,0 +1,93 @@
+"""Messages as lines of JSON: records, requests and answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any, NamedTuple, TypeVar, cast
+
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic_core import to_json
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.wires._clock import now_us
+
+T = TypeVar("T")
+VALID_US = 2_000_000
+"""How far ahead ``until_us`` of a request may be."""
+
+
+@dataclass(frozen=True, slots=True)
+class RpcRequest:
+    """The fields of every request; a table of messages adds its own."""
+
+    id: Annotated[int, Field(ge=0, le=2**53)]
+    until_us: Annotated[int, Field(ge=0, le=2**62)]
+
+
+class Reply(NamedTuple):
+    """Whether a request was accepted, and the reason if not; ``decided`` False: it may have been executed anyway."""
+
+    accepted: bool
+    reason: str = ""
+    decided: bool = True
+
+
+@cache
+def adapter_of(message: type[Any]) -> TypeAdapter[Any]:
+    """The checks of a type of messages."""
+    return TypeAdapter(message)
+
+
+def read_message(message: type[T], line: bytes, what: str) -> T:
+    """Read a line that must be of this type.
+
+    Raises:
+        UsageError: it is not; names ``what`` and the field that is wrong.
+    """
+    try:
+        found: T = adapter_of(cast("Any", message)).validate_json(line, strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "message"
+        raise UsageError(f"This is no valid {what}: {place}: {first['msg']}.") from None
+    return found
+
+
+def record_line(kind: str, at: int, content: object) -> bytes:
+    """A record."""
+    return to_json({"kind": kind, "at": at, "content": content}, fallback=_plain) + b"\n"
+
+
+def request_line(number: int, valid_us: int, fields: Mapping[str, object]) -> bytes:
+    """A request that may be executed within ``valid_us`` from now."""
+    return to_json({"id": number, **fields, "until_us": now_us() + valid_us}) + b"\n"
+
+
+def answer_line(number: int | None, reply: Reply) -> bytes:
+    """An answer; ``number`` None: it belongs to no request."""
+    return to_json({"kind": "answer-to", "id": number, **reply._asdict()}) + b"\n"
+
+
+def read_answer(message: Mapping[str, Any]) -> tuple[int | None, Reply] | None:
+    """The number and the content of an answer; None: this is a record. Raises KeyError for anything else."""
+    if message["kind"] != "answer-to":
+        return None
+    return message["id"], Reply(
+        message["accepted"] is True, str(message["reason"]), message["decided"] is True
+    )
+
+
+def refuse_late(until_us: int) -> str:
+    """Why a request with this time must not be executed now; empty: it may be."""
+    at = now_us()
+    if at > until_us:
+        return "The request came too late and was not executed."
+    if until_us > at + VALID_US:
+        return f"The request was not executed: until_us is more than {VALID_US // 1_000_000} s ahead. Check the clock."
+    return ""
+
+
+def _plain(value: object) -> object:
+    return dict(value) if isinstance(value, Mapping) else str(value)

@@ -1,0 +1,171 @@
+"""Connections of which none waits, and all those of one listener."""
+
+from __future__ import annotations
+
+import selectors
+import socket
+from collections.abc import Callable, Iterator
+from typing import Generic, TypeVar
+
+from ._listener import Listener
+
+
+class Peer:
+    """One connection, seen from either end.
+
+    Args:
+        sock: connected; `close` closes it.
+        longest: bytes of a line that it may send.
+        backlog: bytes that may wait to be sent to it.
+    """
+
+    def __init__(self, sock: socket.socket, longest: int, backlog: int = 0) -> None:
+        sock.setblocking(False)
+        self.sock, self._longest, self._backlog = sock, longest, backlog
+        self.ended = False
+        """The other end is closed; the lines that it sent before can still be fetched."""
+        self.watched = False
+        """Its selector reports when more can be sent."""
+        self._rest, self._out = b"", bytearray()
+
+    @property
+    def waits(self) -> bool:
+        """Whether a whole line was received and is not fetched yet."""
+        return b"\n" in self._rest
+
+    @property
+    def overlong(self) -> bool:
+        """Whether more came than any line is long."""
+        return not self.waits and len(self._rest) > self._longest
+
+    @property
+    def behind(self) -> int:
+        """Bytes that wait to be sent."""
+        return len(self._out)
+
+    def receive(self) -> None:
+        """Read what is there; nothing while lines wait, so that a flood fills the buffers of its sender."""
+        if self.waits or self.ended:
+            return
+        try:
+            data = self.sock.recv(self._longest)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        self.ended, self._rest = not data, self._rest + data
+
+    def next_line(self) -> bytes | None:
+        """Fetch the next line; None: there is no whole one."""
+        line, newline, rest = self._rest.partition(b"\n")
+        if not newline:
+            return None
+        self._rest = rest
+        return line
+
+    def put(self, data: bytes) -> bool:
+        """Send now what can be sent, and the rest later; False: the connection is gone, or too much would wait."""
+        if not self._out:
+            try:
+                sent = self.sock.send(data)
+            except BlockingIOError:
+                sent = 0
+            except OSError:
+                return False
+            if sent == len(data):
+                return True
+            data = data[sent:]
+        self._out += data
+        return self.send() and len(self._out) <= self._backlog
+
+    def send(self) -> bool:
+        """Send what waits, as far as it can be sent now; False: the connection is gone."""
+        try:
+            while self._out:
+                sent = self.sock.send(memoryview(self._out)[:65_536])
+                del self._out[:sent]
+        except BlockingIOError:
+            pass
+        except OSError:
+            return False
+        return True
+
+    @property
+    def closed(self) -> bool:
+        """Whether this end is closed."""
+        return self.sock.fileno() < 0
+
+    def close(self) -> None:
+        """Close this end."""
+        self.sock.close()
+
+
+P = TypeVar("P", bound=Peer)
+
+
+class Peers(Generic[P]):
+    """All connections of a listener, registered with a selector, each with itself as its data.
+
+    Args:
+        listener: registered, too, with None as its data; `close` closes it.
+        selector: which the caller waits with.
+        make: makes one of a socket; an OSError of it turns the client away.
+    """
+
+    def __init__(
+        self, listener: Listener, selector: selectors.BaseSelector, make: Callable[[socket.socket], P]
+    ) -> None:
+        self._listener, self._selector, self._make = listener, selector, make
+        self._open: dict[P, None] = {}  # in the order in which they came
+        selector.register(listener, selectors.EVENT_READ)
+
+    def __iter__(self) -> Iterator[P]:
+        return iter(list(self._open))
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def accept(self) -> P | None:
+        """Accept a client; None: nobody waits, or it was turned away."""
+        if (sock := self._listener.accept()) is None:
+            return None
+        try:
+            peer = self._make(sock)
+            self._selector.register(sock, selectors.EVENT_READ, peer)
+        except OSError as error:
+            self._listener.report(error)
+            sock.close()
+            return None
+        self._open[peer] = None
+        return peer
+
+    def put(self, peer: P, data: bytes) -> bool:
+        """Send data to one that may have gone; False: it had to be dropped, because it does not keep up."""
+        return peer not in self._open or self._watch(peer, peer.put(data))
+
+    def send(self, peer: P) -> bool:
+        """Send to one what waits for it; returns as `put` does."""
+        return peer not in self._open or self._watch(peer, peer.send())
+
+    def drop(self, peer: P) -> None:
+        """End its connection."""
+        if self._open.pop(peer, self) is None:
+            self._selector.unregister(peer.sock)
+            peer.close()
+
+    def close(self) -> None:
+        """End all connections and the listener."""
+        for peer in self:
+            self.drop(peer)
+        self._listener.close()
+
+    def _watch(self, peer: P, goes_on: bool) -> bool:
+        """Be woken once more can be sent, if something waits."""
+        if not goes_on:
+            self.drop(peer)
+            return False
+        if (behind := bool(peer.behind)) is not peer.watched:
+            peer.watched = behind
+            events = selectors.EVENT_READ | (selectors.EVENT_WRITE if behind else 0)
+            self._selector.modify(peer.sock, events, peer)
+        return True
