@@ -177,7 +177,7 @@ def command(
 
 def _set_free(source: Source, which: str) -> Source:
     """The same automata in a world whose sensors are free."""
-    from end_effector_hal.control import LATER_CONSTANTS, model_constants
+    from end_effector_hal.control import model_constants
     from end_effector_hal.verification.proof import free_constants
     from timed_automata import make_network
 
@@ -186,7 +186,7 @@ def _set_free(source: Source, which: str) -> Source:
     return replace(
         source,
         name=f"{source.name}, sensors free ({which})",
-        network=make_network(source.network.document, {**given, **free}, optional=LATER_CONSTANTS),
+        network=make_network(source.network.document, {**given, **free}),
     )
 
 

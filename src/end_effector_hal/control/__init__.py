@@ -1,6 +1,6 @@
 """What the tool decides with: the executed automata and their words; sans-IO."""
 
-from ._constants import LATER_CONSTANTS, model_constants
+from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
@@ -18,7 +18,6 @@ from .words import (
 )
 
 __all__ = [
-    "LATER_CONSTANTS",
     "PROGRAMS",
     "Answer",
     "Controller",

@@ -12,8 +12,6 @@ from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import LEASE_US
 
 Constants = dict[str, "int | bool | list[int]"]
-LATER_CONSTANTS = ("PRESENCE", "SHOWS_EMPTY", "BLOWS", "T_BLOW", "T_GAP", "IL_08_GAP", "UNTIL_GONE")
-"""Constants that automata of earlier versions do not have: these behave as they did."""
 
 
 def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:

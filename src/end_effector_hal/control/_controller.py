@@ -59,8 +59,7 @@ class Controller:
         self._description = description
         self._program = program
         carrier = carrier_of(description)
-        shows_absent = any(each.name == f"tool_is[{int(ToolEvidence.ABSENT)}]" for each in network.channels)
-        self._senses = SensorSet(description, carrier, judge, shows_absent=shows_absent)
+        self._senses = SensorSet(description, carrier, judge)
         self._hold = HoldMonitor(description, self._senses, carrier, devices=program == "grip")
         processes = getattr(description.automata, program)
         interface = description.automata.interface

@@ -8,7 +8,7 @@ from functools import lru_cache
 from end_effector_hal.description import Description
 from timed_automata import Network, load_source, make_network, read_document
 
-from ._constants import LATER_CONSTANTS, model_constants
+from ._constants import model_constants
 
 _KEPT = 8
 
@@ -29,4 +29,4 @@ def network_of(description: Description) -> Network:
 
 @lru_cache(maxsize=_KEPT)
 def _compiled(path: str, source: bytes, constants: str) -> Network:
-    return make_network(read_document(source, path), json.loads(constants), optional=LATER_CONSTANTS)
+    return make_network(read_document(source, path), json.loads(constants))

@@ -35,6 +35,7 @@ _CHANGER_STATES = {int(each): each for each in ChangerState}
 _CHANGER_FAULTS = {int(each): each for each in ChangerFault}
 _SCALARS = (
     "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
+    "dropped",
 )  # fmt: skip
 
 
@@ -84,11 +85,9 @@ class StatusBuilder:
         size = range(len(description.sequence))
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
-        # automata of earlier versions blow nothing off
         blown = map(description.sequence.index, description.blow_offs)
-        self._blows = [(i, name) for i in blown if (name := f"blow[{i}]") in execution.network.offsets]
+        self._blows = [(i, f"blow[{i}]") for i in blown]
         blows = [name for _, name in self._blows]
-        later = ["dropped"] if "dropped" in execution.network.offsets else []  # not in earlier automata
         self._per_actuator = {*self._valves, *self._states, *self._keeps, *blows}
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
@@ -98,7 +97,7 @@ class StatusBuilder:
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
             name: execution.value(name)
-            for name in (*_SCALARS, *later, *self._valves, *self._states, *self._keeps, *blows)
+            for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
         }
         self.found: Mapping[str, bool] = {}
         self.adopted = False
@@ -209,7 +208,7 @@ class StatusBuilder:
             held=self.held,
             kept=self._kept,
             blowing=self._blowing,
-            dropped=values.get("dropped", -1),
+            dropped=values["dropped"],
             secure=proven and hold.secure,
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
@@ -268,10 +267,10 @@ class StatusBuilder:
         why = loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
         return f"IL-05: {why} while a part is held: do not lift; {KEPT}." if why else ""
 
-    def _is(self, condition: Condition | None) -> bool:
-        """Whether a condition of the automata holds; of earlier versions that do not have it, yes."""
+    def _is(self, condition: Condition) -> bool:
+        """Whether a condition of the automata holds."""
         state = self._execution.state
-        return condition is None or bool(condition(state.values, state.locations))
+        return bool(condition(state.values, state.locations))
 
     @property
     def _vacant(self) -> str:
@@ -289,8 +288,6 @@ class StatusBuilder:
         return " ".join(filter(None, (self._reason, self._left)))
 
 
-def _condition(network: Network, name: str) -> Condition | None:
-    """A function of the automata that asks no clock; None: they have none of that name."""
-    if name not in network.scope.symbols:
-        return None
+def _condition(network: Network, name: str) -> Condition:
+    """A function of the automata that asks no clock."""
     return compile_integer(network, parse_expression(Text.plain(f"{name}()", f"function {name}")))

@@ -53,7 +53,6 @@ class SensorSet:
         description: the tool.
         carrier: of its channels.
         judge: shared with all others in this process who get the same frames; None: there are no others.
-        shows_absent: whether the automata know that a tool can be absent; earlier ones see it as unclear.
     """
 
     MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "revision": int}
@@ -64,8 +63,6 @@ class SensorSet:
         description: Description,
         carrier: Carrier,
         judge: FrameJudge | None = None,
-        *,
-        shows_absent: bool = True,
     ) -> None:
         self.now = SensorState(description, carrier)
         """What the sensors prove."""
@@ -91,8 +88,6 @@ class SensorSet:
         self._tool_events = {
             level: Event(f"tool_is[{int(level)}]", {"tool": int(level)}) for level in ToolEvidence
         }
-        if not shows_absent:
-            self._tool_events[ToolEvidence.ABSENT] = self._tool_events[ToolEvidence.UNCLEAR]
 
     @property
     def events(self) -> tuple[Event, ...]:

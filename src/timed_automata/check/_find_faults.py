@@ -6,7 +6,7 @@ declarations, parameters or the system section ends the search: all else hangs o
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
@@ -18,12 +18,8 @@ _MOST = 50  # faults: more say nothing new
 _Place = tuple[int, int]
 
 
-def find_faults(
-    document: Document, constants: Mapping[str, Given] | None = None, *, optional: Collection[str] = ()
-) -> list[ModelError]:
+def find_faults(document: Document, constants: Mapping[str, Given] | None = None) -> list[ModelError]:
     """Every fault of a document's texts and queries, in the order of the file; none: it is valid.
-
-    ``optional``: given constants that are left out where the document does not declare them.
 
     Raises:
         UsageError: a given constant does not exist, or does not fit its declaration.
@@ -33,7 +29,7 @@ def find_faults(
     rest: Document | None = document
     while rest is not None and len(faults) < _MOST:
         try:
-            network = make_network(rest, constants, optional=optional)
+            network = make_network(rest, constants)
             break
         except ModelError as error:
             faults.append(error)

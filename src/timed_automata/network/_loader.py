@@ -30,15 +30,10 @@ def load_network(path: str | Path, constants: Mapping[str, Given] | None = None)
     return make_network(load_document(path), constants)
 
 
-def make_network(
-    document: Document, constants: Mapping[str, Given] | None = None, *, optional: Collection[str] = ()
-) -> Network:
-    """A network of a document that was read; see :func:`load_network`.
-
-    ``optional``: given constants that are left out where the document does not declare them.
-    """
+def make_network(document: Document, constants: Mapping[str, Given] | None = None) -> Network:
+    """A network of a document that was read; see :func:`load_network`."""
     try:
-        return _make(document, constants or {}, optional)
+        return _make(document, constants or {})
     except (RecursionError, MemoryError, SyntaxError):  # Python's own limits, for generated code as well
         what = "An expression or a function is nested too deeply."
         raise ModelError(what, where=document.path, todo="Break it into parts.") from None
@@ -49,12 +44,12 @@ def export(network: Network) -> bytes:
     return write_document(network.document, network.replaced)
 
 
-def _make(document: Document, given: Mapping[str, Given], optional: Collection[str]) -> Network:
+def _make(document: Document, given: Mapping[str, Given]) -> Network:
     code, places, globals_ = GeneratedCode(), Places(), Scope()
     declarations = Declarations(code, places, globals_, given=given)
     for declaration in parse_declarations(document.declarations) if document.declarations else ():
         declarations.declare(declaration)
-    _check_given([name for name in given if name not in optional], globals_, document.path)
+    _check_given(given, globals_, document.path)
     definitions = Definitions(code, places)
     for template in document.templates:
         definitions.add_template(ParsedTemplate(template), globals_)

@@ -55,7 +55,7 @@ def check(file: Path | None, as_json: bool) -> None:
 def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
     from end_effector_hal.cli.model._source import is_uppaal
     from end_effector_hal.codecs import load_tool
-    from end_effector_hal.control import LATER_CONSTANTS, model_constants
+    from end_effector_hal.control import model_constants
     from timed_automata import load_document, make_network
     from timed_automata.check import find_faults
 
@@ -64,9 +64,9 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
         description = load_tool(path)
         constants, path = model_constants(description), description.automata_path
     document = load_document(path)
-    faults: list[ReportedError] = [*find_faults(document, constants, optional=LATER_CONSTANTS)]
+    faults: list[ReportedError] = [*find_faults(document, constants)]
     try:
-        return make_network(document, constants, optional=LATER_CONSTANTS), faults
+        return make_network(document, constants), faults
     except ReportedError:
         return None, faults
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from hashlib import sha256
 
-from end_effector_hal.control import LATER_CONSTANTS, model_constants, network_of
+from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.recording import hash_of
 from end_effector_hal.runtime.boundary import DESCRIPTION, MODEL, STATE
@@ -58,16 +58,13 @@ def _hash(description: bytes, model: bytes) -> str:
 
 
 def _of_constants(trace: ProgramTrace, tool: Description) -> Iterator[str]:
-    """Each constant is what the description makes it; which there are, the automata say."""
+    """The constants are those that the description makes."""
     recorded, expected = trace.header.constants, model_constants(tool)
-    declared = network_of(tool).scope.symbols
     for name in sorted(recorded.keys() | expected.keys()):
         if name not in expected:
-            if name not in declared:
-                yield f"that {name} = {recorded[name]!r}, and the automata have no such constant"
+            yield f"that {name} = {recorded[name]!r}, and the automata have no such constant"
         elif name not in recorded:
-            if name in declared or name not in LATER_CONSTANTS:
-                yield f"nothing of {name}, which the description makes {expected[name]!r}"
+            yield f"nothing of {name}, which the description makes {expected[name]!r}"
         elif _json(recorded[name]) != _json(expected[name]):
             yield f"that {name} = {recorded[name]!r}, and the description in the trace makes it {expected[name]!r}"
 
