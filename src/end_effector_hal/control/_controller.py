@@ -46,7 +46,6 @@ class Controller:
         "_adopt_by": int | None,
         "_at": int,
     }
-    RECORDED_AS: ClassVar = {"_statuses": "_telling"}
 
     def __init__(
         self,

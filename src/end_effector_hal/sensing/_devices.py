@@ -25,7 +25,6 @@ class SendingDevice:
     """
 
     MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None, "_quick": int}
-    ADDED: ClassVar = ("_quick",)
 
     def __init__(self, channels: frozenset[str], sequence: tuple[int, int], name: str) -> None:
         self._channels, self._name = channels, name

@@ -34,7 +34,6 @@ class HoldMonitor:
     """
 
     MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
-    RECORDED_AS: ClassVar = {"_watches": "_vacuums"}
 
     def __init__(
         self, description: Description, senses: SensorSet, carrier: Carrier, *, devices: bool = True

@@ -56,7 +56,6 @@ class SensorSet:
     """
 
     MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "revision": int}
-    RECORDED_AS: ClassVar = {"revision": "looked"}
 
     def __init__(
         self,

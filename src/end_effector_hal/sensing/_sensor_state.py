@@ -46,7 +46,6 @@ class SensorState:
         "nothing_gripped": bool,
         "in_stand": bool,
     }
-    RECORDED_AS: ClassVar = {"_release": "_vented", "nothing_gripped": "vented", "in_stand": "parked"}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.readings = Readings(description, carrier)

@@ -1,10 +1,9 @@
-"""What an object remembers, as plain data, and how a new one comes to remember the same.
+"""Write the state of an object as plain data, and give a new object that state.
 
 A recording that begins in the middle needs it. Each class names in ``MEMORY`` the attributes that change while it
-works, with their types; everything else follows from the description. `PART` stands for objects that have a memory of
-their own: one, None, or a list, tuple or dict of them that is the same for the same description. `INLINE` is a `PART`
-whose memory stands among that of the object that has it. ``RECORDED_AS`` maps attributes to the earlier names that
-recordings keep; ``ADDED`` names those that earlier recordings lack: there they are as in a new object.
+works, with their types; everything else follows from the description. `PART` marks objects that have a memory of
+their own: one, None, or a list, tuple or dict of them that is the same for the same description. The memory of an
+`INLINE` part stands among that of its object.
 """
 
 from __future__ import annotations
@@ -37,8 +36,8 @@ T = TypeVar("T", bound=Remembers)
 def memory_of(thing: Remembers) -> dict[str, Any]:
     """Plain data, the same for the same memory."""
     return {
-        recorded: _told(getattr(owner, name)) if kind is PART else _plain(kind, getattr(owner, name))
-        for owner, name, recorded, kind in _remembered(thing)
+        name: _plain_part(getattr(holder, name)) if kind is PART else _plain(kind, getattr(holder, name))
+        for holder, name, kind in _remembered(thing)
     }
 
 
@@ -129,35 +128,29 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
     Raises:
         UsageError: that is no memory of such an object; it may remember a part of it.
     """
-    known = memory if isinstance(memory, Mapping) else {}
-    remembered = [
-        each
-        for each in _remembered(thing)
-        if each[2] in known or each[1] not in getattr(each[0], "ADDED", ())
-    ]
-    found = _same_keys(memory, [recorded for _, _, recorded, _ in remembered], where)
-    for owner, name, recorded, kind in remembered:
-        place = f"{where}.{recorded.lstrip('_')}"
+    remembered = list(_remembered(thing))
+    found = _same_keys(memory, [name for _, name, _ in remembered], where)
+    for holder, name, kind in remembered:
+        place = f"{where}.{name.lstrip('_')}"
         if kind is PART:
-            _recall_part(getattr(owner, name), found[recorded], place)
+            _recall_part(getattr(holder, name), found[name], place)
             continue
         try:
-            value = _adapter(kind).validate_python(found[recorded])
+            value = _adapter(kind).validate_python(found[name])
         except ValidationError as error:
             raise UsageError(
                 f"A recorded state cannot be read: {place}: {error.errors()[0]['msg']}."
             ) from None
-        setattr(owner, name, value)
+        setattr(holder, name, value)
 
 
-def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, str, Any]]:
-    """Each attribute that is remembered: the object that has it, its name there and in a recording, its type."""
-    earlier = getattr(thing, "RECORDED_AS", {})
+def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
+    """The attributes that are remembered: the object that has it, its name, its type."""
     for name, kind in thing.MEMORY.items():
         if kind is INLINE:
             yield from _remembered(getattr(thing, name))
         else:
-            yield thing, name, earlier.get(name, name), kind
+            yield thing, name, kind
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -170,13 +163,13 @@ def _same(one: Any, other: Any) -> bool:
     return same_memory(one, other)
 
 
-def _told(part: Any) -> Any:
+def _plain_part(part: Any) -> Any:
     if part is None:
         return None
     if isinstance(part, list | tuple):
-        return [_told(each) for each in part]
+        return [_plain_part(each) for each in part]
     if isinstance(part, Mapping):
-        return {str(key): _told(each) for key, each in part.items()}
+        return {str(key): _plain_part(each) for key, each in part.items()}
     return memory_of(part)
 
 
@@ -187,8 +180,8 @@ def _recall_part(part: Any, memory: object, where: str) -> None:
     elif isinstance(part, list | tuple):
         if not isinstance(memory, list) or len(memory) != len(part):
             raise UsageError(f"A recorded state cannot be read: {where}: expected are {len(part)} entries.")
-        for number, (each, told) in enumerate(zip(part, memory, strict=True)):
-            _recall_part(each, told, f"{where}[{number}]")
+        for number, (each, its) in enumerate(zip(part, memory, strict=True)):
+            _recall_part(each, its, f"{where}[{number}]")
     elif isinstance(part, Mapping):
         found = _same_keys(memory, [str(key) for key in part], where)
         for key, each in part.items():

@@ -149,9 +149,9 @@ def broken(content: Any, *path: str | int) -> Any:
         ("memory", "_senses", "readings", "_values"),
         ("memory", "_senses", "_detectors", 0, "level"),
         ("memory", "_senses", "_detectors"),
-        ("memory", "_hold", "_vacuums", "0"),
-        ("memory", "_hold", "_vacuums", "7"),
-        ("memory", "_telling", "more"),
+        ("memory", "_hold", "_watches", "0"),
+        ("memory", "_hold", "_watches", "7"),
+        ("memory", "_statuses", "more"),
         ("memory", "_tool"),
     ],
 )

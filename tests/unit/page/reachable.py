@@ -158,11 +158,11 @@ class Placed:
         values = self._values(program, dict(where.values))
         locations = dict(where.locations)
         variables = {**sensing.execution.variables, **values, **where.shown.levels}
-        told = dict(sensing.memory["_telling"])
+        told = dict(sensing.memory["_statuses"])
         told["values"] = {name: variables[name] for name in told["values"]}
         started = locations["Gripper" if program == "grip" else "Changer"] not in ("Off", "Start")
         told["adopted"], told["found"] = started, {}
-        memory = {**sensing.memory, "_telling": told, "_adopt_by": None}
+        memory = {**sensing.memory, "_statuses": told, "_adopt_by": None}
         if program == "tool_change":
             told["values"]["ee"] = self._heard_ee(dict(where.values))
         execution = replace(

@@ -166,7 +166,7 @@ def set_at(*path: str | int, value: Any) -> Edit:
             set_at("at", value=1),
             set_at("memory", "_senses", "readings", "_last_frame", value=1),
             set_at("memory", "_hold", "_since", value=5),
-            set_at("memory", "_telling", "_missed", value=1),
+            set_at("memory", "_statuses", "_missed", value=1),
             set_at("execution", "entered", value=1),
             set_at("execution", "zeros", value={}),
         ],
