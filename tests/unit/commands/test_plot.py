@@ -106,7 +106,7 @@ def test_the_states_alone_are_enough(plot, run):
 def test_what_is_cut_off_or_damaged_is_noted_and_the_rest_drawn(plot, run):
     with (run / "states.csv").open("a") as file:
         file.write("20.0,6,")
-    (run / "pressures.csv").write_text("time_s,bottom\nx,y\n")
+    (run / "pressures.csv").write_text("time_s,bottom_gauge_kpa\nx,y\n")
     (run / "run.json").write_text("{")
     code, _, err = plot(run)
     assert code == 0

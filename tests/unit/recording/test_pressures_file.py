@@ -103,7 +103,7 @@ def test_another_header_is_refused(path):
 
 
 def test_a_last_line_without_its_end_is_dropped_because_digits_may_be_missing(path):
-    path.write_text("time_s,bottom,supply\n0,0,600\n1,-7,60")
+    path.write_text("time_s,bottom_gauge_kpa,supply_gauge_kpa\n0,0,600\n1,-7,60")
     log = read_pressures(path)
     assert log.times_s == (0.0,)
     assert log.note == f"{path}:3: the last line is cut off and was dropped."
@@ -114,9 +114,11 @@ def test_a_last_line_without_its_end_is_dropped_because_digits_may_be_missing(pa
     [
         ("", "pressures.csv:1: This file is empty"),
         ("time,bottom\n", "pressures.csv:1: The header is"),
-        ("time_s,bottom\n0,x\n", "pressures.csv:2: bottom is 'x', expected is a number."),
-        ("time_s,bottom\n0\n", "pressures.csv:2: This row has 1 fields, the header names 2."),
-        ("time_s,bottom\n1,0\n0,0\n", "pressures.csv:3: Time runs backwards"),
+        ("time_s,bottom\n0,1\n", "pressures.csv:1: The column 'bottom' has no unit, expected is a"),
+        ("time_s,a_mm,a_v\n", "pressures.csv:1: The channel 'a' has two columns."),
+        ("time_s,bottom_gauge_kpa\n0,x\n", "pressures.csv:2: bottom is 'x', expected is a number."),
+        ("time_s,bottom_gauge_kpa\n0\n", "pressures.csv:2: This row has 1 fields, the header names 2."),
+        ("time_s,bottom_gauge_kpa\n1,0\n0,0\n", "pressures.csv:3: Time runs backwards"),
     ],
 )
 def test_a_bad_file_is_refused_with_file_and_line(path, text, message):
@@ -129,7 +131,7 @@ def test_a_bad_file_is_refused_with_file_and_line(path, text, message):
 @given(st.binary(max_size=200))
 def test_arbitrary_bytes_are_read_or_refused(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("bytes") / "pressures.csv"
-    path.write_bytes(b"time_s,bottom,supply\n" + data)
+    path.write_bytes(b"time_s,bottom_gauge_kpa,supply_gauge_kpa\n" + data)
     assert answer(path).startswith(("read", f"{path}:"))
 
 
@@ -151,17 +153,3 @@ def test_no_written_curve_is_far_from_what_was_measured(tmp_path_factory, steps)
         # every sample lies within the band of the last one written before it, and the curve ends where it ended
         assert abs(before[-1] - bottom) <= 0.21
         assert after
-
-
-def test_a_recording_of_before_is_read_and_continued_under_its_own_header(path):
-    path.write_text("time_s,bottom,supply\n1.000000,0.00,600.00\n")
-    with PressuresWriter(path, CHANNELS) as writer:
-        assert writer.write(2.0, {"bottom": -5.0, "supply": 600.0})
-    assert path.read_text().splitlines()[0] == "time_s,bottom,supply"
-    assert read_pressures(path).channels == CHANNELS
-    assert read_pressures(path).curve("bottom") == (0.0, -5.0)
-
-
-def test_a_channel_may_have_the_name_of_the_unit(path):
-    path.write_text("time_s,a_gauge_kpa,b\n1,0,600\n")
-    assert read_pressures(path).channels == ("a_gauge_kpa", "b")

@@ -48,7 +48,7 @@ class ChangerWriter(TableWriter):
 
 
 def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
-    """The tool changer of a recording; one without the file has none, or was recorded by an earlier version.
+    """The tool changer of a recording; empty: the recording has no such table.
 
     Raises UsageError with ``file:line`` for anything that is no such table; a last line that was cut off is left out.
     """

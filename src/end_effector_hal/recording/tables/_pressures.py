@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
 
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
-"""After the name of a channel, in the header; not in recordings of before 0.2."""
+"""After the name of a channel, in the header."""
 KPA = "kPa"
 OF_QUANTITIES = {
     "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "N": "_n", "degC": "_degc"
@@ -77,7 +77,8 @@ class PressuresWriter(TableWriter):
         self._gap: Sample | None = None
         self._left_out: Sample | None = None
         self._due_s = 0.0
-        super().__init__(path, (*FIXED, *_columns(Path(path), self._channels, units)), limits)
+        columns = (column_of(channel, units) for channel in self._channels)
+        super().__init__(path, (*FIXED, *columns), limits)
         self._last = self._resumed(lambda line: _sample(line, self._channels, 0.0))
 
     @property
@@ -148,7 +149,7 @@ def read_pressures(path: str | Path) -> PressuresLog:
     A last line without its end is dropped and reported in ``note``: its last number may have lost digits.
     """
     lines = read_lines(path)
-    units = _units_of(read_header(lines, path, FIXED))
+    units = _units_of(read_header(lines, path, FIXED), f"{path}:1")
     channels = tuple(units)
     samples: list[Sample] = []
     note = ""
@@ -168,23 +169,21 @@ def column_of(channel: str, units: Mapping[str, str]) -> str:
     return f"{channel}{OF_QUANTITIES.get(units.get(channel, KPA), UNIT)}"
 
 
-def _columns(path: Path, channels: tuple[str, ...], units: Mapping[str, str]) -> tuple[str, ...]:
-    """The names of the columns; a file of an earlier version goes on with its own."""
-    with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
-        if file.readline() == ",".join((*FIXED, *channels)) + "\n":
-            return channels
-    return tuple(column_of(channel, units) for channel in channels)
-
-
-def _units_of(columns: tuple[str, ...]) -> dict[str, str]:
-    """The unit of each channel of a header: all of its columns have one, or, in recordings of before, none."""
+def _units_of(columns: tuple[str, ...], where: str) -> dict[str, str]:
+    """The unit of each channel of a header."""
     found: dict[str, str] = {}
     for column in columns:
         ending = next((each for each in _UNITS if column.endswith(each) and column != each), None)
         if ending is None:
-            return dict.fromkeys(columns, KPA)
-        found[column.removesuffix(ending)] = _UNITS[ending]
-    return found if len(found) == len(columns) else dict.fromkeys(columns, KPA)
+            raise UsageError(
+                f"The column {column!r} has no unit, expected is a name that ends in {', '.join(_UNITS)}.",
+                where=where,
+            )
+        channel = column.removesuffix(ending)
+        if channel in found:
+            raise UsageError(f"The channel {channel!r} has two columns.", where=where)
+        found[channel] = _UNITS[ending]
+    return found
 
 
 def _finite(value: float | None) -> float | None:

@@ -69,7 +69,7 @@ class SwitchesWriter(TableWriter):
 
 
 def read_switches(path: str | Path) -> SwitchesLog | None:
-    """The switches of a recording; None: it has none, or was recorded by an earlier version.
+    """The switches of a recording; None: it has no such table.
 
     Raises UsageError with ``file:line`` for anything that is no such table; a last line that was cut off is left out.
     """
