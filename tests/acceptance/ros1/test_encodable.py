@@ -7,21 +7,19 @@ import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from zlib import crc32
 
 import pytest
 
+from end_effector_hal.arbiter.records._record_file import RecordFile
+from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo._world import World
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.ros
-OLD = (
-    rb'{"faults":{"x\ud800":"IL-04: \ud800 both\nbits."},'
-    rb'"clients":[["gr\ud800p",7,["\ud800"],[],false]],"clean":false}'
-)
-"""What an owner before this version took from anybody, and wrote down."""
+RECORDED = rb'{"boot":"","clean":false,"faults":{"x\ud800":"IL-04: \ud800 both\nbits."}}'
+"""A journal whose text cannot be encoded."""
 
 
 def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,26 +54,26 @@ def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.M
 
 
 @pytest.fixture
-def old(system: Any, tmp_path: Path) -> Iterator[World]:
-    """A tool whose owner starts on the journal of an older one."""
+def started(system: Any, tmp_path: Path) -> Iterator[World]:
+    """A tool whose line arbiter starts with that journal."""
     world = World(load(profile_path()), "nominal", tmp_path)
     journal = world.socket.with_name(f"{world.socket.name}.journal")
-    journal.write_bytes(b"%08x %s\n" % (crc32(OLD), OLD))
+    RecordFile(FileStorage(journal, durable=True)).keep(RECORDED)
     with world:
-        launch = system.launch(world, name="old", env={"ROS_NAMESPACE": "/old"})
+        launch = system.launch(world, name="started", env={"ROS_NAMESPACE": "/started"})
         try:
             yield world
         finally:
             launch.end(signal_number=signal.SIGINT, patience_s=20.0)
 
 
-def test_the_hal_starts_on_a_journal_that_holds_such_a_text(system: Any, old: World) -> None:
+def test_the_hal_starts_on_a_journal_that_holds_such_a_text(system: Any, started: World) -> None:
     import rospy
     from end_effector_msgs.msg import EndEffectorState as Message
     from std_srvs.srv import Trigger
 
     states: list[Any] = []
-    subscriber = rospy.Subscriber("/old/EndEffectorState", Message, states.append)
+    subscriber = rospy.Subscriber("/started/EndEffectorState", Message, states.append)
     try:
         system.until(
             "STAND_BY with the fault shown",
@@ -86,8 +84,8 @@ def test_the_hal_starts_on_a_journal_that_holds_such_a_text(system: Any, old: Wo
             ),
         )
         for service in ("ResetFaults", "tool_change/command"):  # the reset asks both programs
-            rospy.wait_for_service(f"/old/{service}", PATIENCE_S)
-        assert rospy.ServiceProxy("/old/ResetFaults", Trigger)().success
+            rospy.wait_for_service(f"/started/{service}", PATIENCE_S)
+        assert rospy.ServiceProxy("/started/ResetFaults", Trigger)().success
         system.until("no alarm", lambda: not states[-1].alarms)
     finally:
         subscriber.unregister()

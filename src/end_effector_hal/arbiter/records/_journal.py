@@ -7,12 +7,10 @@ and is tried again at each change and every second. The sessions of the clients 
 from __future__ import annotations
 
 import logging
-import re
 import threading
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
-from zlib import crc32
 
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
@@ -80,15 +78,12 @@ class Journal:
 
     def read(self) -> JournalEntry:
         """What an earlier arbiter has written; waits for the disk."""
-        if self._file is None or self._storage is None:
+        if self._file is None:
             return JournalEntry({})
         try:
-            old = read_old_journal(self._storage.read())
             found = self._file.read()
         except OSError as error:
             return JournalEntry({}, clean=False, doubt=f"its journal cannot be read ({error.strerror})")
-        if old is not None:
-            return JournalEntry(old, clean=False)
         if found.standing is Standing.ABSENT:
             return JournalEntry({})
         if found.standing is Standing.DAMAGED:
@@ -250,25 +245,3 @@ def _entry(given: Any) -> JournalEntry:
     pulsed = read_levels(given.get("pulsed", {}))
     faults, driven = read_faults(given["faults"]), read_driven(given)
     return JournalEntry(faults, bool(given["clean"]), str(given["boot"]), pulsed=pulsed, driven=driven)
-
-
-_RECORD = re.compile(rb"[0-9a-f]{8} \{")
-
-
-def read_old_journal(content: bytes) -> Mapping[str, str] | None:
-    """The faults in its last whole record; None: this is not such a file.
-
-    Its last wills are not read: nothing says whether they still fit what is held.
-    """
-    if not _RECORD.match(content):
-        return None
-    faults: Mapping[str, str] = {}
-    for line in content.split(b"\n"):
-        given, _, text = line.partition(b" ")
-        if given != b"%08x" % crc32(text):
-            continue
-        try:
-            faults = read_json(text, lambda given: read_faults(given["faults"]))
-        except UsageError:
-            continue
-    return faults
