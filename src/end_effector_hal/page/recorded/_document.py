@@ -180,13 +180,13 @@ class _Fold:
             kind_of(part).states(value)
 
     def _begin(self, program: str, header: Any) -> None:
-        if self._runs.get(program) == (header.run or header.started):
+        if self._runs.get(program) == header.run:
             if header.gap is not None:
                 text = f"{header.gap.records} records of the {program} program are missing: {header.gap.why}."
                 self._view.log.add(header.at, "alarm", text, program)
             return
         again = " again" if program in self._runs else ""
-        self._runs[program] = header.run or header.started
+        self._runs[program] = header.run
         self._view.log.add(header.at, "command", f"The {program} program begins{again}.", program)
 
     def _lose(self, program: str, at: int, why: str) -> None:

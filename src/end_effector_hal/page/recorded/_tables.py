@@ -91,6 +91,7 @@ class RecordedTables:
             info.started,
             str(description.source),
             {},
+            "",
         )
         times = [row.time_s for row in self._states.rows] + [
             time_s for time_s, _ in self._pressures.samples[-1:]

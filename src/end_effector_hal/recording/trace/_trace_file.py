@@ -119,9 +119,9 @@ def read_trace(path: str | Path) -> TraceFile:
 
 
 def _in_order(numbered: list[tuple[int, Record]]) -> tuple[Record, ...]:
-    """As they were written, up to the first that is missing; those of older files have no number."""
+    """As they were written, up to the first that is missing."""
     numbered.sort(key=itemgetter(0))
-    gap = (at for at, (number, _) in enumerate(numbered) if number not in (0, at + 1))
+    gap = (at for at, (number, _) in enumerate(numbered) if number != at + 1)
     return tuple(record for _, record in numbered[: next(gap, None)])
 
 

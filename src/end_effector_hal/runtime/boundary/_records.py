@@ -33,8 +33,8 @@ class Header:
     """The file of the description."""
     constants: Mapping[str, Any]
     """What was put into the model."""
-    run: str = ""
-    """The same in all segments of one start of the program; empty: the trace is older than segments."""
+    run: str
+    """The same in all segments of one start of the program."""
     segment: int = 1
     """Number of the segment since that start."""
     follows: bool = False

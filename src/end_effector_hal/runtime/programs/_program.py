@@ -251,10 +251,7 @@ class Program(ABC):
         return ""
 
     def _unread(self, name: str) -> str:
-        """That the e-stop is not read, a sentence; empty: it is, or the automata would refuse for another reason.
-
-        Here and not in the controller: what an older recording accepted is accepted when it is replayed.
-        """
+        """That the e-stop is not read, a sentence; empty: it is, or the automata would refuse for another reason."""
         controller = self._adoption.controller
         why = unread_e_stop(self._description, controller.senses.now.readings, self._clock())
         return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name) else why

@@ -50,8 +50,7 @@ class Chain:
     def __init__(self, trace: ProgramTrace, before: SegmentEnd | None) -> None:
         header = trace.header
         self._before_in_folder, self._path = before, trace.file.path
-        ours = before is not None and bool(header.run)
-        ours = ours and before is not None and (before.program, before.run) == (header.program, header.run)
+        ours = before is not None and (before.program, before.run) == (header.program, header.run)
         self._before = before if ours else None
         self._header = header
         next_one = self._before is not None and self._before.segment + 1 == header.segment
@@ -90,7 +89,7 @@ class Chain:
     def _faults_of_run(self) -> Iterator[str]:
         """Nothing of another run stands right before a segment that is not the first."""
         other, header = self._before_in_folder, self._header
-        if other is None or not header.run or not other.run or header.segment <= 1:
+        if other is None or header.segment <= 1:
             return
         if other.program == header.program and _number(other.path) + 1 == _number(self._path):
             yield f"This is segment {header.segment} of a run, and the trace right before it is of another run."

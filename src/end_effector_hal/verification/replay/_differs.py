@@ -48,17 +48,17 @@ class Difference:
 
 
 def first_difference(kind: str, recorded: Any, replayed: Any) -> Difference | None:
-    """The first field that differs. Fields of a status that only one of them knows come from another version."""
-    found = _differs(recorded, replayed, kind, lenient=kind == "status")
+    """The first field that differs."""
+    found = _differs(recorded, replayed, kind)
     if found is None:
         return None
     what, old, new = found
     return Difference(recorded["at"], what, old, new)
 
 
-def _differs(old: Any, new: Any, what: str, *, lenient: bool = False) -> tuple[str, Any, Any] | None:
+def _differs(old: Any, new: Any, what: str) -> tuple[str, Any, Any] | None:
     if isinstance(old, dict) and isinstance(new, dict):
-        for key in sorted((old.keys() & new.keys() if lenient else old.keys() | new.keys()) - _UNTOLD):
+        for key in sorted((old.keys() | new.keys()) - _UNTOLD):
             found = _differs(old.get(key, NOTHING), new.get(key, NOTHING), f"{what}.{key}")
             if found:
                 return found

@@ -171,10 +171,8 @@ def _notes(trace: ProgramTrace, description: Description, used: str) -> list[str
     header, notes = trace.header, []
     if trace.file.note:
         notes.append(f"The trace is {'damaged' if trace.file.damaged else 'not whole'}: {trace.file.note}.")
-    recorded = header.constants  # a later version knows more of them
-    if names := [
-        key for key, value in model_constants(description).items() if recorded.get(key, value) != value
-    ]:
+    constants = model_constants(description)
+    if names := [key for key, value in constants.items() if header.constants.get(key) != value]:
         notes.append(f"Replayed with other constants of the model than recorded: {', '.join(names)}.")
     if used != header.hash and description.source.name != "description.json":
         notes.append(f"Replayed with another description ({used}) than recorded ({header.hash}).")

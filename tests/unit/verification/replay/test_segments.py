@@ -247,17 +247,3 @@ def test_a_changed_header_is_found_in_the_row(
     found = in_a_row((*segments[:2], third))
     assert not found[2].ok
     assert any(said in each.what for each in found[2].objections), found[2].objections
-
-
-def test_a_trace_without_segments_is_read_as_before(segments: tuple[ProgramTrace, ...]) -> None:
-    """As a version before wrote it: the header names no run, no segment and no gap."""
-    old = segments[0]
-    content = json.loads(old.file.records[0].data)
-    for name in ("run", "segment", "follows", "gap"):
-        del content[name]
-    record = replace(old.file.records[0], data=json.dumps(content).encode())
-    header = replace(old.header, run="", follows=False)
-    before = replace(old, header=header, file=replace(old.file, records=(record, *old.file.records[1:])))
-    found = review(before, before=review(before).end)
-    assert found.ok
-    assert found.notes == ()
