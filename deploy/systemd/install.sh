@@ -73,22 +73,9 @@ print(load(sys.argv[1]).automata.file)' "$tool")
     [ ! -f "$beside" ] || install -D -m 644 "$beside" "$dest/etc/eehal/$automata"
     "$prefix/bin/eehal" check "$installed" >/dev/null || exit 2
 fi
-# the journal of earlier releases: an arbiter that still runs goes on writing the file that it has open, wherever it stands
-old=$dest/var/lib/eehal-owner new=$dest/var/lib/eehal-arbiter
-if [ -d "$old" ] && [ -e "$new" ]; then
-    echo "There is a $new already: the latched faults in $old are not read; remove it" >&2
-elif [ -d "$old" ]; then
-    mv "$old" "$new"
-fi
 [ -z "$dest" ] || exit 0
 
 systemd-sysusers
-# the unit of earlier releases would keep the lines; its nodes end first, while it still runs
-if [ -e /etc/systemd/system/eehal-owner.service ]; then
-    systemctl stop eehal-hal
-    systemctl disable --now eehal-owner
-    rm /etc/systemd/system/eehal-owner.service
-fi
 # those that are left out
 for unit in $others; do
     [ ! -e "/etc/systemd/system/$unit.service" ] || systemctl disable --now "$unit"

@@ -141,26 +141,4 @@ def test_systemctl_gets_only_units_that_are_installed() -> None:
         ("", "eehal-arbiter $nodes"),
         ('[ -z "$nodes" ] || ', "$nodes"),
         ("", "eehal-arbiter"),
-        ("    ", "eehal-hal"),  # of the earlier release whose unit is there
     }
-
-
-@pytest.mark.thinned
-def test_the_journal_of_earlier_releases_is_moved_and_none_is_overwritten(prefix: Path) -> None:
-    state = prefix.parent / "root/var/lib"
-    (state / "eehal-owner").mkdir(parents=True)
-    (state / "eehal-owner/tool.journal").write_text("latched")
-    assert install(prefix, "-t", profile_path()).returncode == 0
-    assert [path.name for path in state.iterdir()] == ["eehal-arbiter"]
-    assert (state / "eehal-arbiter/tool.journal").read_text() == "latched"
-    (state / "eehal-owner").mkdir()
-    again = install(prefix)
-    assert (again.returncode, "are not read" in again.stderr) == (0, True)
-    assert (state / "eehal-arbiter/tool.journal").read_text() == "latched"
-
-
-def test_the_unit_that_is_removed_is_not_one_that_is_installed() -> None:
-    script = (DEPLOY / "systemd" / "install.sh").read_text()
-    removed = re.findall(r"rm /etc/systemd/system/(\S+)", script)
-    assert removed == ["eehal-owner.service"]
-    assert not set(removed) & {path.name for path in (DEPLOY / "systemd").iterdir()}
