@@ -10,7 +10,7 @@ ONE_CPU_PERCENT, ONE_MEMORY_MB, OF_CORE = 6.0, 130.0, 1.3
 RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
 FISCHER_8_S, STATE_BYTES, FISCHER_10_KIB = 2.5, 1024, 4 * 1024 * 1024
 ADDED_US = 150.0
-OWNER = "line arbiter"  # no node, but no node works without it
+ARBITER = "line arbiter"  # no node, but no node works without it
 
 
 def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -41,16 +41,16 @@ def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
             ("cpu_percent", 1.0, ONE_CPU_PERCENT if one else CPU_PERCENT, "% of a core"),
             ("pss_kib", 1024 / 1e6, ONE_MEMORY_MB if one else MEMORY_MB, "MB (PSS)"),
         ):
-            owner = result["usage"][OWNER][field] * unit
-            nodes = sum(each[field] for each in result["usage"].values()) * unit - owner
-            words = f"{nodes:.1f} {text}, with the line arbiter {nodes + owner:.1f}"
+            arbiter = result["usage"][ARBITER][field] * unit
+            nodes = sum(each[field] for each in result["usage"].values()) * unit - arbiter
+            words = f"{nodes:.1f} {text}, with the line arbiter {nodes + arbiter:.1f}"
             aim(f"all nodes {where}: under {most:g} {text} while holding", nodes, most, words)
     if (core := written.get("core")) and (one_process := written.get("ros2-one")):
         medians = [each["latencies_us"]["reaction"]["product"]["median"] for each in (one_process, core)]
         times = medians[0] / medians[1]
         text = f"reaction through ROS 2, one process: at most {OF_CORE:g} x that without ROS"
         aim(text, times, OF_CORE, f"{times:.2f} x")
-    if cost := written.get("owner"):
+    if cost := written.get("arbiter"):
         added = cost["added_us"]
         aim(
             f"the line arbiter adds at most {ADDED_US:g} µs at the median", added, ADDED_US, f"{added:.0f} µs"

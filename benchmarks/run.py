@@ -16,11 +16,11 @@ from typing import Any
 import latency
 import verification
 from aims import aims
+from arbiter_cost import measure_arbiter
 from environments import environment
 from machine import load_now, machine
-from owner_cost import measure_owner
 from rich.console import Console
-from table import print_latencies, print_owner, print_usage, print_verification
+from table import print_arbiter, print_latencies, print_usage, print_verification
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, RosError
@@ -31,7 +31,7 @@ PARTS = {
     "ros2-one": "through ROS 2, one process",
     "ros2-five": "through ROS 2, five processes",
 }
-OTHERS = ("owner", "verification")
+OTHERS = ("arbiter", "verification")
 progress, console = Console(stderr=True, highlight=False), Console(width=150, highlight=False)
 
 
@@ -40,10 +40,10 @@ def main() -> int:
     begun, plan = time.monotonic(), latency.QUICK if arguments.quick else latency.FULL
     written: dict[str, Any] = {"machine": machine(), "quick": arguments.quick}
     written |= _in_turns([part for part in PARTS if part in arguments.parts], plan)
-    if "owner" in arguments.parts:
-        cost = measure_owner(*((5, 5.0) if arguments.quick else (30, 20.0)), _say("owner"))
-        print_owner(console, cost)
-        written["owner"] = cost.as_json()
+    if "arbiter" in arguments.parts:
+        cost = measure_arbiter(*((5, 5.0) if arguments.quick else (30, 20.0)), _say("arbiter"))
+        print_arbiter(console, cost)
+        written["arbiter"] = cost.as_json()
     if "verification" in arguments.parts:
         measured = verification.measure_verification(
             verification.QUICK if arguments.quick else verification.FULL, _say("verification")
@@ -124,7 +124,7 @@ def _arguments() -> argparse.Namespace:
         nargs="+",
         choices=[*PARTS, *OTHERS],
         default=[*PARTS, *OTHERS],
-        help="some of it; owner and verification need no ROS",
+        help="some of it; arbiter and verification need no ROS",
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("runs/bench.json"))
     return parser.parse_args()

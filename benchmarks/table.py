@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from arbiter_cost import ArbiterCost
 from figures import Figures, figures
 from latency import Result
-from owner_cost import OwnerCost
 from rich.console import Console
 from rich.table import Table
 from usage import Usage
@@ -38,8 +38,8 @@ def print_latencies(console: Console, title: str, result: Result) -> None:
     console.print(table)
 
 
-def print_owner(console: Console, cost: OwnerCost) -> None:
-    """A command with and without the line arbiter, and what the owner uses."""
+def print_arbiter(console: Console, cost: ArbiterCost) -> None:
+    """A command with and without the line arbiter, and what the arbiter uses."""
     table = Table(title="A line command, directly and through the line arbiter", title_justify="left")
     table.add_column("ms", no_wrap=True)
     for head in ("median", "p99", "max", "n"):
@@ -47,8 +47,8 @@ def print_owner(console: Console, cost: OwnerCost) -> None:
     for text, found in (
         ("directly: call → line written", cost.direct_line),
         ("  … → call returns", cost.direct_return),
-        ("through the owner: call → line written", cost.owner_line),
-        ("  … → call returns", cost.owner_return),
+        ("through the arbiter: call → line written", cost.arbiter_line),
+        ("  … → call returns", cost.arbiter_return),
     ):
         table.add_row(text, *_cells(found))
     console.print(table)

@@ -10,16 +10,16 @@ from end_effector_msgs.action import EndEffector
 from rclpy.action import ActionServer
 from rclpy.action.server import ServerGoalHandle
 from std_msgs.msg import String
-from wire import GO, Owner, read_frames, word_of
+from wire import GO, Arbiter, read_frames, word_of
 
 
 def main(port: str, socket: str) -> None:
     rclpy.init()
-    node, owner = rclpy.create_node("floor_tool"), Owner(socket)
+    node, arbiter = rclpy.create_node("floor_tool"), Arbiter(socket)
     publisher = node.create_publisher(String, "floor/state", 100)
 
     def ask(word: bytes) -> None:
-        owner.ask(word)
+        arbiter.ask(word)
         publisher.publish(String(data=word.decode()))
 
     def read() -> None:

@@ -1,4 +1,4 @@
-"""The floor's node Grip on ROS 2: pings of the topic and commands of the service go to the owner; a topic tells it."""
+"""The floor's node Grip on ROS 2: pings of the topic and commands of the service go to the arbiter."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import sys
 import rclpy
 from end_effector_msgs.srv import HalCommand
 from std_msgs.msg import String
-from wire import GO, Owner, word_of
+from wire import GO, Arbiter, word_of
 
 
 def main(socket: str) -> None:
     rclpy.init()
-    node, owner = rclpy.create_node("floor_unit"), Owner(socket)
+    node, arbiter = rclpy.create_node("floor_unit"), Arbiter(socket)
     publisher = node.create_publisher(String, "floor/unit_state", 100)
 
     def on_frame(message: String) -> None:
         frame = message.data.encode()
         if frame.startswith(GO):
             word = word_of(frame)
-            owner.ask(word)
+            arbiter.ask(word)
             publisher.publish(String(data=word.decode()))
 
     def on_command(request: HalCommand.Request, response: HalCommand.Response) -> HalCommand.Response:
         word = f"c{request.until_us}"
-        owner.ask(word.encode())
+        arbiter.ask(word.encode())
         publisher.publish(String(data=word))
         return response
 

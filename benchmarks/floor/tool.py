@@ -1,4 +1,4 @@
-"""The floor without ROS: pty, this process, Unix socket, owner.
+"""The floor without ROS: pty, this process, Unix socket, arbiter.
 
 ``run SECONDS`` gives goals. Notes: goals, and when an answer was there.
 """
@@ -8,14 +8,14 @@ from __future__ import annotations
 import sys
 import threading
 
-from wire import GO, Notes, Owner, give_goals, now_us, read_frames, word_of
+from wire import GO, Arbiter, Notes, give_goals, now_us, read_frames, word_of
 
 
 def main(port: str, socket: str, path: str) -> None:
-    owner, notes = Owner(socket), Notes(path)
+    arbiter, notes = Arbiter(socket), Notes(path)
 
     def ask(word: bytes) -> None:
-        owner.ask(word)
+        arbiter.ask(word)
         notes.add(state=word.decode(), received=now_us())
 
     def read() -> None:

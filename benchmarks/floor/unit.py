@@ -1,4 +1,4 @@
-"""The floor's node Grip: pings of the topic and commands of the service go to the owner, then a topic tells."""
+"""The floor's node Grip: pings of the topic and commands of the service go to the arbiter, then a topic tells."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import sys
 import rospy
 from end_effector_msgs.srv import HalCommand, HalCommandResponse
 from std_msgs.msg import String
-from wire import GO, Owner, word_of
+from wire import GO, Arbiter, word_of
 
 
 def main(socket: str) -> None:
     rospy.init_node("floor_unit")
-    owner = Owner(socket)
+    arbiter = Arbiter(socket)
     publisher = rospy.Publisher("floor/unit_state", String, tcp_nodelay=True, queue_size=100)
 
     def on_frame(message: String) -> None:
         frame = message.data.encode()
         if frame.startswith(GO):
             word = word_of(frame)
-            owner.ask(word)
+            arbiter.ask(word)
             publisher.publish(word.decode())
 
     def on_command(request: HalCommand) -> HalCommandResponse:
         word = f"c{request.until_us}"
-        owner.ask(word.encode())
+        arbiter.ask(word.encode())
         publisher.publish(word)
         return HalCommandResponse(True, "", 0, True)
 

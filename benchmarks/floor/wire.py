@@ -1,4 +1,4 @@
-"""What the programs of the floor have in common: a port to read, an owner to ask, words and notes of the parent."""
+"""What the programs of the floor have in common: a port to read, an arbiter to ask, words and notes of the parent."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from itertools import count
 
 GO = b"!"
-"""A frame that begins with it is passed on to the owner, like one that confirms; the others end at the reader."""
+"""A frame that begins with it is passed on to the arbiter, like one that confirms; the others end at the reader."""
 
 LAST_US = 500_000
 """After the end of a block, until the last of its messages has certainly gone through."""
@@ -42,8 +42,8 @@ def word_of(frame: bytes) -> bytes:
     return frame[1:].split(b",", 1)[0]
 
 
-class Owner:
-    """Asks the owner, one at a time."""
+class Arbiter:
+    """Asks the arbiter, one at a time."""
 
     def __init__(self, path: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

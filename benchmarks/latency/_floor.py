@@ -37,7 +37,7 @@ class Floor:
             command = [where.python, str(floor / f"{name}.py"), *map(str, arguments)]
             return start(f"floor/{name}.py", command, log=folder / f"floor-{name}.log", env=where.env).pid
 
-        self.owner = process("owner", socket, lines)
+        self.arbiter = process("arbiter", socket, lines)
         self.nodes: dict[str, int] = {}
         if part == "core":
             self._client = Driven(children, "floor/tool.py", [port, socket, self.notes[1]], folder, where)

@@ -20,7 +20,7 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/end_effector_hal"]),
         ("share/end_effector_hal", ["package.xml"]),
         ("share/end_effector_hal/launch", sorted(glob("launch/*.launch.py"))),
-        ("lib/end_effector_hal", sorted({*glob("scripts/*")} - {"scripts/line_owner"})),
+        ("lib/end_effector_hal", sorted({*glob("scripts/*")} - {"scripts/line_arbiter"})),
     ],
     extras_require={"test": ["pytest"]},
 )

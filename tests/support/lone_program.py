@@ -19,7 +19,7 @@ BOTTOM, CYLINDER, TOP = LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")
 OFF, ON = False, True
 
 
-class Owner:
+class Arbiter:
     """A line arbiter that does what a test says."""
 
     def __init__(self) -> None:
@@ -58,8 +58,8 @@ class Tool:
     """A gripping unit, and what its sensors show."""
 
     def __init__(self, description: Description | None = None) -> None:
-        self.owner, self.told = Owner(), list[Status]()
-        self.program = GripProgram(description or load(profile_path()), self.owner, self.told.append)
+        self.arbiter, self.told = Arbiter(), list[Status]()
+        self.program = GripProgram(description or load(profile_path()), self.arbiter, self.told.append)
         self.confirmed = dict.fromkeys(LINES, OFF)
         self._seq = 0
 
@@ -93,6 +93,6 @@ class Tool:
         self.until(lambda status: status.ee == State.STAND_BY and set(status.evidence) == {1})
         assert self.program.command("grip").accepted
         for line in LINES[:step]:
-            self.until(lambda _, line=line: self.owner.active[line])
+            self.until(lambda _, line=line: self.arbiter.active[line])
             self.confirmed[line] = ON
         self.until(lambda status: status.outputs[step])

@@ -16,7 +16,7 @@ REPEAT_S = 0.03
 
 @contextmanager
 def proving(socket: Path, **predicates: bool) -> Iterator[None]:
-    """Tell it again and again until the end; it begins when the owner has heard it."""
+    """Tell it again and again until the end; it begins when the arbiter has heard it."""
     teller, ended = PredicateSender(socket), threading.Event()
 
     def tell() -> None:

@@ -16,7 +16,7 @@ from end_effector_hal.wires import now_us
 from ._policy import arbiter_policy
 
 REPEAT_US = 50_000
-"""The owner gets them at least so often; it forgets them after 150 ms."""
+"""The arbiter gets them at least so often; it forgets them after 150 ms."""
 
 
 class Sender(Protocol):
@@ -32,12 +32,12 @@ class Sender(Protocol):
 class PredicatePublisher:
     """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
 
-    Frames are passed on through `frame`: then the owner knows of each before any command that follows
+    Frames are passed on through `frame`: then the arbiter has each before any command that follows
     from it. What is only repeated comes after them: no line waits for it. A link that is slower than that is repeated
     by a thread, for as long as its readings are fresh.
 
     Args:
-        description: the tool; its owner need not run yet.
+        description: the tool; its arbiter need not run yet.
         carrier: of its channels; default: what the description says.
         clock: µs.
         judge: shared with those in this process who get the same frames.
@@ -82,7 +82,7 @@ class PredicatePublisher:
 
         Args:
             frame: as it came.
-            pass_on: called with it once the owner was told what it changes.
+            pass_on: called with it once the arbiter was told what it changes.
         """
         proven: Mapping[str, bool] = {}
         at = frame.at

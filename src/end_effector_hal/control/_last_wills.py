@@ -17,8 +17,8 @@ class GripLastWill:
     Empty: hold. What is blown off is not held by its suction, so nothing falls for that end; no last will begins one.
 
     Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
-    as it says; while releasing: the release is carried out. The owner sees no sensors, so it gives each step the whole
-    time that the release allows it.
+    as it says; while releasing: the release is carried out. The arbiter sees no sensors, so it gives each step the
+    whole time that the release allows it.
     """
 
     def __init__(self, description: Description) -> None:

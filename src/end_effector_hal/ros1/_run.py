@@ -15,13 +15,13 @@ from end_effector_hal.nodes.process import guarded
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
-LINE_OWNER = "line_owner"
+LINE_ARBITER = "line_arbiter"
 
 
 def main(argv: Sequence[str]) -> int:
     """Run what the first argument names, a node or the line arbiter; returns the exit code."""
     program = argv[0]
-    if program == LINE_OWNER:
+    if program == LINE_ARBITER:
         return guarded(program, lambda: _run_arbiter(argv))
     return guarded(program, lambda: _run_node(program, argv))
 

@@ -24,7 +24,7 @@ from ._world import World
 
 END_S = 20.0
 LOOPBACK = "127.0.0.1"
-LAUNCH = ("roslaunch", "--wait", "end_effector_hal", "end_effector.launch", "owner:=false")
+LAUNCH = ("roslaunch", "--wait", "end_effector_hal", "end_effector.launch", "arbiter:=false")
 RUN = ("rosrun", "end_effector_hal")
 PROGRAMS = ("roscore", "roslaunch", "rosrun")
 DEBIAN = (

@@ -60,7 +60,7 @@ class World:
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self.place / "chip"
-        self.socket = self.place / "owner.sock"
+        self.socket = self.place / "arbiter.sock"
         self.port = self.place / "uart"
         self.children = Children()
         self.description_path = folder / DESCRIPTION
@@ -113,7 +113,7 @@ class World:
         self.arbiter = start(
             "line arbiter",
             [*EEHAL, "arbiter", path],
-            log=self.folder / "owner.log",
+            log=self.folder / "arbiter.log",
             failed=ArbiterError,
             outlives_us=self._outlives_us,
         )

@@ -18,7 +18,7 @@ class Bench:
 
     def __init__(self, folder):
         self.chip = VirtualChip.create(folder / "chip", LINES, {BOTTOM: "up"}).path
-        self.socket = folder / "run" / "owner.sock"
+        self.socket = folder / "run" / "arbiter.sock"
 
     @contextmanager
     def arbiter(self, policy=POLICY):

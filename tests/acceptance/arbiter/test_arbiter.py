@@ -391,6 +391,6 @@ def test_an_arbiter_that_cannot_start_leaves_nothing_behind(bench, tmp_path):
         ArbiterServer(VirtualLines(bench.chip), tmp_path / ("x" * 120), POLICY)
     (tmp_path / "file").touch()
     with pytest.raises(WireError, match="socket of the line arbiter cannot be made"):
-        ArbiterServer(VirtualLines(bench.chip), tmp_path / "file" / "owner.sock", POLICY)
+        ArbiterServer(VirtualLines(bench.chip), tmp_path / "file" / "arbiter.sock", POLICY)
     with bench.arbiter():
         pass

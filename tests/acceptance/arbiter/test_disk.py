@@ -25,7 +25,7 @@ pytestmark = [
     pytest.mark.wall,
     pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a disk"),
 ]
-OWNER = """
+ARBITER = """
 import sys
 from end_effector_hal.arbiter import Need, Policy, serve
 from end_effector_hal.wires.lines import VirtualLines
@@ -114,7 +114,7 @@ class Bench:
 
     @contextmanager
     def arbiter(self) -> Iterator[subprocess.Popen[bytes]]:
-        words = [sys.executable, "-c", OWNER, self.chip, self.socket, self.journal, *LINES]
+        words = [sys.executable, "-c", ARBITER, self.chip, self.socket, self.journal, *LINES]
         with subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE) as process:
             try:
                 assert process.stdout

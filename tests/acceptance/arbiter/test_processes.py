@@ -23,7 +23,7 @@ from tests.support.patience import PATIENCE_S, wait_until
 pytestmark = pytest.mark.wall
 
 
-OWNER = """
+ARBITER = """
 import sys
 from end_effector_hal.arbiter import Policy, serve
 from end_effector_hal.wires.lines import VirtualLines
@@ -57,7 +57,7 @@ def process(program, *arguments):
 
 
 def test_a_killed_arbiter_leaves_the_lines_and_the_next_adopts_them(bench):
-    with process(OWNER, bench.chip, bench.socket, *LINES) as first:
+    with process(ARBITER, bench.chip, bench.socket, *LINES) as first:
         with bench.client() as grip:
             with pytest.raises(LineBusyError, match=f"pid {first.pid} "):
                 ArbiterServer(VirtualLines(bench.chip), bench.socket, POLICY)
@@ -69,14 +69,14 @@ def test_a_killed_arbiter_leaves_the_lines_and_the_next_adopts_them(bench):
                 grip.levels()
         assert bench.socket.exists()
     records = bench.chip.read_bytes()
-    with process(OWNER, bench.chip, bench.socket, *LINES), bench.client() as grip:
+    with process(ARBITER, bench.chip, bench.socket, *LINES), bench.client() as grip:
         assert grip.levels() == {UNLOCK: False, BOTTOM: True, TOP: False}
         assert bench.chip.read_bytes() == records
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_an_arbiter_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, number):
-    with process(OWNER, bench.chip, bench.socket, *LINES) as arbiter:
+    with process(ARBITER, bench.chip, bench.socket, *LINES) as arbiter:
         grip = bench.client()
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         wait_until("it", lambda: bench.levels()[1])
@@ -91,7 +91,7 @@ def test_an_arbiter_that_is_asked_to_end_leaves_the_lines_as_they_are(bench, num
 def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
     edges = []
     with (
-        process(OWNER, bench.chip, bench.socket, *LINES),
+        process(ARBITER, bench.chip, bench.socket, *LINES),
         process(CLIENT, bench.socket, BOTTOM, TOP) as client,
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
@@ -112,7 +112,7 @@ def test_the_will_of_a_killed_client_is_executed_in_order_and_in_time(bench):
 def test_an_arbiter_that_ends_with_its_clients_still_executes_their_wills(bench):
     # as roslaunch does it at Ctrl-C: everybody is told to end, the arbiter first
     with (
-        process(OWNER, bench.chip, bench.socket, *LINES) as arbiter,
+        process(ARBITER, bench.chip, bench.socket, *LINES) as arbiter,
         process(CLIENT, bench.socket, BOTTOM, TOP) as client,
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
@@ -125,7 +125,7 @@ def test_an_arbiter_that_ends_with_its_clients_still_executes_their_wills(bench)
 
 def test_a_second_signal_ends_an_arbiter_at_once(bench):
     with (
-        process(OWNER, bench.chip, bench.socket, *LINES) as arbiter,
+        process(ARBITER, bench.chip, bench.socket, *LINES) as arbiter,
         process(CLIENT, bench.socket, BOTTOM, TOP),
     ):
         wait_until("it", lambda: bench.levels() == [False, True, True])
@@ -146,7 +146,7 @@ def test_a_stopped_client_is_dead_after_its_lease(bench):
 
 
 def test_an_arbiter_that_was_stopped_kills_nobody(bench):
-    with process(OWNER, bench.chip, bench.socket, *LINES) as arbiter, bench.client(timeout_s=10) as grip:
+    with process(ARBITER, bench.chip, bench.socket, *LINES) as arbiter, bench.client(timeout_s=10) as grip:
         grip.set({BOTTOM: True}, [LastWillStep(BOTTOM)])
         arbiter.send_signal(signal.SIGSTOP)
         threading.Event().wait(1.5)

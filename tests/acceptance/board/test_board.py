@@ -83,10 +83,10 @@ def test_another_story_is_told_as_such(parts: Path, runs: Path) -> None:
     assert [fault.partition(":")[0] for fault in played.faults] == ["attempts", "time-outs"]
 
 
-def test_a_killed_owner_leaves_the_lines_as_they_are(
+def test_a_killed_arbiter_leaves_the_lines_as_they_are(
     parts: Path, runs: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What no other controller here does: gpio-mxc keeps level and direction, and the next owner adopts them."""
+    """What no other controller here does: gpio-mxc keeps level and direction, and the next arbiter adopts them."""
     folder = runs / "board-tests" / "kill"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -100,7 +100,7 @@ def test_a_killed_owner_leaves_the_lines_as_they_are(
     command = "cd /opt && python3 -m tests.acceptance.board.kill_arbiter"
     ended = run_board(parts, folder, command, files=files, ros=False)
     with capsys.disabled():
-        print(f"\nkilled owner: {ended.seconds:.0f} s from power-up to power-off; {ended.output}")  # noqa: T201
+        print(f"\nkilled arbiter: {ended.seconds:.0f} s from power-up to power-off; {ended.output}")  # noqa: T201
     assert ended.code == 0, ended.output
     edges = [(edge.line, edge.level) for edge in edges_of(folder / "events")]
     assert sorted(edges[:2]) == [("SODIMM_208", True), ("SODIMM_212", True)]

@@ -60,9 +60,9 @@ def test_json_lines_then_sigterm_ends_in_order(world: World, tmp_path: Path) -> 
     assert states[0]["end_effector"] == "OFF"
     assert list(states[0]["actuators"]) == list(world.description.sequence)
     assert errors.read_text() == ""
-    # it left the owner with its will, as the description declares, and did not die
+    # it left the arbiter with its will, as the description declares, and did not die
     wait_until("it leaves", lambda: clients(world) == [])
-    assert "its socket was closed" not in (tmp_path / "owner.log").read_text()
+    assert "its socket was closed" not in (tmp_path / "arbiter.log").read_text()
     assert (record / "states.csv").read_text().count("\n") > 1
 
 

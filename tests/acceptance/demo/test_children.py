@@ -114,12 +114,12 @@ def test_end_since_leaves_those_before(tmp_path: Path) -> None:
 def test_one_that_ends_before_it_is_ready_is_told_with_its_last_lines(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "print('reading', flush=True); raise SystemExit('there is no chip')"]
     with Children() as children:
-        child = children.start("line arbiter", command, log=tmp_path / "owner.log", failed=ArbiterError)
+        child = children.start("line arbiter", command, log=tmp_path / "arbiter.log", failed=ArbiterError)
         with pytest.raises(ArbiterError) as raised:
             child.wait_until(lambda: False, timeout_s=PATIENCE_S, what="its socket")
     text = str(raised.value)
     assert text.startswith("The line arbiter ended (exit code 1) before its socket.")
-    assert str(tmp_path / "owner.log") in text
+    assert str(tmp_path / "arbiter.log") in text
     assert text.endswith("    there is no chip")
     assert raised.value.exit_code == 3
 

@@ -24,19 +24,19 @@ from .conftest import ROOT
 
 pytestmark = [pytest.mark.wall, pytest.mark.thinned, pytest.mark.timeout(600)]
 KILLED = {
-    "double_acting_jaw": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED"), ("LineOwner", "RELEASING")),
-    "bistable_and_magnet": ((BOTH, "GRIPPING magnet"), ("LineOwner", "GRIPPED"), ("HAL", "RELEASING")),
+    "double_acting_jaw": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED"), ("LineArbiter", "RELEASING")),
+    "bistable_and_magnet": ((BOTH, "GRIPPING magnet"), ("LineArbiter", "GRIPPED"), ("HAL", "RELEASING")),
     "two_coil_changer": (("HAL", "unlocking"), (BOTH, "unlocking")),
     "epick_commanded": (
         ("HAL", "GRIPPED"),
-        ("LineOwner", "RELEASING"),
+        ("LineArbiter", "RELEASING"),
     ),  # held: it would hear nothing for a second
-    "six_cups": (("LineOwner", "GRIPPING cup_6"), ("HAL", "GRIPPED"), (BOTH, "RELEASING")),
+    "six_cups": (("LineArbiter", "GRIPPING cup_6"), ("HAL", "GRIPPED"), (BOTH, "RELEASING")),
     "two_links": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED")),
-    "diy_text": (("HAL", "GRIPPED"), ("LineOwner", "RELEASING")),
+    "diy_text": (("HAL", "GRIPPED"), ("LineArbiter", "RELEASING")),
     "diy_record": (("HAL", "GRIPPING cups"), (BOTH, "GRIPPED")),
-    "diy_vacuum": (("LineOwner", "GRIPPED"), ("HAL", "RELEASING")),
-    "two_epick": (("HAL", "GRIPPING right"), ("LineOwner", "GRIPPED")),
+    "diy_vacuum": (("LineArbiter", "GRIPPED"), ("HAL", "RELEASING")),
+    "two_epick": (("HAL", "GRIPPING right"), ("LineArbiter", "GRIPPED")),
     "area_gripper": (("HAL", "GRIPPING row_5"), (BOTH, "GRIPPED")),
     "gripper_2f85": (("HAL", "GRIPPED"), (BOTH, "GRIPPED")),
 }

@@ -44,7 +44,7 @@ def test_the_chip_that_the_testbench_is(kernel: Path, tool: Description, tmp_pat
     for name, levels in by_line.items():
         assert levels == [True, False] * (len(levels) // 2), f"{name}: what was driven has fallen"
     assert by_line["SODIMM_206"]
-    # the owner that was killed with both active: they fall together, with nobody left to write
+    # the arbiter that was killed with both active: they fall together, with nobody left to write
     assert falls_together(edges)
 
 

@@ -79,24 +79,24 @@ def health(box: Box, parts: str) -> int:
     return box.run(*command, env={"EEHAL_HEALTH": parts}).returncode
 
 
-OWNER, HAL = "description,lines,arbiter", "description,ros,arbiter,link"
+ARBITER, HAL = "description,lines,arbiter", "description,ros,arbiter,link"
 
 
 def test_it_is_not_healthy_before_anything_runs(box: Box) -> None:
-    assert (health(box, OWNER), health(box, HAL)) == (3, 3)
+    assert (health(box, ARBITER), health(box, HAL)) == (3, 3)
 
 
 @pytest.fixture(scope="module")
-def owner(box: Box) -> Child:
+def arbiter(box: Box) -> Child:
     """The line arbiter, by the entry that the image declares."""
     assert box.config["Cmd"] == ["arbiter"]
-    child = box.start("owner", *box.config["Entrypoint"], *box.config["Cmd"])
-    child.wait_until(lambda: health(box, OWNER) == 0, timeout_s=box.limit_s, what="its health")
+    child = box.start("arbiter", *box.config["Entrypoint"], *box.config["Cmd"])
+    child.wait_until(lambda: health(box, ARBITER) == 0, timeout_s=box.limit_s, what="its health")
     return child
 
 
 def edges(bench: Path) -> list[tuple[str, bool]]:
-    """Every write to the chip after the owner has taken its lines."""
+    """Every write to the chip after the arbiter has taken its lines."""
     records = [json.loads(line) for line in (bench / "chip").read_text().splitlines() if line.strip()]
     written = [(record["line"], bool(record["level"])) for record in records if "line" in record]
     return written[len(output_lines(TOOL)) :]
@@ -106,16 +106,16 @@ GRIPPING = program_lines(TOOL, "grip")
 ONE_GRIP_AND_DROP = [*((line, True) for line in GRIPPING), *((line, False) for line in reversed(GRIPPING))]
 
 
-def test_one_grip_and_drop_without_ros(box: Box, bench: Path, owner: Child) -> None:
+def test_one_grip_and_drop_without_ros(box: Box, bench: Path, arbiter: Child) -> None:
     before = len(edges(bench))
     said = well(box.run("eehal", "run", "/bench/end_effector.yaml", "--script", "grip; drop"))
     assert "GRIP: succeeded" in said
     assert edges(bench)[before:] == ONE_GRIP_AND_DROP
     assert not any(state.level for state in VirtualChip(bench / "chip").read().lines.values())
-    assert owner.code is None
+    assert arbiter.code is None
 
 
-def test_one_grip_and_drop_through_the_nodes(box: Box, image: Image, bench: Path, owner: Child) -> None:
+def test_one_grip_and_drop_through_the_nodes(box: Box, image: Image, bench: Path, arbiter: Child) -> None:
     before = len(edges(bench))
     entry = box.config["Entrypoint"]
     if image.ros2:
@@ -131,4 +131,4 @@ def test_one_grip_and_drop_through_the_nodes(box: Box, image: Image, bench: Path
     assert "release: SUCCEEDED" in said, said
     assert edges(bench)[before:] == ONE_GRIP_AND_DROP
     nodes.wait_until(lambda: health(box, HAL) == 0, timeout_s=box.limit_s, what="its health")
-    assert owner.code is None
+    assert arbiter.code is None

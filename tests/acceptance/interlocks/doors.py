@@ -104,7 +104,7 @@ def _(rig: Rig) -> str:
     rig.until(
         lambda: rig.action("unlock") == ""
     )  # the sensors must have proven for a while that nothing is there
-    rig.until(lambda: not rig.owner.levels()[UNLOCK])
+    rig.until(lambda: not rig.arbiter.levels()[UNLOCK])
     rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
     return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
 
@@ -112,19 +112,19 @@ def _(rig: Rig) -> str:
 @cell("IL-03", "service", r"^the program ended it: LOCKED$")
 def _(rig: Rig) -> str:
     rig.until(lambda: rig.service("tool_changer", True).accepted)
-    rig.until(lambda: not rig.owner.levels()[UNLOCK])
+    rig.until(lambda: not rig.arbiter.levels()[UNLOCK])
     rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
     return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
 
 
-@cell("IL-03", "socket", r"^the owner ended SODIMM_206 by IL-03$")
+@cell("IL-03", "socket", r"^the arbiter ended SODIMM_206 by IL-03$")
 def _(rig: Rig) -> str:
     with rig.hand(UNLOCK) as hand:
         hand.set({UNLOCK: True})
         rig.until(lambda: bool(hand.status()["trips"]))
         assert not hand.levels()[UNLOCK]
         (trip,) = hand.status()["trips"]
-        return f"the owner ended {trip['line']} by {trip['interlock']}"
+        return f"the arbiter ended {trip['line']} by {trip['interlock']}"
 
 
 # IL-04: a lock is proven by its sensors; both bits or neither is a sensor fault
@@ -161,7 +161,7 @@ def _(rig: Rig) -> str:
     return rig.service("tool_changer", False).reason
 
 
-no("IL-04", "socket", "the owner tells the levels of its lines and claims no lock")
+no("IL-04", "socket", "the arbiter tells the levels of its lines and claims no lock")
 
 # IL-05: no gripping unless the tool is locked
 
@@ -285,7 +285,7 @@ def _(rig: Rig) -> str:
         with rig.hand(BOTTOM) as hand:
             hand.set({BOTTOM: False})
     except OSError as error:
-        assert rig.owner.levels()[BOTTOM]
+        assert rig.arbiter.levels()[BOTTOM]
         return str(error)
     raise AssertionError("it was dropped")
 
@@ -311,7 +311,7 @@ def _(rig: Rig) -> str:
 no(
     "IL-10",
     "service",
-    "waits for the sensor of one switching before the next is asked for; the owner sees to it anyhow",
+    "waits for the sensor of one switching before the next is asked for; the arbiter sees to it anyhow",
 )
 
 
@@ -332,14 +332,14 @@ def _(rig: Rig) -> str:
     rig.gripped()
     rig.odd |= {"bottom": 0, "top": 0}
     rig.until(lambda: rig.grip.status.ee == State.GRIP_ERROR)
-    before = rig.owner.levels()
+    before = rig.arbiter.levels()
     rig.grip.close()
     again = open_program(GripProgram, rig.description)
     rig.units[0] = again
     again.start()
     rig.until(lambda: again.status.ee != State.OFF)
     again.close()
-    after = rig.owner.levels()
+    after = rig.arbiter.levels()
     return f"{sum(after[line] and not before[line] for line in after)} activations after a restart"
 
 

@@ -51,9 +51,9 @@ class Rig:
     """
 
     def __init__(self, folder: Path, *, programs: bool = True) -> None:
-        self.description = quick().with_virtual(folder / "chip", "none", folder / "owner.sock")
+        self.description = quick().with_virtual(folder / "chip", "none", folder / "arbiter.sock")
         self.chip = VirtualChip.create(folder / "chip", output_lines(self.description)).path
-        self.socket = folder / "owner.sock"
+        self.socket = folder / "arbiter.sock"
         self.odd: dict[str, int | bool | None] = {}
         self.silent = False
         self._programs, self._frames = programs, 0
@@ -62,13 +62,13 @@ class Rig:
 
     def __enter__(self) -> Rig:
         policy = replace(arbiter_policy(self.description), lease_us=LEASE_US)
-        self.owner = ArbiterServer(VirtualLines(self.chip), self.socket, policy)
-        serving = threading.Thread(target=self.owner.run)
+        self.arbiter = ArbiterServer(VirtualLines(self.chip), self.socket, policy)
+        serving = threading.Thread(target=self.arbiter.run)
         serving.start()
-        self._stack.callback(self.owner.close)
+        self._stack.callback(self.arbiter.close)
         self._stack.callback(serving.join)
-        self._stack.callback(self.owner.stop)
-        self._stack.callback(self.owner.stop)
+        self._stack.callback(self.arbiter.stop)
+        self._stack.callback(self.arbiter.stop)
         self.predicates = PredicatePublisher(self.description)
         self._stack.callback(self.predicates.close)
         self.units: list[Program] = []
@@ -161,7 +161,7 @@ class Rig:
                     unit.frame(frame)
 
     def _values(self) -> dict[str, int | bool | None]:
-        on = self.owner.levels()
+        on = self.arbiter.levels()
         return {
             "bottom": -80_000 if on[BOTTOM] else 0, "top": -80_000 if on[TOP] else 0,
             "cylinder": 600_000 if on[CYLINDER] else 0, "supply": 600_000,
@@ -172,7 +172,7 @@ class Rig:
 
 
 def refusal(client: ArbiterClient, line: str, **more: object) -> str:
-    """The sentence of the owner; it must refuse."""
+    """The sentence of the arbiter; it must refuse."""
     try:
         client.set({line: True}, **more)  # type: ignore[arg-type]
     except ReportedError as error:

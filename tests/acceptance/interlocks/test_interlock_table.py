@@ -47,7 +47,7 @@ def test_it_is_refused_in_words(cell: Cell, tmp_path: Path, said: dict[Cell, str
     # at the socket a hand writes the lines; only where a held part is concerned do the programs have them
     programs = cell.door != "socket" or cell.interlock == "IL-09"
     with Rig(tmp_path, programs=programs) as rig:
-        before = dict(rig.owner.levels())
+        before = dict(rig.arbiter.levels())
         answer = cell.violate(rig)
         said[cell] = answer
         assert re.search(cell.said, answer), answer

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 from end_effector_hal.description import Description
 
-BOTH = "HAL and LineOwner"
+BOTH = "HAL and LineArbiter"
 """Both at once."""
 NODES = ("HALMain", "Grip", "ToolChange", "Pressure", "Position")
 PROCESSES = {
-    "1": (*NODES, "LineOwner", "roscore", "testbench", "Supervisor"),
-    "2-five": (*NODES, "LineOwner", "testbench", "Supervisor"),
-    "2-one": ("HAL", "LineOwner", "testbench", "Supervisor"),
-    "none": ("HAL", "LineOwner", BOTH, "testbench"),
+    "1": (*NODES, "LineArbiter", "roscore", "testbench", "Supervisor"),
+    "2-five": (*NODES, "LineArbiter", "testbench", "Supervisor"),
+    "2-one": ("HAL", "LineArbiter", "testbench", "Supervisor"),
+    "none": ("HAL", "LineArbiter", BOTH, "testbench"),
 }
 """The generations of ROS, the second with a process for each node and with one for all, to what may be hit; `none` is
 one process without ROS."""
@@ -101,9 +101,9 @@ TELLING = (
     ("Pressure", KILL, (LAST,)),
     ("Pressure", STOP, (RELEASING,)),
     ("Position", KILL, (GRIPPED,)),
-    ("LineOwner", SIGNALS, (LAST, GRIPPED, RELEASING)),
-    ("LineOwner", KILL, (STAND_BY, FIRST, UNLOCKING)),
-    ("LineOwner", STOP, (FIRST, UNLOCKING)),
+    ("LineArbiter", SIGNALS, (LAST, GRIPPED, RELEASING)),
+    ("LineArbiter", KILL, (STAND_BY, FIRST, UNLOCKING)),
+    ("LineArbiter", STOP, (FIRST, UNLOCKING)),
     (BOTH, KILL, (LAST, GRIPPED, RELEASING, UNLOCKING)),
     ("roscore", SIGNALS, (GRIPPED,)),
     ("roscore", KILL, (LAST,)),

@@ -84,7 +84,7 @@ def expected(description: Description, cell: Cell) -> Expected:
             after = {_adopted(description, engaged, moved, State.GRIPPED)}
     elif cell.state == RELEASING:
         engaged, why, moved = releasing[1:], "release ends", _off(releasing[1:])
-        if grip == GOES_ON and (_blinds(cell) or cell.process == "LineOwner"):
+        if grip == GOES_ON and (_blinds(cell) or cell.process == "LineArbiter"):
             after = {State.STAND_BY, State.RELEASE_ERROR}
     elif cell.state.startswith(GRIPPING):
         engaged = lines[: description.sequence.index(cell.step) + 1]
@@ -102,7 +102,7 @@ def expected(description: Description, cell: Cell) -> Expected:
     active -= {line for line, level in moved if not level}
     locked = frozenset({ChangerState.LOCKED})
     first_s = _first_s(cell) if grip != GOES_ON and moved and at_once else None
-    may_keep = cell.state == RELEASING and cell.process == "LineOwner" and grip == GOES_ON
+    may_keep = cell.state == RELEASING and cell.process == "LineArbiter" and grip == GOES_ON
     return Expected(why, moved, (), frozenset(active), frozenset(after), locked, first_s, may_keep)
 
 
@@ -132,7 +132,7 @@ def _unlocking(description: Description, cell: Cell, change: str) -> Expected:
     """Whatever ends: the unlock output goes inactive (IL-03 at the latest), the spring locks."""
     assert description.tool_changer is not None
     changers = {ChangerState.LOCKED}
-    if change != GOES_ON or _blinds(cell) or cell.process == "LineOwner":
+    if change != GOES_ON or _blinds(cell) or cell.process == "LineArbiter":
         # the lock may not be proven in time (IL-04), or adopted before it is
         changers |= {ChangerState.FAULT, ChangerState.UNKNOWN}
     off = ((description.tool_changer.line, False),)
@@ -145,7 +145,7 @@ def _ending(cell: Cell, program: str) -> str:
     """The key of the ending that a program gets, or that it goes on."""
     ending = "sigterm" if cell.signal == "SIGTERM" else "process_death"
     own = {"grip": "Grip", "tool_change": "ToolChange"}[program]
-    if cell.process == "LineOwner" and cell.signal == "SIGSTOP":
+    if cell.process == "LineArbiter" and cell.signal == "SIGSTOP":
         ending = "process_death"
     elif cell.process == "roscore" and cell.ends:
         ending = "sigterm"

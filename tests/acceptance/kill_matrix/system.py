@@ -129,11 +129,11 @@ class System(ABC):
                 sent.append(pid)
         return sent
 
-    def clients_of_the_owner(self) -> set[str]:
-        """Programs that hold a lease now; empty: there is no owner."""
+    def clients_of_the_arbiter(self) -> set[str]:
+        """Programs that hold a lease now; empty: there is no arbiter."""
         try:
-            with ArbiterClient(self.plant.socket, "observer", patience_s=0.0, timeout_s=0.3) as owner:
-                return {each["client"] for each in owner.status()["clients"] if not each["ended"]}
+            with ArbiterClient(self.plant.socket, "observer", patience_s=0.0, timeout_s=0.3) as arbiter:
+                return {each["client"] for each in arbiter.status()["clients"] if not each["ended"]}
         except ReportedError:
             return set()
 
@@ -142,7 +142,7 @@ class System(ABC):
         state = self.hands.look()
         obstacles = [alarm for alarm in state.get("alarms", ()) if not alarm.startswith(LATCHED)]
         up = not self._silent() and bool(state) and state["link_up"] and not obstacles
-        return up and self.clients_of_the_owner() >= self._programs
+        return up and self.clients_of_the_arbiter() >= self._programs
 
     @property
     def _programs(self) -> set[str]:
@@ -151,7 +151,7 @@ class System(ABC):
     def why_not_up(self) -> str:
         """What `is_up` lacks, in words."""
         alarms = self.hands.look().get("alarms")
-        return f"silent: {self._silent()}, alarms: {alarms}, leases: {self.clients_of_the_owner()}"
+        return f"silent: {self._silent()}, alarms: {alarms}, leases: {self.clients_of_the_arbiter()}"
 
     def _silent(self) -> list[str]:
         now = time.monotonic()

@@ -8,7 +8,7 @@ from end_effector_hal.description import Description
 from end_effector_lab.processes import Child
 from tests.acceptance.kill_matrix.cells import BOTH
 from tests.acceptance.kill_matrix.system import lives
-from tests.acceptance.kill_matrix.system_restarted import LINE_OWNER, RestartedSystem
+from tests.acceptance.kill_matrix.system_restarted import LINE_ARBITER, RestartedSystem
 from tests.acceptance.kill_matrix.waiting import until
 
 
@@ -32,7 +32,7 @@ class PlainSystem(RestartedSystem):
     def pids(self, name: str) -> list[int]:
         own = [self.hands.process.pid] if self.hands.process.code is None else []
         if name == BOTH:
-            return [*own, *super().pids(LINE_OWNER)]
+            return [*own, *super().pids(LINE_ARBITER)]
         return own if name == "HAL" else super().pids(name)
 
     def ends_the_client(self, process: str) -> bool:

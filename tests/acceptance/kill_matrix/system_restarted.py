@@ -16,7 +16,7 @@ from tests.acceptance.kill_matrix.system import System
 
 AGAIN_S = 1.0
 """After its end a process is started again, as by `RestartSec` of the units."""
-LINE_OWNER = "LineOwner"
+LINE_ARBITER = "LineArbiter"
 
 
 class RestartedSystem(System):
@@ -32,7 +32,7 @@ class RestartedSystem(System):
 
     def __init__(self, folder: Path, description: Description | None, *others: str) -> None:
         super().__init__(folder, description)
-        self.launched = (LINE_OWNER, *others)
+        self.launched = (LINE_ARBITER, *others)
         self._running: dict[str, Child] = {}
         self._ended = threading.Event()
         self._keeper = threading.Thread(target=self._keep, name="keeper", daemon=True)
@@ -72,7 +72,7 @@ class RestartedSystem(System):
                     self._start(name)
 
     def _start(self, name: str) -> None:
-        arbiter = name == LINE_OWNER
+        arbiter = name == LINE_ARBITER
         command = [*EEHAL, "arbiter", str(self.plant.description_path)] if arbiter else self.command_of(name)
         self._running[name] = self.child(
             f"{name}-{time.monotonic_ns()}",

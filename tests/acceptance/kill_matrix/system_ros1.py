@@ -18,7 +18,7 @@ from tests.acceptance.kill_matrix.waiting import until
 class Ros1System(System):
     """roscore, and the launch file with the line arbiter."""
 
-    launched = (*NODES, "LineOwner")
+    launched = (*NODES, "LineArbiter")
 
     def __init__(self, folder: Path, description: Description | None = None) -> None:
         super().__init__(folder, description)

@@ -32,16 +32,16 @@ def description() -> Description:
         ("Grip:SIGTERM:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("Grip:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
         ("HALMain:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
-        ("LineOwner:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
-        ("LineOwner:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("LineArbiter:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("LineArbiter:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
         ("HAL:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("HAL:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
-        ("HAL and LineOwner:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
-        ("HAL and LineOwner:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
-        ("HAL and LineOwner:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("HAL and LineArbiter:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("HAL and LineArbiter:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("HAL and LineArbiter:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
     ],
 )
 def test_endings(description: Description, cell: str, state: State, moved: list, active: list) -> None:
@@ -52,7 +52,7 @@ def test_endings(description: Description, cell: str, state: State, moved: list,
 
 
 def test_a_release_that_ends_without_a_line_arbiter_keeps_the_rest(description: Description) -> None:
-    want = expected(description, Cell("LineOwner", "SIGKILL", "RELEASING"))
+    want = expected(description, Cell("LineArbiter", "SIGKILL", "RELEASING"))
     assert want.may_keep
     kept = want.kept(1)
     assert (kept.gripping, kept.active) == (((CYLINDER, False),), {BOTTOM})
@@ -95,7 +95,7 @@ def test_each_actuator_has_its_own_ending() -> None:
         ("Grip:SIGTERM:GRIPPING top_vacuum", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
         ("Grip:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
         ("Grip:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
-        ("LineOwner:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("LineArbiter:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
     ],
 )

@@ -60,10 +60,10 @@ class Hardware(World, Watcher):
         self.bench.start()
         self.judge = Judge(self.description, self.bench._bench, late_us=LATE_US)
         path = str(self.description_path)
-        owner = self.children.start(
-            "line arbiter", [*EEHAL, "arbiter", path], log=self.folder / "owner.log", failed=ArbiterError
+        arbiter = self.children.start(
+            "line arbiter", [*EEHAL, "arbiter", path], log=self.folder / "arbiter.log", failed=ArbiterError
         )
-        owner.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
+        arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 
     def _end(self) -> None:
         self.bench.close()

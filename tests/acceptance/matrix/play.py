@@ -25,10 +25,10 @@ from end_effector_lab.matrix import (
 from tests.acceptance.kill_matrix.cells import BOTH
 from tests.acceptance.kill_matrix.system import lives
 from tests.acceptance.kill_matrix.system_plain import PlainSystem
-from tests.acceptance.kill_matrix.system_restarted import LINE_OWNER
+from tests.acceptance.kill_matrix.system_restarted import LINE_ARBITER
 from tests.acceptance.kill_matrix.waiting import pause, until
 
-KILLED = {"kill hal": "HAL", "kill arbiter": LINE_OWNER, "kill both": BOTH}
+KILLED = {"kill hal": "HAL", "kill arbiter": LINE_ARBITER, "kill both": BOTH}
 HOLD_S, DEAD_S, STILL_S, GRIP_AFTER_S = 1.0, 1.0, 1.5, 0.7
 FOLLOWED_S, LONGEST_S = 15.0, 90.0
 AT_REST = (State.STAND_BY, State.GRIPPED, State.GRIP_ERROR, State.RELEASE_ERROR)
@@ -118,7 +118,7 @@ class RealCell:
                 pause(DEAD_S)
                 system.hands.close()
                 system.connect()
-            until("the HAL again", lambda: system.pids(LINE_OWNER) and system.hands.look(), 30.0)
+            until("the HAL again", lambda: system.pids(LINE_ARBITER) and system.hands.look(), 30.0)
         elif command != "none":
             self._answered.append((command, self._give(command)))
         elif self._cell.moment.phase == REST:

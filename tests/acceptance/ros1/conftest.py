@@ -98,7 +98,7 @@ class System:
         """The shipped launch file on the lines and the link of a world."""
         return self.start(
             name, "roslaunch", "--wait", "end_effector_hal", "end_effector.launch",
-            f"description:={world.description_path}", "owner:=false", *arguments,
+            f"description:={world.description_path}", "arbiter:=false", *arguments,
             env=env, end_by=signal.SIGINT, patience_s=20.0,
         )  # fmt: skip
 

@@ -97,12 +97,12 @@ def test_a_relative_path_is_refused_where_the_shell_is_somewhere_else(system: An
     )
 
 
-def test_the_line_owner_needs_a_tool(system: Any) -> None:
-    child = system.start("no_tool", "rosrun", "end_effector_hal", "line_owner", "__ns:=nothing")
+def test_the_line_arbiter_needs_a_tool(system: Any) -> None:
+    child = system.start("no_tool", "rosrun", "end_effector_hal", "line_arbiter", "__ns:=nothing")
     assert child.wait_for_end(timeout_s=PATIENCE_S) == 2
     said = child.text().strip()
     assert said.startswith(
-        "line_owner: No tool is named: exactly one tool is needed. Give _description:=FILE"
+        "line_arbiter: No tool is named: exactly one tool is needed. Give _description:=FILE"
     ), said
     assert "\n" not in said
 

@@ -87,7 +87,7 @@ def dropping(world: World) -> Child:
     return world.children.start("program", words, log=world.folder / "program.log")
 
 
-def owner(world: World) -> int:
+def arbiter(world: World) -> int:
     with ArbiterClient(world.socket, "test") as observer:
         return int(observer.status()["pid"])
 
@@ -136,7 +136,7 @@ def test_a_program_that_hangs_or_ends_blows_no_longer(world: World, hit: signal.
 def test_a_killed_line_arbiter_ends_it_when_it_is_back(world: World, also_program: bool) -> None:
     seen, program = Seen(world), dropping(world)
     wait_until("blowing", lambda: seen.released == PHASES["while it blows"], PATIENCE_S)
-    os.kill(owner(world), signal.SIGKILL)
+    os.kill(arbiter(world), signal.SIGKILL)
     if also_program:
         os.kill(program.pid, signal.SIGKILL)
     assert seen.released == PHASES["while it blows"]

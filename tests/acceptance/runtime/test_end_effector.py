@@ -105,7 +105,7 @@ def test_the_death_of_the_program_ends_what_was_driven_by_hand(world: World) -> 
     wait_until("it", lambda: levels(world) == NONE_ACTIVE)
 
 
-def test_the_death_of_the_owner_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:
+def test_the_death_of_the_arbiter_moves_no_line_and_ends_no_grip(world: World, tmp_path: Path) -> None:
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.grip().succeeded)

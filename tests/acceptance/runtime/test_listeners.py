@@ -120,7 +120,7 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
         if status.ee == State.GRIPPED:
             raise OSError(28, "No space left on device")
 
-    tool.program = GripProgram(load(profile_path()), tool.owner, fails)
+    tool.program = GripProgram(load(profile_path()), tool.arbiter, fails)
     tool.program.start()
     tool.grip_to(2)
     tool.until(lambda status: "A listener failed, and lacks a state: SystemExit: 1" in status.alarms)
@@ -129,11 +129,11 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
     tool.until(lambda status: any("OSError" in alarm or "SystemExit" in alarm for alarm in status.alarms))
     assert tool.program.alive
     assert tool.program.command("drop").accepted
-    tool.until(lambda _: not tool.owner.active[TOP])
+    tool.until(lambda _: not tool.arbiter.active[TOP])
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY and not status.alarms)
     assert State.GRIPPED in [status.ee for status in told]
-    assert tool.owner.active[CYLINDER] is False
+    assert tool.arbiter.active[CYLINDER] is False
     tool.program.close()
 
 

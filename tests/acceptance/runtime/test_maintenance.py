@@ -66,7 +66,7 @@ def tool(description: Description) -> Iterator[Tool]:
     made.program.start()
     made.until(lambda status: status.ee == State.STAND_BY and set(status.evidence) == {1})
     yield made
-    made.owner.error = None
+    made.arbiter.error = None
     made.program.close()
 
 
@@ -88,7 +88,7 @@ class TestUnit:
         assert status.deadline is not None
         assert any(alarm.startswith("Maintenance: Bottom vacuum") for alarm in status.alarms)
         tool.until(lambda status: not status.maintenance)
-        assert tool.owner.active[BOTTOM] is OFF
+        assert tool.arbiter.active[BOTTOM] is OFF
         assert not tool.program.status.alarms
 
     def test_a_grip_is_refused_meanwhile(self, tool: Tool) -> None:
@@ -99,10 +99,10 @@ class TestUnit:
 
     def test_its_will_stands_when_everything_is_written_anew(self, tool: Tool) -> None:
         drive(tool, "bottom_vacuum", BOTTOM)
-        assert tool.owner.will == (LastWillStep(BOTTOM),)
-        tool.owner.will = ()
+        assert tool.arbiter.will == (LastWillStep(BOTTOM),)
+        tool.arbiter.will = ()
         tool.program.arbiter_lost(ArbiterError("the connection broke."))
-        tool.until(lambda _: tool.owner.will == (LastWillStep(BOTTOM),))
+        tool.until(lambda _: tool.arbiter.will == (LastWillStep(BOTTOM),))
 
     def test_the_end_of_the_program_deactivates_whatever_is_declared_for_a_grip(
         self, description: Description
@@ -114,28 +114,28 @@ class TestUnit:
         tool.until(lambda status: status.ee == State.STAND_BY)
         drive(tool, "bottom_vacuum", BOTTOM)
         tool.program.close()
-        assert tool.owner.parting == (LastWillStep(BOTTOM),)
+        assert tool.arbiter.parting == (LastWillStep(BOTTOM),)
 
     def test_a_write_without_an_answer_counts_as_driven(self, tool: Tool) -> None:
         """It was executed perhaps: the lease has to end it."""
-        tool.owner.error = ArbiterError("the answer was lost.")
+        tool.arbiter.error = ArbiterError("the answer was lost.")
         assert not tool.program.set_actuator("bottom_vacuum", True).accepted
-        tool.owner.active[BOTTOM] = ON
-        tool.owner.error = None
-        tool.until(lambda _: tool.owner.active[BOTTOM] is OFF)
+        tool.arbiter.active[BOTTOM] = ON
+        tool.arbiter.error = None
+        tool.until(lambda _: tool.arbiter.active[BOTTOM] is OFF)
 
-    def test_a_lease_that_ends_without_an_owner_is_ended_when_it_is_back(self, tool: Tool) -> None:
+    def test_a_lease_that_ends_without_an_arbiter_is_ended_when_it_is_back(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
-        tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+        tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
         tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarms))
         assert tool.program.alive
-        tool.owner.error = None
-        tool.until(lambda status: not status.alarms and not tool.owner.active[CYLINDER])
+        tool.arbiter.error = None
+        tool.until(lambda status: not status.alarms and not tool.arbiter.active[CYLINDER])
 
-    def test_what_the_owner_refused_was_not_driven(self, tool: Tool) -> None:
-        tool.owner.error = LineRefusedError("IL-13: the emergency stop is open.")
+    def test_what_the_arbiter_refused_was_not_driven(self, tool: Tool) -> None:
+        tool.arbiter.error = LineRefusedError("IL-13: the emergency stop is open.")
         assert tool.program.set_actuator("bottom_vacuum", True).reason.startswith("IL-13")
-        tool.owner.error = None
+        tool.arbiter.error = None
         tool.frame()
         assert not tool.program.status.maintenance
 
@@ -153,10 +153,10 @@ class TestUnit:
         tool.grip_to(2)
         tool.confirmed[TOP] = ON
         tool.until(lambda status: status.ee == State.GRIPPED)
-        before = dict(tool.owner.active)
+        before = dict(tool.arbiter.active)
         expected = "IL-12: a part is held (GRIPPED): no maintenance, only a Drop releases it."
         assert tool.program.set_actuator("bottom_vacuum", active).reason == expected
-        assert tool.owner.active == before
+        assert tool.arbiter.active == before
 
     def test_while_a_grip_runs_it_is_refused(self, tool: Tool) -> None:
         tool.grip_to(1)

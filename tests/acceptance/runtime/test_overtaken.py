@@ -20,14 +20,14 @@ def tool() -> Iterator[Tool]:
     made = Tool()
     made.program.start()
     yield made
-    made.owner.error = None
+    made.arbiter.error = None
     made.program.close()
 
 
 def overtake(tool: Tool) -> None:
     """The will was executed, all of it, at once."""
-    tool.owner.active = dict.fromkeys(LINES, OFF)
-    tool.owner.took_for_dead = True
+    tool.arbiter.active = dict.fromkeys(LINES, OFF)
+    tool.arbiter.took_for_dead = True
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
 
@@ -39,19 +39,19 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
     assert tool.states() == [State.OFF, State.STAND_BY, State.GRIPPING, State.OFF, State.STAND_BY]
     assert status.reason.startswith("The line arbiter declared this program dead")
     assert status.outputs == (OFF, OFF, OFF)
-    assert tool.owner.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
+    assert tool.arbiter.active == dict.fromkeys(LINES, OFF), "nothing is activated by itself (IL-11)"
     tool.grip_to(0)
     assert tool.program.status.reason == ""
 
 
 def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.owner.error = LineBusyError("the last will of grip is being executed.")
+    tool.arbiter.error = LineBusyError("the last will of grip is being executed.")
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
     assert "the last will of grip is being executed." in status.alarms
     assert not tool.program.command("grip").accepted
-    tool.owner.error = None
+    tool.arbiter.error = None
     overtake(tool)
     assert tool.until(lambda status: status.ee == State.STAND_BY).alarms == ()
 
@@ -62,19 +62,21 @@ def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
     assert State.OFF not in tool.states()[1:]
-    assert tool.owner.will == ()
+    assert tool.arbiter.will == ()
 
 
 def test_a_program_that_was_taken_for_dead_does_not_go_on_with_its_grip(tool: Tool) -> None:
     """Also where its will has left every line as it was: the goal was given up meanwhile."""
     tool.grip_to(1)
-    tool.owner.took_for_dead = True
+    tool.arbiter.took_for_dead = True
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.GRIP_ERROR)
     assert tool.states()[-2:] == [State.OFF, State.GRIP_ERROR]
     tool.confirmed[CYLINDER] = ON
     tool.until(lambda status: status.evidence[1] == Evidence.CONFIRMED)
-    assert tool.owner.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}, "nothing is activated by itself (IL-11)"
+    assert tool.arbiter.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}, (
+        "nothing is activated by itself (IL-11)"
+    )
     assert status.held
 
 
@@ -82,82 +84,82 @@ def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: To
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.took_for_dead = True
+    tool.arbiter.took_for_dead = True
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
-    tool.until(lambda status: not tool.owner.took_for_dead and not status.alarms)
+    tool.until(lambda status: not tool.arbiter.took_for_dead and not status.alarms)
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
 
 
-def test_gripped_is_not_claimed_before_the_owner_has_the_will_that_holds(tool: Tool) -> None:
+def test_gripped_is_not_claimed_before_the_arbiter_has_the_will_that_holds(tool: Tool) -> None:
     """Else it might unwind, with the will from before, what is held already."""
     tool.grip_to(2)
-    assert tool.owner.will
-    tool.owner.error = ArbiterError("the line arbiter does not answer.")
+    assert tool.arbiter.will
+    tool.arbiter.error = ArbiterError("the line arbiter does not answer.")
     tool.confirmed[TOP] = ON
     tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarms))
     for _ in range(30):
         tool.frame()
         threading.Event().wait(0.01)
     assert State.GRIPPED not in tool.states()
-    tool.owner.error = None
+    tool.arbiter.error = None
     status = tool.until(lambda status: status.ee == State.GRIPPED)
-    assert tool.owner.will == ()
+    assert tool.arbiter.will == ()
     assert status.alarms == ()
 
 
-def test_what_is_held_stays_held_while_there_is_no_owner(tool: Tool) -> None:
+def test_what_is_held_stays_held_while_there_is_no_arbiter(tool: Tool) -> None:
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+    tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
     tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
     assert tool.until(lambda status: bool(status.alarms)).held
-    tool.owner.error = None
+    tool.arbiter.error = None
     assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
 
 
-def test_a_cancel_that_finds_no_owner_changes_nothing_and_the_grip_goes_on(tool: Tool) -> None:
+def test_a_cancel_that_finds_no_arbiter_changes_nothing_and_the_grip_goes_on(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+    tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
     answer = tool.program.command("cancel")
     assert (answer.accepted, answer.decided) == (False, False)
     assert answer.reason.startswith("The line arbiter is lost: nothing was written, and nothing will be.")
     status = tool.until(lambda status: status.arbiter_lost)
     assert status.outputs == (ON, ON, OFF)
-    tool.owner.error = None
+    tool.arbiter.error = None
     tool.until(lambda status: not status.alarms)
-    assert tool.owner.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}
+    assert tool.arbiter.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}
     tool.confirmed[CYLINDER] = ON
-    tool.until(lambda _: tool.owner.active[TOP])
+    tool.until(lambda _: tool.arbiter.active[TOP])
 
 
 def test_a_drop_whose_first_write_is_lost_is_given_up_and_the_part_stays_held(tool: Tool) -> None:
-    """The owner has answered just before."""
+    """The arbiter has answered just before."""
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    levels = tool.owner.levels
+    levels = tool.arbiter.levels
 
     def last_answer() -> Mapping[str, bool]:
-        tool.owner.levels = levels  # type: ignore[method-assign]
+        tool.arbiter.levels = levels  # type: ignore[method-assign]
         found = levels()
-        tool.owner.error = ArbiterError("the line arbiter was lost.")
+        tool.arbiter.error = ArbiterError("the line arbiter was lost.")
         return found
 
-    tool.owner.levels = last_answer  # type: ignore[method-assign]
+    tool.arbiter.levels = last_answer  # type: ignore[method-assign]
     answer = tool.program.command("drop")
     assert (answer.accepted, answer.decided) == (False, False)
     assert answer.reason.startswith("The line arbiter was lost before all of it was written.")
     status = tool.until(lambda status: status.arbiter_lost)
     assert (status.held, status.outputs) == (ON, (ON, ON, ON))
     assert State.RELEASING not in tool.states()
-    tool.owner.error = None
+    tool.arbiter.error = None
     tool.until(lambda status: status.ee == State.GRIPPED and not status.alarms)
-    assert tool.owner.active == dict.fromkeys(LINES, ON)
-    assert tool.owner.will == ()
+    assert tool.arbiter.active == dict.fromkeys(LINES, ON)
+    assert tool.arbiter.will == ()
     assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
@@ -172,7 +174,7 @@ def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.GRIPPED)
 
 
-def test_what_the_owner_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
+def test_what_the_arbiter_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.program.faults_changed(("IL-13: the emergency stop was opened.",))
     tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarms)

@@ -54,7 +54,7 @@ def kill(process: subprocess.Popen[str]) -> None:
 
 def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp_path: Path) -> None:
     with World(load(profile_path()), "nominal", tmp_path) as world:
-        owner = [*EEHAL, "arbiter", world.description_path]
+        arbiter = [*EEHAL, "arbiter", world.description_path]
         program = [sys.executable, "-c", GRIP, world.description_path]
         lines = [part.line for _, part in world.description.ordered]
 
@@ -64,9 +64,9 @@ def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp
         with ArbiterClient(world.socket, "look") as look:
             outside = look.status()["pid"]
         os.kill(outside, signal.SIGTERM)
-        wait_until("the end of the owner outside", lambda: not world.socket.exists())
+        wait_until("the end of the arbiter outside", lambda: not world.socket.exists())
         world.choose("never-confirms:top_vacuum")
-        with alone(owner) as first, alone([*program, "grip"]) as gripping:
+        with alone(arbiter) as first, alone([*program, "grip"]) as gripping:
             assert first.stdout is not None
             assert "ready" in first.stdout.readline()
             wait_until("the last step of GRIPPING", lambda: all(active()))
@@ -75,7 +75,7 @@ def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp
             kill(first)
             kill(gripping)
         assert all(active())
-        with alone(program) as again, alone(owner):
+        with alone(program) as again, alone(arbiter):
             assert again.stdout is not None
             assert again.stdout.readline() == "STAND_BY\n", (
                 "the will was executed before the next one adopted"

@@ -1,4 +1,4 @@
-"""The trace of a unit in real time: its lines, its owner, and the same decisions in replay."""
+"""The trace of a unit in real time: its lines, its arbiter, and the same decisions in replay."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ pytestmark = pytest.mark.wall
 def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
     tool.program = GripProgram(
-        description, tool.owner, tool.told.append, open_recorder(tmp_path, description, "grip")
+        description, tool.arbiter, tool.told.append, open_recorder(tmp_path, description, "grip")
     )
     tool.program.start()
     tool.grip_to(2)
-    tool.owner.active = dict.fromkeys(LINES, OFF)  # the line arbiter took it for dead
+    tool.arbiter.active = dict.fromkeys(LINES, OFF)  # the line arbiter took it for dead
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
     tool.until(lambda status: status.ee == State.STAND_BY)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.owner.error = ArbiterError("the line arbiter cannot be reached.")
+    tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
     tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
     tool.until(lambda status: bool(status.alarms))
-    tool.owner.error = None
+    tool.arbiter.error = None
     tool.until(lambda status: not status.alarms)
     assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
@@ -50,7 +50,7 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     assert trace.file.complete
     assert len(numbers(trace, "start")) == 2
     assert len(numbers(trace, "tell")) == 1
-    assert {content["there"] for n in numbers(trace, "owner") if (content := trace.content(n))} == {
+    assert {content["there"] for n in numbers(trace, "arbiter") if (content := trace.content(n))} == {
         False,
         True,
     }
@@ -80,7 +80,7 @@ def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
     limits = RecordingLimits(30_000, 100_000_000)
     recorder = open_recorder(tmp_path, description, "grip", limits=limits)
-    tool.program = GripProgram(description, tool.owner, tool.told.append, recorder)
+    tool.program = GripProgram(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
@@ -103,7 +103,7 @@ def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path
     (tmp_path / "file").write_text("")
     tool, description = Tool(), load(profile_path())
     recorder = open_recorder(tmp_path / "file", description, "grip")
-    tool.program = GripProgram(description, tool.owner, tool.told.append, recorder)
+    tool.program = GripProgram(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
     alarm = f"The trace of grip is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
     tool.until(lambda status: alarm in status.alarms)

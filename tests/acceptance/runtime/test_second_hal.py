@@ -58,7 +58,7 @@ def test_a_second_hal_is_told_who_writes_the_lines(world: World, running: subpro
     assert running.poll() is None
 
 
-def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -> None:
+def test_a_second_arbiter_at_the_same_socket_is_told_who_serves_it(world: World) -> None:
     with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
         said = second("arbiter", world.description_path)
@@ -66,7 +66,7 @@ def test_a_second_owner_at_the_same_socket_is_told_who_serves_it(world: World) -
         assert look.status()["pid"] == first
 
 
-def test_a_second_owner_of_the_same_lines_is_told_who_has_them(world: World, tmp_path: Path) -> None:
+def test_a_second_arbiter_of_the_same_lines_is_told_who_has_them(world: World, tmp_path: Path) -> None:
     with ArbiterClient(world.socket, "look") as look:
         first = look.status()["pid"]
         said = second("arbiter", world.description_path, "--socket", tmp_path / "other.sock")
@@ -78,7 +78,7 @@ def test_a_second_owner_of_the_same_lines_is_told_who_has_them(world: World, tmp
 def test_a_second_reader_of_the_same_port_is_told_who_reads_it(
     world: World, running: subprocess.Popen[str], tmp_path: Path
 ) -> None:
-    # with lines and an owner of its own: only the sensor link is shared
+    # with lines and an arbiter of its own: only the sensor link is shared
     chip, socket = tmp_path / "chip", tmp_path / "other.sock"
     chip.write_bytes(world.chip.read_bytes())
     text, other = world.description_path.read_text(encoding="utf-8"), tmp_path / "tool.yaml"
@@ -86,17 +86,17 @@ def test_a_second_reader_of_the_same_port_is_told_who_reads_it(
         assert text.count(str(mine)) == 1
         text = text.replace(str(mine), str(its))
     other.write_text(text, encoding="utf-8")
-    with subprocess.Popen([*EEHAL, "arbiter", str(other)], stdout=subprocess.PIPE, text=True) as owner:
+    with subprocess.Popen([*EEHAL, "arbiter", str(other)], stdout=subprocess.PIPE, text=True) as arbiter:
         try:
-            assert owner.stdout is not None
-            assert "ready" in owner.stdout.readline()
+            assert arbiter.stdout is not None
+            assert "ready" in arbiter.stdout.readline()
             begun = time.monotonic()
             said = second("run", other, "--script", "lock")
             assert f"the port is used by pid {running.pid} (" in said or f"and pid {running.pid} (" in said
             assert time.monotonic() - begun < 30
-            owner.terminate()
-            owner.wait(PATIENCE_S)
+            arbiter.terminate()
+            arbiter.wait(PATIENCE_S)
         finally:
-            owner.kill()
-    assert owner.returncode == 0
+            arbiter.kill()
+    assert arbiter.returncode == 0
     assert running.poll() is None

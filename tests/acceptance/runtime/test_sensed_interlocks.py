@@ -1,4 +1,4 @@
-"""Interlocks that need a sensor, at the line arbiter: real owner, real testbench; no program can pass them by."""
+"""Interlocks that need a sensor, at the line arbiter: real arbiter, real testbench; no program can pass them by."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def refusal(client: ArbiterClient, line: str) -> str:
     return str(caught.value)
 
 
-def test_whoever_writes_to_the_owner_is_refused_as_well(world: World) -> None:
+def test_whoever_writes_to_the_arbiter_is_refused_as_well(world: World) -> None:
     with ArbiterClient(world.socket, "hand", [UNLOCK, BOTTOM]) as hand:
         assert "no process that reads the sensors has reported yet whether nothing is gripped" in refusal(
             hand, UNLOCK
@@ -95,7 +95,7 @@ class Rhythm:
 
 
 def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
-    """The owner knows of a frame before the program that decides by it, and so does the other program.
+    """The arbiter knows of a frame before the program that decides by it, and so does the other program.
 
     A machine that stands still makes frames late, and then a refusal is right: only rounds without such a break count.
     """
@@ -113,7 +113,7 @@ def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) 
             wait_until("nothing is held", lambda: tool.status.ee == STAND_BY or tool.drop().succeeded)
 
 
-def test_why_the_owner_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_why_the_arbiter_refused_stands_in_the_result(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)

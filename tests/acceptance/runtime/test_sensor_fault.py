@@ -84,8 +84,8 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
     fed(second, lambda status: "sensor fault" in " ".join(status.alarms), unlocked=False)
-    with ArbiterClient(world.socket, "reset") as owner:
-        assert owner.reset() == {
+    with ArbiterClient(world.socket, "reset") as arbiter:
+        assert arbiter.reset() == {
             "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."
         }
     assert faults(world) == {"sensor_fault"}
@@ -105,7 +105,7 @@ def test_a_fault_that_a_slow_disk_gives_back_late_is_there_until_its_program_is_
     world: World, tmp_path: Path
 ) -> None:
     world.arbiter.end(signal_number=signal.SIGKILL)
-    for left in world.place.glob("owner.sock*"):
+    for left in world.place.glob("arbiter.sock*"):
         left.unlink()  # what a loss of power leaves: the journal alone
     entry = Journal(FileStorage(tmp_path / "journal", durable=True), "the boot before", now_us)
     entry.keep({"sensor_fault": "IL-04: of the boot before."})
@@ -122,8 +122,8 @@ def test_a_fault_that_a_slow_disk_gives_back_late_is_there_until_its_program_is_
         assert faults(world) == {"journal"}
         answers.touch()
         wait_until("the fault", lambda: "sensor_fault" in faults(world))
-        with ArbiterClient(world.socket, "reset") as owner:
-            assert owner.reset() == {
+        with ArbiterClient(world.socket, "reset") as arbiter:
+            assert arbiter.reset() == {
                 "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."
             }
         status = fed(program, lambda status: status.changer == ChangerState.FAULT, unlocked=False)

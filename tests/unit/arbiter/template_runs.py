@@ -16,7 +16,7 @@ from timed_automata import make_network, read_document
 from timed_automata.explore import Explorer
 
 MS = 1000
-_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Owner|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
+_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Arbiter|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
 _STATES = (
     (EndEffectorState.GRIPPING, Command.GRIP),
     (EndEffectorState.GRIPPED, Command.NONE),
@@ -175,7 +175,7 @@ class Run:
         """The declarations, the two templates, and a process that asks for this run, step by step."""
         head = text[: text.index("\t<template>")]
         kept = "".join(_KEPT.findall(text))
-        return f"{head}{kept}{seen(self.steps)}<system>system Seen, Owner, Blower, Wills;</system></nta>"
+        return f"{head}{kept}{seen(self.steps)}<system>system Seen, Arbiter, Blower, Wills;</system></nta>"
 
 
 def random_run(

@@ -145,7 +145,7 @@ def test_the_watchdog_of_another_process(manager: Manager, tmp_path: Path) -> No
 def virtual_tool(folder: Path) -> Path:
     """The shipped tool on a virtual chip, with its socket beside it."""
     description = folder / "tool.yaml"
-    virtual = f"backend: virtual\n  path: {folder}/chip\n  socket: {folder}/owner.sock\n"
+    virtual = f"backend: virtual\n  path: {folder}/chip\n  socket: {folder}/arbiter.sock\n"
     description.write_text(profile_path().read_text().replace("backend: gpiod", virtual))
     VirtualChip.create(folder / "chip", output_lines(load(profile_path())))
     return description
@@ -166,8 +166,8 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
     with manager.start(command, environ) as first:
         assert manager.told().startswith("READY=1")
         assert list(manager.store) == ["virtual-chip"]
-        client = ArbiterClient(tmp_path / "owner.sock", "grip", ["SODIMM_208"])
-        with proving(tmp_path / "owner.sock", locked=True):
+        client = ArbiterClient(tmp_path / "arbiter.sock", "grip", ["SODIMM_208"])
+        with proving(tmp_path / "arbiter.sock", locked=True):
             client.set({"SODIMM_208": True}, [])
         while not client.levels()["SODIMM_208"]:
             time.sleep(0.01)
@@ -180,7 +180,7 @@ def test_lines_are_handed_on_without_a_gap(manager: Manager, tmp_path: Path) -> 
         with manager.start(command, environ) as second:
             assert manager.told().startswith("READY=1")
             assert list(manager.store) == ["virtual-chip"]
-            with ArbiterClient(tmp_path / "owner.sock", "look") as look:
+            with ArbiterClient(tmp_path / "arbiter.sock", "look") as look:
                 assert look.levels()["SODIMM_208"]
             second.send_signal(signal_number)
     assert chip.read_bytes() == records, "no line was written"
@@ -218,7 +218,7 @@ def test_a_stopped_arbiter_gives_no_sign_of_life(manager: Manager, tmp_path: Pat
     environ = {**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "150000"}
     environ.pop("WATCHDOG_PID", None)
     with manager.start([*EEHAL, "arbiter", str(description)], environ) as arbiter:
-        assert manager.told() == f"READY=1\nSTATUS=verdin_gripper on {tmp_path}/owner.sock"
+        assert manager.told() == f"READY=1\nSTATUS=verdin_gripper on {tmp_path}/arbiter.sock"
         assert manager.told() == "WATCHDOG=1"
         stop(arbiter.pid)
         while manager.told(0.5):
@@ -231,8 +231,8 @@ def test_a_stopped_arbiter_gives_no_sign_of_life(manager: Manager, tmp_path: Pat
 
 def test_an_arbiter_whose_loop_hangs_does_not_live(tmp_path: Path) -> None:
     VirtualChip.create(tmp_path / "chip", ["A"])
-    question = _Probe(tmp_path / "owner.sock")
-    with ArbiterServer(VirtualLines(tmp_path / "chip"), tmp_path / "owner.sock", Policy(["A"])) as arbiter:
+    question = _Probe(tmp_path / "arbiter.sock")
+    with ArbiterServer(VirtualLines(tmp_path / "chip"), tmp_path / "arbiter.sock", Policy(["A"])) as arbiter:
         with pytest.raises(ArbiterError, match="does not answer"):
             question()
         thread = threading.Thread(target=arbiter.run)

@@ -220,7 +220,7 @@ def test_a_sensor_fault_survives_a_restart(description: Description) -> None:
     assert tool.state is ChangerState.LOCKED
 
 
-def test_what_the_line_owner_refuses_ends_the_unlock_at_once(description: Description) -> None:
+def test_what_the_line_arbiter_refuses_ends_the_unlock_at_once(description: Description) -> None:
     tool = Changer(description)
     assert tool.give("unlock").accepted
     tool.controller.refused(tool.at)

@@ -35,9 +35,9 @@ from end_effector_lab.demo import _world as world_module
 from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 
 FILES = {
-    "alarms.csv", "end_effector.yaml", "grip.mcap", "lines.log", "owner.log", "paper.png", "paper.svg", "pressures.csv",
-    "run.json", "states.csv", "testbench.log", "timeline.png", "timeline.svg", "tool.log", "tool_change.mcap",
-    "plot_run.m", "run.csv", "switches.csv", "tool_changer.csv",
+    "alarms.csv", "arbiter.log", "end_effector.yaml", "grip.mcap", "lines.log", "paper.png", "paper.svg",
+    "plot_run.m", "pressures.csv", "run.csv", "run.json", "states.csv", "switches.csv", "testbench.log", "timeline.png",
+    "timeline.svg", "tool.log", "tool_change.mcap", "tool_changer.csv",
 }  # fmt: skip
 
 
@@ -132,7 +132,7 @@ def test_on_its_own_wires_the_testbench_is_somebody_elses(verdin: Description, t
 
 
 @pytest.mark.wall
-def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
+def test_an_arbiter_that_does_not_start_is_one_sentence_and_nothing_is_left(
     verdin: Description,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -150,7 +150,7 @@ def test_an_owner_that_does_not_start_is_one_sentence_and_nothing_is_left(
     assert str(raised.value).startswith("The line arbiter ended (exit code 1) before its socket.")
     assert str(raised.value).endswith("no chip today")
     assert left() == set()
-    assert (tmp_path / "nominal" / "owner.log").read_text() == "no chip today\n"
+    assert (tmp_path / "nominal" / "arbiter.log").read_text() == "no chip today\n"
 
 
 def test_what_no_demo_wrote_is_not_thrown_away(tmp_path: Path) -> None:

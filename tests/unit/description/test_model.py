@@ -140,9 +140,9 @@ def test_automata_beside_the_description_else_the_shipped(
 
 def test_virtual_lines_and_another_port_are_the_same_tool(loaded: Callable[..., Description]) -> None:
     tool = loaded()
-    virtual = tool.with_virtual(Path("/x/chip"), "/x/pty", Path("/x/owner.sock"))
+    virtual = tool.with_virtual(Path("/x/chip"), "/x/pty", Path("/x/arbiter.sock"))
     assert (virtual.lines.backend, virtual.lines.path) == ("virtual", "/x/chip")
-    assert (virtual.link.port, socket_path(virtual)) == ("/x/pty", Path("/x/owner.sock"))
+    assert (virtual.link.port, socket_path(virtual)) == ("/x/pty", Path("/x/arbiter.sock"))
     assert (virtual.actuators, virtual.sequence) == (tool.actuators, tool.sequence)
     assert (virtual.source, virtual.where("name")) == (tool.source, tool.where("name"))
     assert (tool.lines.backend, tool.link.port) == ("gpiod", "/dev/ttyS0")

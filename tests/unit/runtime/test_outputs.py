@@ -154,7 +154,7 @@ def test_a_refusal_is_known_once_it_was_waited_for() -> None:
     assert outputs.refused == "IL-05: no."
 
 
-def activation_that_found_no_owner(lines: Lines) -> Outputs:
+def activation_that_found_no_arbiter(lines: Lines) -> Outputs:
     outputs = outputs_of(lines)
     for each in (status(1, True, False, attempt=1), status(2, True, True, attempt=1)):
         lines.error = ArbiterError("the line arbiter was lost.") if each.outputs[1] else None
@@ -167,10 +167,10 @@ def activation_that_found_no_owner(lines: Lines) -> Outputs:
     return outputs
 
 
-def test_an_activation_that_was_lost_with_the_owner_comes_with_the_next_attempt() -> None:
+def test_an_activation_that_was_lost_with_the_arbiter_comes_with_the_next_attempt() -> None:
     """Of an actuator that stays active between its attempts (`timeout: hold`), whose output does not change."""
     lines = Lines()
-    outputs = activation_that_found_no_owner(lines)
+    outputs = activation_that_found_no_arbiter(lines)
     outputs.begin([status(4, True, True, attempt=1)])
     outputs.finish()
     assert all(not levels for levels, _ in lines.asked), "not by itself (IL-11)"
@@ -185,7 +185,7 @@ def test_an_activation_that_was_lost_with_the_owner_comes_with_the_next_attempt(
 
 def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
     lines = Lines()
-    outputs = activation_that_found_no_owner(lines)
+    outputs = activation_that_found_no_arbiter(lines)
     for at, active, attempt in ((4, False, 1), (5, False, 2)):
         outputs.begin([status(at, True, active, attempt=attempt)])
         outputs.finish()

@@ -226,7 +226,7 @@ def test_only_wrong_frames_are_a_silence(description: Description) -> None:
 # What else takes frames: predicates for the line arbiter, the nodes
 
 
-def test_a_frame_from_the_future_proves_nothing_to_the_line_owner(description: Description) -> None:
+def test_a_frame_from_the_future_proves_nothing_to_the_line_arbiter(description: Description) -> None:
     codec = get_codec(description.link.codec)
     predicates = Predicates(description, codec)
     locked: dict[str, Value] = {"locked": True, "unlocked": False, "tool_present": True}

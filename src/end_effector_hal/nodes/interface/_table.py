@@ -15,7 +15,7 @@ SUPERVISOR, DATA_LOGGER = "Supervisor", "DataLogger"
 MANAGER = "EndEffector"
 """The managed node of ROS 2, which has the nodes of the HAL work while it is active."""
 HAL_NODES = (HAL_MAIN, GRIP, TOOL_CHANGE, PRESSURE, POSITION)
-NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineOwner")
+NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineArbiter")
 OF_ROS = ("rosout", "rosout_agg", "clock")
 """Global topics of ROS itself."""
 

@@ -75,7 +75,7 @@ class EventLog:
             self.add(record.at, "refusal", "The line arbiter refused an activation.", program)
         elif kind == "lines" and record.error:
             self.add(record.at, "refusal", record.error, program)
-        elif kind == "owner":
+        elif kind == "arbiter":
             there = "is there again" if record.there else f"was lost. {record.why}"
             self.add(
                 record.at,

@@ -1,4 +1,4 @@
-"""A wrapper around the lines of a program that records writes, and whether their owner is there."""
+"""A wrapper around the lines of a program that records writes, and whether their arbiter is there."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 
 from ._recorded_controller import Put
-from ._records import LinesWritten, OwnerSeen
+from ._records import ArbiterSeen, LinesWritten
 
 
 class RecordedLines:
@@ -29,7 +29,7 @@ class RecordedLines:
             raise
         if not self._there:
             self._there = True
-            self._put(("owner", at := now_us(), OwnerSeen(at, there=True)))
+            self._put(("arbiter", at := now_us(), ArbiterSeen(at, there=True)))
         return levels
 
     def declared_dead(self) -> bool:
@@ -65,4 +65,4 @@ class RecordedLines:
     def _lost(self, error: Exception) -> None:
         if self._there:
             self._there = False
-            self._put(("owner", at := now_us(), OwnerSeen(at, there=False, why=str(error))))
+            self._put(("arbiter", at := now_us(), ArbiterSeen(at, there=False, why=str(error))))

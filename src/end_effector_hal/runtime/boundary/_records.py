@@ -123,7 +123,7 @@ class LinesWritten:
 
 
 @dataclass(frozen=True, slots=True)
-class OwnerSeen:
+class ArbiterSeen:
     """The line arbiter was lost, or is there again."""
 
     at: int
@@ -163,7 +163,7 @@ KINDS: Mapping[str, type] = {
     **INPUTS,
     **DECIDED,
     "lines": LinesWritten,
-    "owner": OwnerSeen,
+    "arbiter": ArbiterSeen,
 }
 PUBLISHED = "published"
 STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published}

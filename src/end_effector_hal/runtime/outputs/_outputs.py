@@ -52,7 +52,7 @@ class Outputs:
     """Writes changes only; what could not be activated is not activated later by itself (IL-11).
 
     Once the line arbiter was ``lost`` nothing is certain until `agree` has compared the lines with what was
-    written: the owner may have executed the will.
+    written: the arbiter may have executed the will.
 
     Args:
         lines: the line arbiter.
@@ -164,7 +164,7 @@ class Outputs:
     def agree(self, at: int, *, gripping: bool = False) -> bool:
         """Whether the lines are as they were written; raises WireError while nobody knows.
 
-        ``gripping``: and the owner has not taken this program for dead. What was given up then must not go on by
+        ``gripping``: and the arbiter has not taken this program for dead. What was given up then must not go on by
         itself, whatever the will has left (IL-11).
         """
         self.retry_at = at + RETRY_US
@@ -205,7 +205,7 @@ class Outputs:
         self.finish()
 
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
-        """What was to be activated when the owner was lost comes with the next attempt, if it stays active between."""
+        """Activate with the next attempt what the lost arbiter could not activate, if it stays active between."""
         before, self._attempt = self._attempt, status.attempt
         if status.attempt <= before:
             return {}
@@ -246,7 +246,7 @@ class Outputs:
         try:
             delay_us = wait()
         except (ArbiterError, LineBusyError):
-            # looked at once: perhaps the owner is there again
+            # looked at once: perhaps the arbiter is there again
             self.lost, self.retry_at = True, 0
             for line in changes:
                 self._written.pop(line, None)  # perhaps it was executed: either level is right

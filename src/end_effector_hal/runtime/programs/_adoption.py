@@ -125,7 +125,7 @@ class Adoption:
                 self.outputs.alarm = unknown(error)
         if not self.outputs.lost:
             return [*statuses, self.now(at)]
-        # before it is told nothing is held: the will that holds must have arrived, or the owner may still unwind
+        # before it is told nothing is held: the will that holds must have arrived, or the arbiter may still unwind
         return [status for status in statuses if published.held or not status.held]
 
     def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:

@@ -29,13 +29,13 @@ def open_program(
     judge: FrameJudge | None = None,
     observe: Observer | None = None,
 ) -> P:
-    """A program that is not started yet; it keeps its lease at the owner only while it works.
+    """A program that is not started yet; it keeps its lease at the arbiter only while it works.
 
     Args:
         program: GripProgram or ChangerProgram.
         description: the tool.
         on_status: called with each status.
-        patience_s: how long to wait for an owner to appear.
+        patience_s: how long to wait for an arbiter to appear.
         traces: the folder that gets its trace; None: nothing is recorded. One that cannot be written is an alarm: a
             full disk is no reason not to hold a part.
         limits: of that folder.

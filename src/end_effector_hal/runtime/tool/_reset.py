@@ -36,8 +36,8 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
     """
     grip.acknowledge()
     try:
-        with ArbiterClient(socket_path(description), "reset", patience_s=0) as owner:
-            stays = owner.reset()
+        with ArbiterClient(socket_path(description), "reset", patience_s=0) as arbiter:
+            stays = arbiter.reset()
         if all(answer.accepted for answer in others):  # who refused has said why
             others = (*others, *(Answer(False, why) for why in stays.values()))
     except WireError as error:
@@ -51,8 +51,8 @@ def stop(description: Description) -> Answer:
     What is held stays held. This is no safety function: it needs the line arbiter and a program that work.
     """
     try:
-        with ArbiterClient(socket_path(description), "stop", patience_s=0) as owner:
-            return Answer(True, latch_stop(owner))
+        with ArbiterClient(socket_path(description), "stop", patience_s=0) as arbiter:
+            return Answer(True, latch_stop(arbiter))
     except WireError as error:
         return Answer(False, f"The stop is not latched: {error}", decided=not isinstance(error, ArbiterError))
 

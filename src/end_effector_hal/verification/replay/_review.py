@@ -132,7 +132,7 @@ def _reviewed(trace: ProgramTrace, description: Description | None, before: Segm
             written.status(trace.typed(number))
         elif record.kind == "lines":
             joint += written.lines(trace.typed(number), final=number == writes[-1])
-        elif record.kind == "owner" and not trace.typed(number).there:
+        elif record.kind == "arbiter" and not trace.typed(number).there:
             written.lose()
         elif record.kind == STATE:
             recorded = trace.typed(number).execution

@@ -14,7 +14,7 @@ from end_effector_hal.wires.lines import GpiodLines
 from end_effector_hal.wires.lines.conformance import LineBackendConformance
 from end_effector_lab.testbench.inputs import GpioInputs, GpioSimInputs
 from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
-from tests.acceptance.gpiochip.inside.owned import Owner
+from tests.acceptance.gpiochip.inside.owned import Arbiter
 from tests.acceptance.gpiochip.inside.simulated import CONFIG, SimulatedChip, remove
 
 NAMES = LineBackendConformance.names
@@ -125,7 +125,7 @@ def test_all_lines_change_at_once(chip: SimulatedChip) -> None:
 
 
 def test_lines_are_handed_on_by_their_descriptor(chip: SimulatedChip) -> None:
-    """As the service manager keeps it between two owners: this chip would let the level fall if it were given back."""
+    """As the service manager keeps it between two arbiters: this chip lets a level fall that is given back."""
     first = GpiodLines()
     first.request([A, B])
     first.set({A: True})
@@ -142,25 +142,25 @@ def test_lines_are_handed_on_by_their_descriptor(chip: SimulatedChip) -> None:
     assert chip.level(B) is False
 
 
-def test_a_killed_owner_leaves_its_lines_at_their_pull(chip: SimulatedChip) -> None:
-    with Owner([A, B]) as owner:
-        owner.set({A: True, B: True})
+def test_a_killed_arbiter_leaves_its_lines_at_their_pull(chip: SimulatedChip) -> None:
+    with Arbiter([A, B]) as arbiter:
+        arbiter.set({A: True, B: True})
         assert (chip.level(A), chip.level(B)) == (True, True)
-        owner.kill()
+        arbiter.kill()
         assert (chip.level(A), chip.level(B)) == (False, False)
-    with Owner([A, B]) as owner:
-        assert owner.levels() == {A: False, B: False}
+    with Arbiter([A, B]) as arbiter:
+        assert arbiter.levels() == {A: False, B: False}
 
 
-def test_a_killed_owner_lets_a_pulled_up_line_rise(chip: SimulatedChip) -> None:
+def test_a_killed_arbiter_lets_a_pulled_up_line_rise(chip: SimulatedChip) -> None:
     """And the next one adopts it as an active output: to this kernel it still is one."""
     chip.pull(B, True)
-    with Owner([A, B]) as owner:
-        assert owner.levels() == {A: False, B: False}
-        owner.kill()
+    with Arbiter([A, B]) as arbiter:
+        assert arbiter.levels() == {A: False, B: False}
+        arbiter.kill()
         assert (chip.level(A), chip.level(B)) == (False, True)
-    with Owner([A, B]) as owner:
-        assert owner.levels() == {A: False, B: True}
+    with Arbiter([A, B]) as arbiter:
+        assert arbiter.levels() == {A: False, B: True}
 
 
 def test_the_kernel_says_what_a_line_is(chip: SimulatedChip) -> None:

@@ -1,4 +1,4 @@
-"""In the guest, on the chip that the testbench is: the gpiod back-end, and owners that die."""
+"""In the guest, on the chip that the testbench is: the gpiod back-end, and arbiters that die."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.errors import LineBusyError
 from end_effector_hal.wires.lines import GpiodLines
 from end_effector_hal.wires.lines.conformance import LineBackendConformance
-from tests.acceptance.gpiochip.inside.owned import Owner
+from tests.acceptance.gpiochip.inside.owned import Arbiter
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_212"
 
@@ -25,28 +25,28 @@ class TestBackend(LineBackendConformance):
         return GpiodLines
 
 
-def test_a_killed_owner_drops_its_lines() -> None:
-    with Owner([A, B, C]) as owner:
-        owner.set({A: True, C: True})
-        assert owner.levels() == {A: True, B: False, C: True}
-        owner.kill()
-    with Owner([A, B, C]) as owner:
-        assert owner.levels() == {A: False, B: False, C: False}, "nothing is activated by a start"
+def test_a_killed_arbiter_drops_its_lines() -> None:
+    with Arbiter([A, B, C]) as arbiter:
+        arbiter.set({A: True, C: True})
+        assert arbiter.levels() == {A: True, B: False, C: True}
+        arbiter.kill()
+    with Arbiter([A, B, C]) as arbiter:
+        assert arbiter.levels() == {A: False, B: False, C: False}, "nothing is activated by a start"
 
 
-def test_two_owners_on_one_chip() -> None:
-    with Owner([A, B]) as owner:
+def test_two_arbiters_on_one_chip() -> None:
+    with Arbiter([A, B]) as arbiter:
         with pytest.raises(LineBusyError) as caught:
             GpiodLines().request([B, C])
-        owner.set({B: True})
-        assert owner.levels() == {A: False, B: True}, "the first one does not notice"
+        arbiter.set({B: True})
+        assert arbiter.levels() == {A: False, B: True}, "the first one does not notice"
     assert f"{B} is held by end-effector-hal." in str(caught.value)
-    assert f"pid {owner.process.pid} (" in str(caught.value)
+    assert f"pid {arbiter.process.pid} (" in str(caught.value)
 
 
 def test_the_command_says_who_holds_the_lines(tool: str) -> None:
     eehal = [sys.executable, "-c", "from end_effector_hal.cli import main; main()"]
-    with Owner([A]) as owner:
+    with Arbiter([A]) as arbiter:
         second = subprocess.run(
             [*eehal, "arbiter", tool], capture_output=True, text=True, timeout=120, check=False
         )
@@ -59,7 +59,7 @@ def test_the_command_says_who_holds_the_lines(tool: str) -> None:
         )
     assert second.returncode == 3
     assert f"{A} is held by end-effector-hal." in second.stderr
-    assert f"pid {owner.process.pid}" in second.stderr
+    assert f"pid {arbiter.process.pid}" in second.stderr
     assert "Traceback" not in second.stderr
     assert f"{A} = /dev/gpiochip0 line 0, output, held by the line arbiter" in doctor.stdout
     assert "SODIMM_210 = /dev/gpiochip0 line 2, input, free" in doctor.stdout

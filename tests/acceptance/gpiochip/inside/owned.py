@@ -18,19 +18,19 @@ from pathlib import Path
 from end_effector_hal.arbiter import Policy, serve
 from end_effector_hal.wires.lines import GpiodLines
 socket, *lines = sys.argv[1:]
-serve(GpiodLines(), Path(socket), Policy(lines), on_ready=lambda owner: print("ready", flush=True))
+serve(GpiodLines(), Path(socket), Policy(lines), on_ready=lambda arbiter: print("ready", flush=True))
 """
 PATIENCE_S = 60.0
 
 
-class Owner:
-    """The real owner on the real chip, without interlocks, and a client whose will is to hold."""
+class Arbiter:
+    """The real arbiter on the real chip, without interlocks, and a client whose will is to hold."""
 
     def __init__(self, lines: Sequence[str]) -> None:
         self._lines = list(lines)
 
-    def __enter__(self) -> Owner:
-        socket = Path(tempfile.mkdtemp()) / "owner"
+    def __enter__(self) -> Arbiter:
+        socket = Path(tempfile.mkdtemp()) / "arbiter"
         self.process = subprocess.Popen(
             [sys.executable, "-c", PROGRAM, str(socket), *self._lines], stdout=subprocess.PIPE, text=True
         )

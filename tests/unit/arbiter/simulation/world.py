@@ -52,7 +52,7 @@ FAULTS = (
 REST = {EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR}
 
 
-class OwnerKilledError(BaseException):
+class ArbiterKilledError(BaseException):
     """The arbiter dies here; a BaseException, so that no part of it can catch it."""
 
 
@@ -148,7 +148,7 @@ class World:
             self._met[fault, f"{self._message}: {where}"] += 1
             self._happens(fault)
         if "arbiter" in self._doomed and "arbiter" in self._inside:
-            raise OwnerKilledError
+            raise ArbiterKilledError
 
     @contextmanager
     def inside(self, process: str) -> Iterator[None]:
@@ -158,7 +158,7 @@ class World:
         self._inside.append(process)
         try:
             yield
-        except OwnerKilledError:
+        except ArbiterKilledError:
             self._inside.pop()
             self._bury_arbiter()
         else:
@@ -356,7 +356,7 @@ class World:
         self._inside.append("arbiter")
         try:
             yield
-        except OwnerKilledError:
+        except ArbiterKilledError:
             self.arbiter = None
         finally:
             self._inside.pop()

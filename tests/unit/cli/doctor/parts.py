@@ -29,7 +29,7 @@ class Machine:
     """A folder with the wires of a tool, and the doctor who looks at them."""
 
     def __init__(self, folder: Path) -> None:
-        self.chip, self.port, self.socket = folder / "chip", folder / "uart", folder / "owner.sock"
+        self.chip, self.port, self.socket = folder / "chip", folder / "uart", folder / "arbiter.sock"
         self.path = folder / "tool.yaml"
         self.describe()
 

@@ -128,10 +128,10 @@ def test_an_arbiter_where_somebody_else_put_it(
 ) -> None:
 
     monkeypatch.setattr(_arbiter, "_FOLDERS", (tmp_path,))
-    machine.describe(text=machine.path.read_text().replace(f"{machine.socket}", f"{tmp_path}/x/owner.sock"))
+    machine.describe(text=machine.path.read_text().replace(f"{machine.socket}", f"{tmp_path}/x/arbiter.sock"))
     assert machine.finding("arbiter") == (
         "missing",
-        f"no line arbiter at {tmp_path}/x/owner.sock, but there is a socket at {machine.socket}",
+        f"no line arbiter at {tmp_path}/x/arbiter.sock, but there is a socket at {machine.socket}",
         f"Set EEHAL_RUN_DIR={tmp_path}, like the arbiter.",
     )
 

@@ -33,7 +33,7 @@ def test_a_running_tool_is_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         assert list(of) == list(_doctor.PARTS)
         (lines,), (arbiter, active), (link,) = of["lines"], of["arbiter"], of["link"]
         assert lines["what"].endswith(
-            f"active: none; held by pid {world_arbiter(world)} ({owner_words(world)})"
+            f"active: none; held by pid {world_arbiter(world)} ({arbiter_words(world)})"
         )
         assert arbiter["what"] == f"pid {world_arbiter(world)} serves {world.socket}; no program writes"
         assert active["what"] == "active: no line"
@@ -49,7 +49,7 @@ def world_arbiter(world: World) -> int:
     return holder.pid
 
 
-def owner_words(world: World) -> str:
+def arbiter_words(world: World) -> str:
     return holders_of(f"{world.chip}.lock")[0].program
 
 

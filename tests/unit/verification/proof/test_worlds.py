@@ -55,7 +55,7 @@ OF_GRIP = (
     "dropped",
 )
 """What Grip sees, tells and asks for; nobody hears a dead one."""
-UNMOVED = ("Changer", "Arming", "World", "Owner", "Tool", "Listener", "Patience", "Messages", "Wills")
+UNMOVED = ("Changer", "Arming", "World", "Arbiter", "Tool", "Listener", "Patience", "Messages", "Wills")
 ACTIVE = ("Pending", "Confirming", "On", "Losing")
 GRIP_ERROR, RELEASING, PENDING, ON = 2, 4, 1, 2
 

@@ -24,8 +24,8 @@ from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 
-# The owner of the tool without IL-10, whose wait would be all that is measured.
-OWNER = """
+# The arbiter of the tool without IL-10, whose wait would be all that is measured.
+ARBITER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
@@ -34,7 +34,7 @@ from end_effector_hal.arbiter import serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
 policy = replace(arbiter_policy(load(profile_path())), min_switch_us=0)
-ready = lambda owner: print("ready", flush=True)
+ready = lambda arbiter: print("ready", flush=True)
 serve(VirtualLines(chip), socket, policy, journal=socket + ".journal", on_ready=ready)
 """
 PROVEN = {"locked": True, "nothing_gripped": True, "parked": True}
@@ -43,26 +43,26 @@ BLOCK = 100
 
 
 @dataclass(frozen=True)
-class OwnerCost:
-    """From a call until the line is written, and until the call returns; what the owner uses while it holds."""
+class ArbiterCost:
+    """From a call until the line is written, and until the call returns; what the arbiter uses while it holds."""
 
     direct_line: Figures
     direct_return: Figures
-    owner_line: Figures
-    owner_return: Figures
+    arbiter_line: Figures
+    arbiter_return: Figures
     usage: Usage
 
     @property
     def added_us(self) -> float:
-        """By the owner at the median, until the line is written."""
-        return self.owner_line.median - self.direct_line.median
+        """By the arbiter at the median, until the line is written."""
+        return self.arbiter_line.median - self.direct_line.median
 
     def as_json(self) -> dict[str, Any]:
         return asdict(self) | {"added_us": self.added_us}
 
 
-def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> OwnerCost:
-    """Blocks of commands, directly and through the owner in turns; then it is left holding for ``hold_s``."""
+def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> ArbiterCost:
+    """Blocks of commands, directly and through the arbiter in turns; then it is left holding for ``hold_s``."""
     description = load(profile_path())
     gripping, changing = (program_lines(description, program) for program in ("grip", "tool_change"))
     line = gripping[0]
@@ -71,7 +71,7 @@ def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> Own
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-arbiter-")))
         lines = output_lines(description)
         chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
-        owner = stack.enter_context(_owner(chips["owned"], folder / "sock"))
+        arbiter = stack.enter_context(_arbiter(chips["owned"], folder / "sock"))
         stack.enter_context(_told(folder / "sock"))
         stack.enter_context(ArbiterClient(folder / "sock", "tool_change", changing))
         grip = stack.enter_context(ArbiterClient(folder / "sock", "grip", gripping))
@@ -87,10 +87,10 @@ def measure_owner(blocks: int, hold_s: float, say: Callable[[str], None]) -> Own
             owned.run()
         say(f"holding for {hold_s:g} s")
         grip.set({line: True}, [])
-        meter = Meter({"line arbiter": owner.pid})
+        meter = Meter({"line arbiter": arbiter.pid})
         sleep(hold_s)
         usage = meter.read()["line arbiter"]
-    return OwnerCost(*(direct.found()), *(owned.found()), usage)
+    return ArbiterCost(*(direct.found()), *(owned.found()), usage)
 
 
 class _Commands:
@@ -121,8 +121,8 @@ class _Commands:
 
 
 @contextmanager
-def _owner(chip: Path, sock: Path) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-c", OWNER, str(chip), str(sock)]
+def _arbiter(chip: Path, sock: Path) -> Iterator[subprocess.Popen[bytes]]:
+    command = [sys.executable, "-c", ARBITER, str(chip), str(sock)]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         try:
             assert process.stdout
