@@ -177,12 +177,7 @@ MODICON = {1: "discrete_input", 3: "input", 4: "holding"}
 
 
 def _hints(description: Description) -> Iterator[str]:
-    """How to say it the new way."""
-    if description.schema_version == 1:
-        yield (
-            f"{description.where('schema')}: write schema: 2; all that stands here keeps its meaning, and "
-            "channels of names of your own may come from the link and the board's inputs (docs/reference/channels.md)"
-        )
+    """What is valid and probably not meant, as sentences."""
     for name, channel in description.channels.items():
         place = channel.modbus
         written = description.place("channels", name, "modbus", "address").text.lower()

@@ -77,11 +77,8 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 class Description(Part):
     """A whole end-effector."""
 
-    schema_version: Literal[1, 2] = Field(
-        default=2,
-        alias="schema",
-        exclude=True,
-        description="version of this schema; 1: without channels of one's own",
+    schema_version: Literal[2] = Field(
+        default=2, alias="schema", exclude=True, description="version of this schema"
     )
     name: Name = Field(description="of the tool; names its socket and its recordings")
     summary: Word = Field(default="", description="one sentence, for people")
