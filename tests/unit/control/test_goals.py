@@ -14,10 +14,10 @@ from end_effector_hal.control.goals import (
     REACHED,
     Effect,
     Goal,
+    GoalEffect,
     Goals,
     Outcome,
     Phase,
-    Todo,
     judge,
     reset_answer,
     tool_status,
@@ -48,9 +48,9 @@ class Room:
     def __init__(self) -> None:
         self.goals: Goals[Goal] = Goals({"grip": "The node Grip", "tool_change": "The node ToolChange"})
         self.at = 1_000_000
-        self.done: list[tuple[Todo, str]] = []
+        self.done: list[tuple[Effect, str]] = []
 
-    def do(self, effects: list[Effect[Goal]]) -> None:
+    def do(self, effects: list[GoalEffect[Goal]]) -> None:
         self.done += [(todo, goal.name) for todo, goal in effects]
 
     def come(self, command: Command = Command.GRIP, name: str = "a") -> Goal:
@@ -84,10 +84,10 @@ def end(goal: Goal) -> tuple[Outcome, str]:
 
 def test_rule_1_goals_are_decided_in_the_order_in_which_they_came(room: Room) -> None:
     first, second = room.come(Command.LOCK, "first"), room.come(Command.RELEASE, "second")
-    assert room.done == [(Todo.ASK, "first")]
+    assert room.done == [(Effect.ASK, "first")]
     assert second.phase is Phase.WAITING
     room.answer(first, NO)
-    assert room.done[1:] == [(Todo.SAY_ENDED, "first"), (Todo.ASK, "second")]
+    assert room.done[1:] == [(Effect.REPORT_END, "first"), (Effect.ASK, "second")]
 
 
 def test_rule_2_a_second_goal_is_refused_and_the_first_goes_on(room: Room) -> None:
@@ -172,7 +172,7 @@ def test_rule_3_no_answer_in_time_and_one_that_comes_later_changes_nothing(room:
     assert goal.phase is Phase.ASKED
     room.do(room.goals.tick(room.at + 1))
     assert end(goal) == (Outcome.UNREACHABLE, "The node Grip does not answer.")
-    assert room.done[1:] == [(Todo.GIVE_UP, "a"), (Todo.SAY_ENDED, "a")]
+    assert room.done[1:] == [(Effect.GIVE_UP, "a"), (Effect.REPORT_END, "a")]
     room.answer(goal)
     assert end(goal)[0] is Outcome.UNREACHABLE
     assert room.goals.open == ()
@@ -185,10 +185,10 @@ def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> No
     room.see("tool_change", count=9)
     assert room.done == []
     room.see(count=7, ee=State.GRIPPING, command=Command.GRIP)
-    assert room.done == [(Todo.SAY_PROGRESS, "a")]
+    assert room.done == [(Effect.REPORT_PROGRESS, "a")]
     room.at += 2_500_000
     room.see(count=8, ee=State.GRIPPED)
-    assert room.done[1:] == [(Todo.SAY_PROGRESS, "a"), (Todo.SAY_ENDED, "a")]
+    assert room.done[1:] == [(Effect.REPORT_PROGRESS, "a"), (Effect.REPORT_END, "a")]
     assert goal.ending is not None
     assert goal.ending.seconds == 2.5
 
@@ -265,7 +265,7 @@ def test_rule_6_a_cancel_while_the_program_is_asked_is_passed_on(room: Room) -> 
     goal = room.come()
     room.do(room.goals.cancel(goal))
     room.answer(goal)
-    assert room.done[1:] == [(Todo.SAY_BEGUN, "a"), (Todo.CANCEL, "a")]
+    assert room.done[1:] == [(Effect.REPORT_BEGIN, "a"), (Effect.CANCEL, "a")]
     room.see(cause=Cause.CANCELLED, reason="The grip was cancelled.")
     assert end(goal) == (Outcome.CANCELLED, "The grip was cancelled.")
 

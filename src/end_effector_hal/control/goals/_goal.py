@@ -98,20 +98,20 @@ class Goal:
         return _PROGRAM[self.command]
 
 
-class Todo(Enum):
-    """What is to be done after a decision."""
+class Effect(Enum):
+    """What the caller has to do after a decision."""
 
     ASK = auto()
     """Ask the program of the goal to begin it, then call `Goals.answer`."""
     GIVE_UP = auto()
     """The program did not answer in time: an answer that comes later does not count."""
-    SAY_BEGUN = auto()
+    REPORT_BEGIN = auto()
     CANCEL = auto()
     """Ask the program to cancel what it executes; whether it does is its decision."""
-    SAY_PROGRESS = auto()
-    SAY_ENDED = auto()
+    REPORT_PROGRESS = auto()
+    REPORT_END = auto()
     """Give the client ``goal.ending``."""
 
 
 GoalT = TypeVar("GoalT", bound=Goal)
-Effect = tuple[Todo, GoalT]
+GoalEffect = tuple[Effect, GoalT]

@@ -26,7 +26,7 @@ from typing import Generic
 from end_effector_hal.vocabulary import Command
 
 from .._status import Answer, Status
-from ._goal import Effect, Ending, GoalT, Outcome, Phase, Todo
+from ._goal import Effect, Ending, GoalEffect, GoalT, Outcome, Phase
 from ._judgement import is_over, is_reached, judge
 
 ANSWER_US = 4_000_000
@@ -49,22 +49,22 @@ class Goals(Generic[GoalT]):
         self._undecided: list[GoalT] = []
         self._running: GoalT | None = None
         self._newest: dict[str, tuple[Status, int, int]] = {}
-        self._we_end = ""
+        self._closing = ""
 
     @property
     def open(self) -> tuple[GoalT, ...]:
         """The goals that have no ending yet."""
         return (*self._undecided, *((self._running,) if self._running else ()))
 
-    def begin(self, goal: GoalT, at: int) -> list[Effect[GoalT]]:
+    def begin(self, goal: GoalT, at: int) -> list[GoalEffect[GoalT]]:
         """A goal came."""
         goal.came_us = at
-        if self._we_end:
-            return [self._end(goal, Outcome.REJECTED, self._we_end, at)]
+        if self._closing:
+            return [self._end(goal, Outcome.REJECTED, self._closing, at)]
         self._undecided.append(goal)
         return self._decide(at)
 
-    def answer(self, goal: GoalT, answer: Answer, at: int) -> list[Effect[GoalT]]:
+    def answer(self, goal: GoalT, answer: Answer, at: int) -> list[GoalEffect[GoalT]]:
         """The program of a goal has answered whether it begins it."""
         if goal.phase is not Phase.ASKED:
             return []  # it was given up
@@ -76,55 +76,55 @@ class Goals(Generic[GoalT]):
             outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
             return [*self._refuse(goal, outcome, answer.reason, at), *self._decide(at)]
         goal.phase, goal.count, self._running = Phase.RUNNING, answer.count, goal
-        effects = [(Todo.SAY_BEGUN, goal), *self._follow(at)]
+        effects = [(Effect.REPORT_BEGIN, goal), *self._follow(at)]
         return [*effects, *(self.cancel(goal) if goal.cancelled else []), *self._decide(at)]
 
-    def cancel(self, goal: GoalT) -> list[Effect[GoalT]]:
+    def cancel(self, goal: GoalT) -> list[GoalEffect[GoalT]]:
         """The client does not want a goal any more."""
         goal.cancelled = True
-        return [(Todo.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
+        return [(Effect.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
 
     def see(
         self, program: str, status: Status, at: int, *, session: int = 0, count: int = 0
-    ) -> list[Effect[GoalT]]:
+    ) -> list[GoalEffect[GoalT]]:
         """A program has a new status: its number ``count`` since its start, ``session`` (µs; 0: it starts once)."""
         self._newest[program] = status, session, count
         return self._follow(at) if self._running and self._running.program == program else []
 
-    def tick(self, at: int, gone: Collection[str] = ()) -> list[Effect[GoalT]]:
+    def tick(self, at: int, gone: Collection[str] = ()) -> list[GoalEffect[GoalT]]:
         """Time has passed; ``gone`` are the programs that are not there any more."""
-        effects: list[Effect[GoalT]] = []
+        effects: list[GoalEffect[GoalT]] = []
         for goal in self._undecided[:1]:
             if goal.phase is Phase.ASKED and at - goal.asked_us > ANSWER_US:
                 silence = f"{self._programs[goal.program]} does not answer."
-                effects.append((Todo.GIVE_UP, goal))
+                effects.append((Effect.GIVE_UP, goal))
                 effects += self.answer(goal, Answer(False, silence, decided=False), at)
         if (running := self._running) is None:
             return effects
         if running.program not in gone:
-            return [*effects, (Todo.SAY_PROGRESS, running)]
+            return [*effects, (Effect.REPORT_PROGRESS, running)]
         why = f"{self._programs[running.program]} has gone: {_UNKNOWN}"
         return [*effects, self._end(running, Outcome.UNREACHABLE, why, at)]
 
-    def close(self, who: str, todo: str, at: int) -> list[Effect[GoalT]]:
+    def close(self, who: str, todo: str, at: int) -> list[GoalEffect[GoalT]]:
         """We end, ``who`` in a sentence: every goal gets its ending; ``todo`` tells the client of one that runs."""
-        self._we_end = f"{who} is ending: the goal was not begun."
+        self._closing = f"{who} is ending: the goal was not begun."
         undecided, self._undecided = self._undecided, []
-        effects: list[Effect[GoalT]] = []
+        effects: list[GoalEffect[GoalT]] = []
         for goal in undecided:
             if goal.phase is Phase.ASKED:
                 answer = f"{self._programs[goal.program]} has not answered yet: whether the goal was begun is unknown."
                 effects.append(self._end(goal, Outcome.UNREACHABLE, f"{who} is ending. {answer}", at))
             else:
-                effects.append(self._end(goal, Outcome.REJECTED, self._we_end, at))
+                effects.append(self._end(goal, Outcome.REJECTED, self._closing, at))
         if (running := self._running) is not None:
             why = f"{who} is ending while {running.name} was at work, and does not see its end. {todo}"
             effects.append(self._end(running, Outcome.UNREACHABLE, why, at))
         return effects
 
-    def _decide(self, at: int) -> list[Effect[GoalT]]:
+    def _decide(self, at: int) -> list[GoalEffect[GoalT]]:
         """Decide about the goals that wait, until a program is asked."""
-        effects: list[Effect[GoalT]] = []
+        effects: list[GoalEffect[GoalT]] = []
         while self._undecided and self._undecided[0].phase is Phase.WAITING:
             goal, running = self._undecided[0], self._running
             if goal.cancelled:
@@ -137,12 +137,12 @@ class Goals(Generic[GoalT]):
                 goal.phase, goal.asked_us = Phase.ASKED, at
                 if newest := self._newest.get(goal.program):
                     goal.session = newest[1]
-                return [*effects, (Todo.ASK, goal)]
+                return [*effects, (Effect.ASK, goal)]
             self._undecided.remove(goal)
             effects.append(self._end(goal, *ending, at))
         return effects
 
-    def _refuse(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> list[Effect[GoalT]]:
+    def _refuse(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> list[GoalEffect[GoalT]]:
         alike = [goal]
         if outcome is Outcome.UNREACHABLE:
             waiting = [each for each in self._undecided if each.program == goal.program]
@@ -150,7 +150,7 @@ class Goals(Generic[GoalT]):
             self._undecided = [each for each in self._undecided if each not in alike]
         return [self._end(each, outcome, reason, at) for each in alike]
 
-    def _follow(self, at: int) -> list[Effect[GoalT]]:
+    def _follow(self, at: int) -> list[GoalEffect[GoalT]]:
         running = self._running
         if running is None or running.program not in self._newest:
             return []
@@ -161,11 +161,11 @@ class Goals(Generic[GoalT]):
         if count < running.count:
             return []
         ends = [self._end(running, *judge(running.command, status), at)] if is_over(status) else []
-        return [(Todo.SAY_PROGRESS, running), *ends]
+        return [(Effect.REPORT_PROGRESS, running), *ends]
 
-    def _end(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> Effect[GoalT]:
+    def _end(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> GoalEffect[GoalT]:
         seconds = (at - goal.came_us) / 1e6 if goal.phase is Phase.RUNNING else None
         goal.phase, goal.ending = Phase.ENDED, Ending(outcome, reason, seconds)
         if goal is self._running:
             self._running = None
-        return Todo.SAY_ENDED, goal
+        return Effect.REPORT_END, goal

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from end_effector_hal.control import Status
-from end_effector_hal.control.goals import Effect, Ending, Goal, Goals, Outcome, Phase, Todo
+from end_effector_hal.control.goals import Effect, Ending, Goal, GoalEffect, Goals, Outcome, Phase
 from end_effector_hal.nodes.interface import (
     GRIP,
     GRIP_COMMAND,
@@ -59,7 +59,7 @@ class ServedGoals:
         self._state, self._log = state, node.log
         self._lock, self._turn = threading.Lock(), threading.Lock()
         self._goals: Goals[ServedGoal] = Goals({name: f"The node {node}" for node, name in _PROGRAMS.items()})
-        self._effects: deque[Effect[ServedGoal]] = deque()
+        self._effects: deque[GoalEffect[ServedGoal]] = deque()
         commands = {"grip": GRIP_COMMAND, "tool_change": TOOL_CHANGE_COMMAND}
         self._commanders = {name: node.command_client(service) for name, service in commands.items()}
         self._servers = [
@@ -103,7 +103,7 @@ class ServedGoals:
     def _cancelled(self, kind: GoalType, client: ClientGoal) -> bool:
         taken = False
 
-        def decide(_at: int) -> list[Effect[ServedGoal]]:
+        def decide(_at: int) -> list[GoalEffect[ServedGoal]]:
             nonlocal taken
             for goal in self._goals.open:
                 if goal.type is kind and goal.client == client:
@@ -115,7 +115,7 @@ class ServedGoals:
         self._decide(decide)
         return taken
 
-    def _decide(self, decide: Callable[[int], list[Effect[ServedGoal]]]) -> None:
+    def _decide(self, decide: Callable[[int], list[GoalEffect[ServedGoal]]]) -> None:
         with self._lock:
             self._effects += decide(now_us())
         # an effect that comes after the last look of the thread that has the turn is found by this one
@@ -135,19 +135,19 @@ class ServedGoals:
             except Exception:  # noqa: BLE001 the other goals get their answers all the same
                 self._log.exception("%s: %s failed", goal.name, todo.name)
 
-    def _do(self, todo: Todo, goal: ServedGoal) -> None:
+    def _do(self, todo: Effect, goal: ServedGoal) -> None:
         commander = self._commanders[goal.program]
-        if todo is Todo.ASK:
+        if todo is Effect.ASK:
             commander.send(
                 goal.command, lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at))
             )
-        elif todo is Todo.GIVE_UP:
+        elif todo is Effect.GIVE_UP:
             commander.give_up()
-        elif todo is Todo.CANCEL:
+        elif todo is Effect.CANCEL:
             commander.send(Command.CANCEL, lambda _: None)  # refused where nothing is to be unwound
-        elif todo is Todo.SAY_BEGUN:
+        elif todo is Effect.REPORT_BEGIN:
             goal.client.begin()
-        elif todo is Todo.SAY_PROGRESS:
+        elif todo is Effect.REPORT_PROGRESS:
             goal.client.publish_feedback(goal.type.feedback(self._state()))
         elif goal.ending is not None:
             self._answer(goal.type, goal.client, goal.ending, goal.command)

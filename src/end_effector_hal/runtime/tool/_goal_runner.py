@@ -13,9 +13,9 @@ from end_effector_hal.control.goals import (
     GOAL_COMMANDS,
     Effect,
     Goal,
+    GoalEffect,
     Goals,
     Outcome,
-    Todo,
     is_over,
 )
 from end_effector_hal.errors import UsageError
@@ -127,9 +127,9 @@ class GoalRunner:
         gone = [name for name, program in self._programs.items() if not program.alive]
         self._keep(self._goals.tick(at, gone))
 
-    def _keep(self, effects: list[Effect[RunningGoal]]) -> None:
+    def _keep(self, effects: list[GoalEffect[RunningGoal]]) -> None:
         for todo, goal in effects:
-            if todo is Todo.SAY_ENDED and goal.ending is not None:
+            if todo is Effect.REPORT_END and goal.ending is not None:
                 ending, status = goal.ending, self._tool()
                 state = status.ee
                 if ending.seconds is None:
