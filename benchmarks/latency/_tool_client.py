@@ -8,7 +8,7 @@ from _application import Application
 
 from end_effector_hal.control import Status
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.wires import be_steady, now_us
+from end_effector_hal.wires import now_us, tune_interpreter
 
 
 def main(description: str, notes: str) -> None:
@@ -24,7 +24,7 @@ def main(description: str, notes: str) -> None:
     with EndEffector.open(description) as tool:
         tool.subscribe(listen)
         tool.wait_ready(10.0)
-        be_steady()
+        tune_interpreter()
         application.obey(command)
 
 

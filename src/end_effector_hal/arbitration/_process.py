@@ -11,7 +11,7 @@ from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, serve
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires import be_steady, relay_path
+from end_effector_hal.wires import relay_path, tune_interpreter
 from end_effector_hal.wires.lines import (
     ComposedLines,
     GpiodLines,
@@ -68,7 +68,7 @@ def run_arbiter(
         print(f"{word}: {description.name} on {where}: {said}{latched}", flush=True)  # noqa: T201 its output
         manager.store(backend.descriptors() if isinstance(backend, LineHandover) else {})
         manager.ready(f"{description.name} on {where}", _Probe(where))
-        be_steady()
+        tune_interpreter()
 
     where = socket or socket_path(description)
     backend = _backend(description, where, group)

@@ -1,6 +1,6 @@
 """The wires of an end-effector: lines (binary outputs), links (sensor frames), buses, and all that brings readings."""
 
 from ._claim import Claim
-from ._clock import be_steady, now_us
+from ._clock import now_us, tune_interpreter
 from ._processes import Holder, holders_of, program_name
 from ._relay import RELAYED, connect_relay, relay_path

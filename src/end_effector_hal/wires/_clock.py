@@ -20,13 +20,14 @@ COLLECT_AFTER = 10_000
 """Objects; what a reaction makes is freed without a collection, and cycles are rare."""
 
 
-def be_steady() -> None:
-    """Call it once all is made: the collector never looks again at what is there now, which takes it ms each time.
+def tune_interpreter() -> None:
+    """Tune Python for short reactions; call it when everything is built.
 
-    What was needed to make it (the trees of two parsers) is given back to the machine.
+    The garbage collector no longer scans the objects that exist now, which would take milliseconds each time. Memory
+    that was needed to build them (the trees of two parsers) is given back to the machine.
     """
     sys.setswitchinterval(SWITCH_S)
-    gc.unfreeze()  # what a call before this one kept, and nobody needs any more
+    gc.unfreeze()  # objects that a call before this one has frozen
     gc.collect()
     with suppress(OSError, AttributeError):  # only glibc has it
         ctypes.CDLL(None).malloc_trim(0)

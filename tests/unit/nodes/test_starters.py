@@ -11,7 +11,7 @@ def test_frames_come_after_the_memory_is_tidy_and_their_source_begins_last(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     done: list[str] = []
-    monkeypatch.setattr(_starters, "be_steady", lambda: done.append("tidy"))
+    monkeypatch.setattr(_starters, "tune_interpreter", lambda: done.append("tidy"))
     starters = Starters()
     starters.add(lambda: done.append("the reader of the sensors"), last=True)
     for node in ("Grip", "Position"):

@@ -86,7 +86,7 @@ def command(
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import Recording, RecordingLimits
     from end_effector_hal.runtime import EndEffector, read_script
-    from end_effector_hal.wires import be_steady, now_us
+    from end_effector_hal.wires import now_us, tune_interpreter
 
     from ._causes import Causes
     from ._session import CommandThread, Prompt, RunSession
@@ -145,7 +145,7 @@ def command(
                 stack.callback(tool.close)  # its last states are recorded
             changes = Changes(loaded, voice, causes)
             tool.subscribe(changes.status)
-            be_steady()  # before frames come: it takes so long that readings would turn stale
+            tune_interpreter()  # before frames come: it takes so long that readings would turn stale
             tool.start()
             try:
                 tool.wait_ready(READY_S)

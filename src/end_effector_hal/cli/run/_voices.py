@@ -33,8 +33,8 @@ SCENARIO = "SCENARIO"
 """The name of the command that has something else go wrong; its answer is the scenario."""
 
 
-def outlives(write: Callable[..., None]) -> Callable[..., None]:
-    """What prints, and raises nothing: who reads it, or the terminal, may go, and no tool ends or is worse for it."""
+def ignore_broken_output(write: Callable[..., None]) -> Callable[..., None]:
+    """Make a function that prints ignore a closed pipe or terminal: the tool goes on."""
 
     def written(*args: Any, **options: Any) -> None:
         with suppress(OSError, MemoryError):
@@ -167,7 +167,7 @@ class Words:
         fg: str | None = None,
         timed: bool = True,
     ) -> None:
-        write = outlives(self._write)
+        write = ignore_broken_output(self._write)
         with self._clock as clock:
             stamp = f"{clock.seconds(at):9.3f} s  " if timed and self._timed else ""
             line = f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}"
@@ -259,7 +259,9 @@ class JsonLines:
 
     def _print(self, event: str, at: int | None, **content: Any) -> None:
         with self._clock as clock:
-            outlives(self._write)(json_text({"event": event, "at_s": round(clock.seconds(at), 6), **content}))
+            ignore_broken_output(self._write)(
+                json_text({"event": event, "at_s": round(clock.seconds(at), 6), **content})
+            )
 
 
 Voice = Words | JsonLines

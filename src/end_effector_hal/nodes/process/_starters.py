@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from end_effector_hal.wires import be_steady
+from end_effector_hal.wires import tune_interpreter
 
 
 class Starters:
@@ -20,6 +20,6 @@ class Starters:
 
     def start(self) -> None:
         """All nodes are there."""
-        be_steady()
+        tune_interpreter()
         for callback in (*self._first, *self._last):
             callback()

@@ -12,7 +12,16 @@ from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
-from ._records import Acknowledged, ActivationRefused, Answered, Commanded, FrameTaken, Start, TimeTold, Told
+from ._records import (
+    Acknowledged,
+    ActivationRefused,
+    Answered,
+    Commanded,
+    FrameTaken,
+    PeerUpdate,
+    Start,
+    TimeAdvanced,
+)
 
 Put = Callable[[Entry], None]
 """Takes a record."""
@@ -66,7 +75,7 @@ class RecordedController:
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
         """Interface variables of the other program."""
-        self._put(("tell", at, Told(at, dict(values))))
+        self._put(("tell", at, PeerUpdate(at, dict(values))))
         return self._decided(self._controller.update_peer(values, at))
 
     def refused(self, at: int) -> list[Status]:
@@ -81,7 +90,7 @@ class RecordedController:
 
     def advance(self, at: int) -> list[Status]:
         """Everything that is due at or before ``at``."""
-        self._put(("time", at, TimeTold(at)))
+        self._put(("time", at, TimeAdvanced(at)))
         return self._decided(self._controller.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:

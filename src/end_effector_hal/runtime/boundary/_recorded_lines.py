@@ -1,4 +1,4 @@
-"""A wrapper around the lines of a program that records writes, and whether their arbiter is there."""
+"""Record what a program writes to its lines, and whether it reaches the line arbiter."""
 
 from __future__ import annotations
 

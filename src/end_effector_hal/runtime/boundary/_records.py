@@ -73,8 +73,8 @@ class Commanded:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """What another program says: interface variables."""
+class PeerUpdate:
+    """Another program has sent its interface variables."""
 
     at: int
     values: Mapping[str, int]
@@ -95,7 +95,7 @@ class Acknowledged:
 
 
 @dataclass(frozen=True, slots=True)
-class TimeTold:
+class TimeAdvanced:
     """Time has passed until ``at``."""
 
     at: int
@@ -124,7 +124,7 @@ class LinesWritten:
 
 @dataclass(frozen=True, slots=True)
 class ArbiterSeen:
-    """The line arbiter was lost, or is there again."""
+    """The line arbiter was lost, or is back."""
 
     at: int
     there: bool
@@ -145,10 +145,10 @@ INPUTS: Mapping[str, type] = {
     "start": Start,
     "frame": FrameTaken,
     "command": Commanded,
-    "tell": Told,
+    "tell": PeerUpdate,
     "refused": ActivationRefused,
     "acknowledge": Acknowledged,
-    "time": TimeTold,
+    "time": TimeAdvanced,
 }
 """What a replay feeds to the controller."""
 OBSERVED: Mapping[str, type] = {"begin": Begun, "write": Written, "event": Received, "step": Step}

@@ -24,8 +24,8 @@ THINNED_US, REPEAT_US = 600_000, 20_000
 """Tables leave out steady pressures for half a second: they are repeated there."""
 
 
-class ReadingsThen:
-    """What the channels showed at one instant, as a detector asks for it; what was stale or invalid is absent.
+class RecordedReadings:
+    """Values of the channels at one instant, for a detector; stale and invalid values are absent.
 
     Attributes:
         at: µs.
@@ -64,7 +64,7 @@ class RecordedAttempt:
     since: int
     until: int | None = None
     confirmed: int | None = None
-    readings: list[ReadingsThen] = field(default_factory=list)
+    readings: list[RecordedReadings] = field(default_factory=list)
     seen_until: int = 0
 
 
@@ -215,7 +215,7 @@ class _OneRecording:
             if value is not None:
                 values[channel] = value
         arrived = frozenset(channel for channel in values if readings.arrived(channel))
-        then = ReadingsThen(at, carried, values, arrived)
+        then = RecordedReadings(at, carried, values, arrived)
         for each in self._open.values():
             each.readings.append(then)
             each.seen_until = at

@@ -64,7 +64,7 @@ class GuardedDecoder:
         )
 
     def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
-        """The frames that end in what was just read, each stamped with the time at which it came, see `as_they_came`.
+        """The frames that end in what was just read, stamped with their arrival times; see `spread_stamps`.
 
         Args:
             data: what was read.
@@ -72,7 +72,7 @@ class GuardedDecoder:
         """
         at = now_us()
         frames = self._frames("feed()", lambda: self._decoder.feed(data, at), len(data))
-        return as_they_came(frames, at, 0 if looked_at is None else at - looked_at, self._period_us)
+        return spread_stamps(frames, at, 0 if looked_at is None else at - looked_at, self._period_us)
 
     def poll(self) -> Polled:
         """What is to be sent now, and the frames that ended for want of an answer; of one that asks."""
@@ -132,14 +132,14 @@ class GuardedDecoder:
 
 
 STANDSTILL_US = 500_000
-"""Who has not looked for so long does not know when it came."""
+"""After a longer pause of the reader the arrival times of the frames are unknown."""
 
 
-def as_they_came(frames: list[Frame], at: int, away_us: int, period_us: int) -> list[Frame]:
-    """Frames that were read at once with the times at which they came, as far as they are known.
+def spread_stamps(frames: list[Frame], at: int, away_us: int, period_us: int) -> list[Frame]:
+    """Give frames that were read at once the times at which they arrived, as far as these are known.
 
-    A process that stood still finds what waited for it. Frames that fill this time came evenly until now. Of fewer,
-    nobody knows whether the link was silent before them or after them: they are as old as they can be.
+    After a pause a process finds the frames that waited for it. Frames that fill the pause arrived evenly. With fewer
+    frames the link was silent before or after them, and which is unknown: they get the oldest possible time.
 
     Args:
         frames: of one read, in order; those with a stamp of their own keep it.
