@@ -2,13 +2,15 @@
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller
+from ._events import FAILURES, EventKind, EventReader, ToolEvent, restart_events
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport, told_to_grip
 from .words import (
-    StatusLines,
     alarm_changes,
+    event_lines,
+    event_text,
     held_words,
     refused,
     transition,
@@ -18,22 +20,28 @@ from .words import (
 )
 
 __all__ = [
+    "FAILURES",
     "PROGRAMS",
     "Answer",
     "Controller",
     "ControllerSnapshot",
+    "EventKind",
+    "EventReader",
     "GripLastWill",
     "Status",
-    "StatusLines",
     "StepReport",
+    "ToolEvent",
     "alarm_changes",
     "changer_will",
     "ending_in_words",
+    "event_lines",
+    "event_text",
     "held_words",
     "maintenance_will",
     "model_constants",
     "network_of",
     "refused",
+    "restart_events",
     "told_to_grip",
     "transition",
     "unanswered",

@@ -14,6 +14,8 @@ from end_effector_hal.vocabulary import (
     Evidence,
 )
 
+from ._events import ToolEvent
+
 
 @dataclass(frozen=True, slots=True)
 class StepReport:
@@ -86,6 +88,8 @@ class Status:
     """Frames that did not count because of their stamp, since the start."""
     alarms: tuple[str, ...] = ()
     steps: tuple[StepReport, ...] = ()
+    events: tuple[ToolEvent, ...] = ()
+    """What has led from the status before to this one, in order."""
 
     @property
     def arbiter_lost(self) -> bool:

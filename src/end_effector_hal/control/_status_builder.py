@@ -22,6 +22,7 @@ from timed_automata.document import Text
 from timed_automata.language import parse_expression
 from timed_automata.queries import compile_integer
 
+from ._events import EventReader, ToolEvent
 from ._status import Status
 from ._steps import StepLog
 from .words import explain, explain_changer, latched, left_active, loose
@@ -58,6 +59,7 @@ class StatusBuilder:
         "adopted": bool,
         "held": bool,
         "_steps": PART,
+        "_events": PART,
         "_cause": int,
         "_cause_at": int,
         "_reason": str,
@@ -88,7 +90,7 @@ class StatusBuilder:
         blown = map(description.sequence.index, description.blow_offs)
         self._blows = [(i, f"blow[{i}]") for i in blown]
         blows = [name for _, name in self._blows]
-        self._per_actuator = {*self._valves, *self._states, *self._keeps, *blows}
+        self._per_actuator, self._of_a_release = {*self._valves, *self._states}, {*self._keeps, *blows}
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
@@ -102,7 +104,7 @@ class StatusBuilder:
         self.found: Mapping[str, bool] = {}
         self.adopted = False
         self.held = False
-        self._steps = StepLog(description.sequence)
+        self._steps, self._events = StepLog(description.sequence), EventReader()
         self._cause, self._cause_at, self._reason, self._left = int(Cause.NONE), -1, "", ""
         self._missed, self._worst_late_us = 0, 0
         self._outputs: tuple[bool, ...] = ()
@@ -119,6 +121,7 @@ class StatusBuilder:
         if not values or not self._per_actuator.isdisjoint(values):
             self._outputs = tuple([bool(known[name]) for name in self._valves])
             self._actuators = tuple([known[name] for name in self._states])
+        if not values or not self._of_a_release.isdisjoint(values):
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
             self._blowing = tuple([i for i, name in self._blows if known[name]])
         self._active = (
@@ -140,12 +143,15 @@ class StatusBuilder:
         """The status after one more step, at ``at`` µs."""
         self._missed += step.missed
         self._worst_late_us = max(self._worst_late_us, step.late_us)
-        self.know({change.name: change.new for change in step.changes})
+        changes = {}
+        for change in step.changes:
+            changes[change.name] = change.new
+        self.know(changes)
         if self.values["cause"]:
             self.blame(self.values["cause"], self.values["cause_at"], at)
-        again = step.sent is not None and step.sent.startswith("again[")
-        self._steps.take(self.values["ee"], self._outputs, self._actuators, step.at, again=again)
-        return self.status(at)
+        events = self._events.of(step, at)
+        self._steps.take(events, step.at, gripping=self.values["ee"] == EndEffectorState.GRIPPING)
+        return self.status(at, events)
 
     def blame(self, cause: int, cause_at: int, at: int) -> None:
         """Why a grip or a release ended, in the words of this moment: what decided it is soon another reading."""
@@ -177,8 +183,8 @@ class StatusBuilder:
         """Attempts and times."""
         return self._steps
 
-    def status(self, at: int) -> Status:
-        """The state at ``at`` µs."""
+    def status(self, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
+        """The state at ``at`` µs; ``events``: those that have led to it."""
         values, hold, steps = self.values, self._hold, self._steps
         ee = _STATES[values["ee"]]
         seen = (at, self._senses.revision, self.held)
@@ -222,6 +228,7 @@ class StatusBuilder:
             refused_frames=self._refused,
             alarms=self._alarms(),
             steps=steps.steps,
+            events=events,
         )
 
     def _look(self, at: int) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -181,8 +182,8 @@ def test_no_status_is_told_after_the_one_that_follows_it(
         told: list[int] = []
         merged, reads, goes_on = tool._merged, threading.Event(), threading.Event()
 
-        def slowly(status: Status, at: int) -> Status:
-            state = merged(status, at)
+        def slowly(*given: Any) -> Status:
+            state = merged(*given)
             if threading.current_thread().name == "late":
                 reads.set()
                 goes_on.wait(0.5)

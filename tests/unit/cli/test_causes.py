@@ -83,7 +83,7 @@ def test_it_stands_before_the_states_that_it_led_to(
     causes = Causes(description)
     tool = played(description, causes, "nominal", 0.1)
     changes = Changes(description, JsonLines(0), causes)
-    changes.status(tool.statuses[-1])
+    changes.status(next(status for status in tool.statuses if status.events))
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     kinds = [each["event"] for each in events]
     assert kinds[0] == "transition"

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.cli.run._voices import SCENARIO, Changes, JsonLines, Words, status_lines
-from end_effector_hal.control import Answer, StepReport
+from end_effector_hal.control import Answer, EventKind, Status, StepReport, ToolEvent
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.process import BURST
@@ -108,6 +108,12 @@ def test_json_says_the_outcome_and_the_time(capsys: pytest.CaptureFixture[str]) 
     assert told["at_s"] > 0
 
 
+def entered(before: Status, at: int, state: EndEffectorState) -> Status:
+    """A status of another state, with the event of the change."""
+    event = ToolEvent(at, EventKind.STATE_CHANGED, old=before.ee, new=state)
+    return replace(before, at=at, ee=state, events=(event,))
+
+
 def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
     description: Description, screen: Screen
 ) -> None:
@@ -128,7 +134,7 @@ def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
 
 def test_what_is_waited_for_is_told_before(description: Description, screen: Screen) -> None:
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
-    status = replace(tool.status, at=5_000, ee=EndEffectorState.STAND_BY)
+    status = entered(tool.status, 5_000, EndEffectorState.STAND_BY)
     threading.Timer(0.1, changes.status, [status]).start()
     changes.catch_up(status)
     assert "OFF -> STAND_BY" in screen.out
@@ -153,8 +159,8 @@ def test_a_result_waits_for_the_last_of_several_states_of_one_time(
 ) -> None:
     """A reaction has several statuses at the same microsecond: its first one is not its last one."""
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
-    gripping = replace(tool.status, at=5_000, ee=EndEffectorState.GRIPPING)
-    gripped = replace(gripping, ee=EndEffectorState.GRIPPED)
+    gripping = entered(tool.status, 5_000, EndEffectorState.GRIPPING)
+    gripped = entered(gripping, 5_000, EndEffectorState.GRIPPED)
     changes.status(gripping)
     threading.Timer(0.1, changes.status, [gripped]).start()
     changes.catch_up(gripped)
@@ -167,7 +173,7 @@ def test_no_line_has_a_time_before_that_of_the_line_above(
     tool = VirtualTool(description)
     changes = Changes(description, JsonLines(0))
     for at, ee in ((5_000, EndEffectorState.GRIPPING), (4_000, EndEffectorState.GRIPPED)):
-        changes.status(replace(tool.status, at=at, ee=ee))
+        changes.status(entered(tool.status, at, ee))
     times = [json.loads(line)["at_s"] for line in capsys.readouterr().out.splitlines()]
     assert len(times) >= 4
     assert times == sorted(times)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.arbitration import arbiter_policy
-from end_effector_hal.control import GripLastWill, StatusLines, ending_in_words, model_constants, network_of
+from end_effector_hal.control import GripLastWill, ending_in_words, event_lines, model_constants, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
@@ -173,8 +173,7 @@ def test_a_last_will_ends_it_first_and_begins_none() -> None:
 def test_it_is_told() -> None:
     tool = gripped(blown())
     dropped(tool)
-    lines = StatusLines(tool.description, "grip")
-    told = [line for status in tool.statuses for line in lines.of(status)]
+    told = [line for status in tool.statuses for line in event_lines(tool.description, status)]
     assert [line for line in told if "blown" in line] == [
         "Top vacuum is blown off.",
         "Bottom vacuum is blown off.",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Status, StatusLines, network_of
+from end_effector_hal.control import Status, event_lines, network_of
 from end_effector_hal.description import examine_text
 from end_effector_hal.errors import DescriptionError
 from end_effector_hal.verification.proof import prove
@@ -65,8 +65,7 @@ def test_an_attempt_that_closes_on_nothing_is_over_at_once() -> None:
     assert tool.status.ee == STAND_BY
     assert tool.status.reason == "Jaw closed on nothing: all 3 attempts have failed."
     assert "Jaw closed on nothing." not in tool.status.alarms
-    told = StatusLines(tool.description, "grip")
-    lines = [line for status in tool.statuses for line in told.of(status)]
+    lines = [line for status in tool.statuses for line in event_lines(tool.description, status)]
     assert [line for line in lines if "attempt " in line] == [
         f"Jaw closed on nothing: attempt {number} of 3." for number in (1, 2, 3)
     ]

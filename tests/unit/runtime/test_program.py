@@ -12,7 +12,7 @@ from types import FrameType
 
 import pytest
 
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, EventKind, Status, ToolEvent
 from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.control.goals import Outcome, judge
 from end_effector_hal.description import Description, EStop, load, profile_path
@@ -166,11 +166,20 @@ class Tool:
 
 
 @pytest.fixture
-def tool() -> Tool:
+def tool() -> Iterator[Tool]:
+    """A tool in STAND_BY; whatever happens to it, the events of its statuses lead from each state to the next."""
     tool = Tool()
     tool.run(60)
     assert tool.program.status.ee is EndEffectorState.STAND_BY
-    return tool
+    yield tool
+    state = None
+    for status in tool.statuses:
+        for event in status.events if state is not None else ():
+            if event.kind is EventKind.STATE_CHANGED:
+                assert event.old == state
+                state = event.new
+        state = status.ee if state is None else state
+        assert status.ee == state
 
 
 def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_it(tool: Tool) -> None:
@@ -220,8 +229,8 @@ def test_a_status_is_built_once_for_each_step_of_the_automata(
     built: list[Status] = []
     build = StatusBuilder.status
 
-    def counted(builder: StatusBuilder, at: int) -> Status:
-        built.append(build(builder, at))
+    def counted(builder: StatusBuilder, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
+        built.append(build(builder, at, events))
         return built[-1]
 
     monkeypatch.setattr(StatusBuilder, "status", counted)

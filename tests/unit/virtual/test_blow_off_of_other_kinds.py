@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import StatusLines, network_of
+from end_effector_hal.control import event_lines, network_of
 from end_effector_hal.verification.coils import prove_tool
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.support.nightly import first_of
@@ -138,8 +138,7 @@ def test_with_an_open_e_stop_nothing_is_told_to_be_blown_off(kind: str, tmp_path
     tool.run(0.5)
     assert tool.command("drop").accepted
     tool.run(6.0)
-    lines = StatusLines(tool.description, "grip")
-    told = " ".join(line for status in tool.statuses for line in lines.of(status))
+    told = " ".join(line for status in tool.statuses for line in event_lines(tool.description, status))
     assert "blow-off of holder) is not activated: the emergency stop is open" in told
     assert "is blown off" not in told
     assert not tool.levels["AIR"]

@@ -11,7 +11,7 @@ from typing import Any, Self
 import click
 
 from end_effector_hal.cli._json_output import json_text
-from end_effector_hal.control import Answer, Status, StatusLines, alarm_changes, refused, unanswered
+from end_effector_hal.control import Answer, Status, alarm_changes, event_lines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -309,7 +309,6 @@ class Changes:
 
     def __init__(self, description: Description, voice: Voice, causes: Causes | None = None) -> None:
         self._description, self._voice, self._causes = description, voice, causes
-        self._lines = StatusLines(description)
         self._last: tuple[str, dict[str, str]] = ("", {})
         self._alarms: tuple[str, ...] = ()
         self._at = 0
@@ -321,7 +320,7 @@ class Changes:
         if self._causes is not None and isinstance(self._voice, JsonLines):
             for entry in self._causes.new():
                 self._voice.transition(entry)
-        for line in self._lines.of(status):
+        for line in event_lines(self._description, status):
             self._voice.event(status.at, line)
         states = zip(self._description.ordered, status.actuators, strict=True)
         actuators = {name: kind_of(part).states(state).label for (name, part), state in states}

@@ -7,13 +7,20 @@ from dataclasses import replace
 
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, Evidence
 
+from .._events import ToolEvent
 from .._status import Answer, Status
 
 NOTHING_LATCHED = "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay until a Drop."
 
 
 def tool_status(
-    grip: Status, change: Status, at: int, *, gone: Collection[str] = (), notices: Iterable[str] = ()
+    grip: Status,
+    change: Status,
+    at: int,
+    *,
+    gone: Collection[str] = (),
+    notices: Iterable[str] = (),
+    events: tuple[ToolEvent, ...] = (),
 ) -> Status:
     """The status of the whole tool at ``at`` µs.
 
@@ -25,6 +32,7 @@ def tool_status(
         at: the time of the one that has changed; the other one may be a little ahead.
         gone: the programs that are not there any more.
         notices: alarms of the tool beside those of its programs.
+        events: of the program that has changed.
     """
     if "grip" in gone:
         grip = replace(
@@ -48,6 +56,7 @@ def tool_status(
         unlock_output=change.unlock_output,
         missed=grip.missed + change.missed,
         worst_late_us=max(grip.worst_late_us, change.worst_late_us),
+        events=events,
         alarms=tuple(dict.fromkeys((*notices, *grip.alarms, *change.alarms))),
     )
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.control import Answer, Status, StatusLines, refused, unanswered
+from end_effector_hal.control import Answer, Status, event_lines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -57,7 +57,7 @@ class ProgramNode(Generic[P]):
         self._service = command
         self._frames = node.frames(description)
         self._publish = node.publisher(state)
-        self._lines = StatusLines(description, self._program)
+        self._description = description
         self._since_us, self._count = now_us(), 0
         self._lock = threading.Lock()
         self._last: StatusMessage | None = None
@@ -91,7 +91,7 @@ class ProgramNode(Generic[P]):
             self._last = now
             self._publish(now)
             before, self._alarms = self._alarms, status.alarms
-        for line in self._lines.of(status):
+        for line in event_lines(self._description, status):
             self._log.info("%s", line)
         for alarm in status.alarms:
             if alarm not in before:

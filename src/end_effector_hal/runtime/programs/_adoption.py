@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
 from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs, unknown
@@ -48,6 +48,7 @@ class Adoption:
         self._begin_at: int | None = None
         self._ahead_of: object = None
         self._ahead: Iterator[object] = iter(())
+        self._withheld: tuple[ToolEvent, ...] = ()
 
     @property
     def lost(self) -> bool:
@@ -124,9 +125,9 @@ class Adoption:
             except WireError as error:
                 self.outputs.alarm = unknown(error)
         if not self.outputs.lost:
-            return [*statuses, self.now(at)]
+            return self._filtered([*statuses, self.now(at)])
         # before it is told nothing is held: the will that holds must have arrived, or the arbiter may still unwind
-        return [status for status in statuses if published.held or not status.held]
+        return self._filtered(statuses, lambda status: published.held or not status.held)
 
     def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
         """What may be published of statuses after the line arbiter has replied; ``published``: what was before.
@@ -137,15 +138,28 @@ class Adoption:
         if self.outputs.settles_at is None:
             if self.withholds:
                 self.withholds = False
-                return [*statuses, self.now(at)]
+                return self._filtered([*statuses, self.now(at)])
             return statuses
-        told = [
-            status
-            for status in statuses
-            if (published.held or not status.held) and status.ee is not EndEffectorState.STAND_BY
-        ]
+        told = self._filtered(
+            statuses,
+            lambda status: (published.held or not status.held) and status.ee is not EndEffectorState.STAND_BY,
+        )
         self.withholds = self.withholds or len(told) < len(statuses)
         return told
+
+    def _filtered(
+        self, statuses: list[Status], may_be_published: Callable[[Status], bool] = lambda _: True
+    ) -> list[Status]:
+        """Those of some statuses that may be published; the events of the others go with the next one that may."""
+        found = []
+        for status in statuses:
+            events = (*self._withheld, *status.events)
+            if may_be_published(status):
+                found.append(replace(status, events=events))
+                self._withheld = ()
+            else:
+                self._withheld = events
+        return found
 
     def now(self, at: int) -> Status:
         """The status; before the lines are adopted nothing else gives it a time."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import ClassVar
 
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, EventKind, Status
 from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, OutputMapping
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, TOO_LATE, ProgramCommand
 
@@ -94,7 +94,12 @@ class GripProgram(Program):
         if completed.blowing and written.refused:  # inactive: no air
             air, names = self._description.blow_off_lines, self._description.sequence
             blown = tuple(each for each in completed.blowing if air[names[each]] in written.activated)
-            completed = replace(completed, blowing=blown)
+            events = tuple(
+                each
+                for each in completed.events
+                if each.kind is not EventKind.BLOWN_OFF or each.actuator in blown
+            )
+            completed = replace(completed, blowing=blown, events=events)
         if adoption.lost:  # as last known; what was never known is in doubt active
             known = written.known
             pairs = zip(self._description.ordered, completed.outputs, strict=True)

@@ -11,7 +11,14 @@ from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
-from end_effector_hal.control import Answer, Status, held_words, network_of, unread_e_stop
+from end_effector_hal.control import (
+    Answer,
+    Status,
+    held_words,
+    network_of,
+    restart_events,
+    unread_e_stop,
+)
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime._reload import reload_answer
@@ -403,10 +410,13 @@ class Program(ABC):
 
     def _restart(self, why: str) -> list[Status]:
         _log.warning("%s: %s", self.NAME, why)
-        self._held = self.status.held
+        before = self.status
+        self._held = before.held
         self._reset(self._adoption.outputs.activated, self._adoption.outputs.known)
         self._why = why
-        return [self._adoption.now(self._clock()), *self._adopt()]
+        now = self._adoption.now(self._clock())
+        state = before.ee if self.NAME == "grip" else before.changer
+        return [replace(now, events=restart_events(self.NAME, state, now.at)), *self._adopt()]
 
     def _give_up(self) -> list[Status]:
         """Forget what was decided and cannot be written, with its last will."""

@@ -12,7 +12,7 @@ from typing import Self
 from end_effector_hal._closing import Closing
 from end_effector_hal.arbitration import PredicatePublisher
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Answer, Status, ending_in_words, told_to_grip
+from end_effector_hal.control import Answer, Status, ToolEvent, ending_in_words, told_to_grip
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
@@ -294,14 +294,14 @@ class EndEffector(Closing):
     def _units(self) -> tuple[Program, Program]:
         return self._grip, self._change
 
-    def _merged(self, grip: Status, at: int) -> Status:
-        return tool_status(grip, self._change.status, at, notices=self._audience.alarms)
+    def _merged(self, grip: Status, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
+        return tool_status(grip, self._change.status, at, notices=self._audience.alarms, events=events)
 
     def _gripper_moved(self, status: Status) -> None:
         self._change.update_peer(ee=status.ee)
         with self._lock:
             self._gripping = status
-            self._publish(self._merged(status, status.at))
+            self._publish(self._merged(status, status.at, status.events))
 
     def _changer_moved(self, status: Status) -> None:
         self._grip.update_peer(**told_to_grip(status))
@@ -309,7 +309,7 @@ class EndEffector(Closing):
             # the one that was told last: the program may be further, and tells what lies between in its order
             grip = self._gripping or self._grip.status
             # not as of a time before its own: this one may have waited while the gripping went on
-            self._publish(self._merged(grip, max(grip.at, status.at)))
+            self._publish(self._merged(grip, max(grip.at, status.at), status.events))
 
     def _publish(self, status: Status) -> None:
         self._told = self._audience.alarms

@@ -96,8 +96,8 @@ def _only_gripped_is_held(real: Any, statuses: StatusBuilder, values: Mapping[st
     statuses.held = statuses.held and statuses.values["ee"] == GRIPPED
 
 
-def _lift_whenever_gripped(real: Any, statuses: StatusBuilder, at: int) -> Any:
-    status = real(statuses, at)
+def _lift_whenever_gripped(real: Any, statuses: StatusBuilder, *given: Any) -> Any:
+    status = real(statuses, *given)
     return replace(status, lift_allowed=status.ee == GRIPPED)
 
 

@@ -86,8 +86,8 @@ def test_each_segment_is_replayed_alone(segments: tuple[ProgramTrace, ...]) -> N
         found = review(trace)
         assert found.ok, found.as_json()
         assert found.objections == ()
-        # the last one is as long as what was left
-        assert found.replay.inputs > (0 if trace is segments[-1] else 50)
+        # the last one has what was left, which may be nothing
+        assert found.replay.inputs > 50 or trace is segments[-1]
         assert found.requirements > 10
         alone = f"This is segment {trace.header.segment}: it is judged from the state with which it begins."
         assert found.notes == ((alone,) if trace.header.segment > 1 else ())

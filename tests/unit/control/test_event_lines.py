@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.control import StatusLines
+from end_effector_hal.control import EventKind, ToolEvent, event_lines
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
@@ -19,12 +19,12 @@ def description() -> Description:
 
 
 def played(description: Description, scenario: str, *commands: str, each_s: float = 12.0) -> list[str]:
-    tool, lines = VirtualTool(description, scenario), StatusLines(description, "grip")
+    tool = VirtualTool(description, scenario)
     tool.run(1.0)
     for command in commands:
         assert tool.command(command).accepted
         tool.run(each_s)
-    return [line for status in tool.statuses for line in lines.of(status)]
+    return [line for status in tool.statuses for line in event_lines(tool.description, status)]
 
 
 def test_each_transition_is_one_line(description: Description) -> None:
@@ -57,7 +57,7 @@ def test_the_last_time_out_is_a_line_and_the_cause_of_what_follows(description: 
     ]
 
 
-def test_a_second_grip_counts_its_attempts_anew(description: Description) -> None:
+def test_a_second_grip_counts_its_attempts_from_one(description: Description) -> None:
     lines = played(description, "never-confirms:top_vacuum", "grip", "grip", each_s=40.0)
     assert lines.count("Top vacuum was not confirmed within 5 s: attempt 2 of 3.") == 2
 
@@ -71,35 +71,35 @@ def test_a_release_that_goes_on_without_proof_says_so(description: Description) 
     ]
 
 
-def test_what_is_repeated_is_no_line(description: Description) -> None:
-    tool, lines = VirtualTool(description), StatusLines(description, "grip")
+def test_only_a_status_of_a_step_has_lines(description: Description) -> None:
+    tool = VirtualTool(description)
     tool.run(1.0)
     assert tool.status.ee == EndEffectorState.STAND_BY
-    assert lines.of(tool.status) == ["OFF -> STAND_BY"]
-    assert lines.of(tool.status) == []
+    assert [line for status in tool.statuses for line in event_lines(description, status)] == [
+        "OFF -> STAND_BY"
+    ]
+    assert not list(event_lines(description, tool.status))
 
 
 def test_the_tool_changer_has_its_own(description: Description) -> None:
-    tool, lines = VirtualTool(description), StatusLines(description, "tool_change")
+    tool = VirtualTool(description)
     tool.run(1.0)
-    status = tool.change.status()
-    assert status.changer == ChangerState.LOCKED
-    assert lines.of(status) == ["tool changer: UNKNOWN -> LOCKED"]
-    assert tool.command("unlock").accepted
-    assert lines.of(tool.change.status()) == ["tool changer: LOCKED -> UNLOCKING (UNLOCK)"]
+    _, statuses = tool.change.command("unlock", tool.at)
+    assert [line for status in statuses for line in event_lines(description, status)] == [
+        "tool changer: LOCKED -> UNLOCKING (UNLOCK)"
+    ]
 
 
 def test_a_lock_that_is_unknown_says_why_and_names_no_command_of_the_gripping(
     description: Description,
 ) -> None:
-    tool, lines = VirtualTool(description), StatusLines(description)
+    tool = VirtualTool(description)
     tool.run(1.0)
-    lines.of(tool_status(tool.status, tool.change.status(), tool.at))
     assert tool.command("grip").accepted
     tool.run(0.1)
     grip = tool.status  # of a moment at which everything was still read
+    unknown = ToolEvent(tool.at, EventKind.CHANGER_CHANGED, old=ChangerState.LOCKED, new=ChangerState.UNKNOWN)
     change = replace(tool.change.status(), changer=ChangerState.UNKNOWN, stale=("bottom", "locked"))
-    assert lines.of(tool_status(grip, change, tool.at)) == [
-        "STAND_BY -> GRIPPING (GRIP)",
+    assert list(event_lines(description, tool_status(grip, change, tool.at, events=(unknown,)))) == [
         "tool changer: LOCKED -> UNKNOWN: no valid reading of locked",
     ]

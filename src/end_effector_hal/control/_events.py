@@ -1,0 +1,145 @@
+"""The events of a tool: what the steps of its automata mean, by one table from their edges to events.
+
+The edges are those of `Gripper` and `Changer` in the UPPAAL file. Terminal, logs of the nodes and page read the events:
+none of them works out an attempt or a time-out by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import ClassVar
+
+from end_effector_hal.vocabulary import Cause
+from timed_automata import Change, Step
+
+
+class EventKind(StrEnum):
+    """What an event is about."""
+
+    COMMAND_ACCEPTED = "command accepted"
+    ATTEMPT_BEGAN = "attempt began"
+    CONFIRMED = "confirmed"
+    TIMED_OUT = "timed out"
+    CLOSED_ON_NOTHING = "closed on nothing"
+    LOST = "lost"
+    ACTIVATION_REFUSED = "activation refused"
+    DEACTIVATED = "deactivated"
+    NOT_GONE = "not gone"
+    NOT_PROVEN = "tool changer not proven"
+    BLOWN_OFF = "blown off"
+    STATE_CHANGED = "state changed"
+    CHANGER_CHANGED = "tool changer changed"
+
+
+@dataclass(frozen=True, slots=True)
+class ToolEvent:
+    """One thing that a step of the automata meant.
+
+    Attributes:
+        at: µs, when the step was taken.
+        kind: what it is about.
+        actuator: its place in the sequence; of a change of the state that of the cause; -1: it concerns no single one.
+        attempt: its number in this grip, from 1; 0: the event belongs to no attempt.
+        old, new: the state before and after, in the integers of Table II; -1: no state has changed.
+        cause: why a grip or a release has ended with this change of the state.
+        command: the name of the channel of an accepted command.
+    """
+
+    at: int
+    kind: EventKind
+    actuator: int = -1
+    attempt: int = 0
+    old: int = -1
+    new: int = -1
+    cause: Cause = Cause.NONE
+    command: str = ""
+
+
+_K = EventKind
+_COMMANDS = frozenset(("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
+_STATES = {"ee": _K.STATE_CHANGED, "changer": _K.CHANGER_CHANGED}
+EDGES: Mapping[tuple[str, str, str], tuple[EventKind, ...]] = {
+    ("Activate", "Step", "activate"): (_K.ATTEMPT_BEGAN,),
+    ("Step", "Activate", "engaged"): (_K.CONFIRMED,),
+    ("Step", "Decide", "engaged"): (_K.CONFIRMED,),
+    ("Step", "Reset", "deactivate"): (_K.TIMED_OUT,),
+    ("Step", "Step", "again"): (_K.TIMED_OUT, _K.ATTEMPT_BEGAN),
+    ("Step", "Abort", ""): (_K.TIMED_OUT,),
+    ("Empty", "Reset", "deactivate"): (_K.CLOSED_ON_NOTHING,),
+    ("Empty", "Abort", ""): (_K.CLOSED_ON_NOTHING,),
+    ("Step", "Abort", "lost"): (_K.LOST,),
+    ("Reset", "Abort", "lost"): (_K.LOST,),
+    ("Gripped", "GripError", "lost"): (_K.LOST,),
+    ("Gripped", "Abort", "lost"): (_K.LOST,),
+    ("Step", "Refused", "grip_refused"): (_K.ACTIVATION_REFUSED,),
+    ("Gripped", "GripError", "grip_refused"): (_K.ACTIVATION_REFUSED,),
+    ("Refused", "Abort", "deactivate"): (_K.DEACTIVATED,),
+    ("Unwind", "Check", "deactivate"): (_K.DEACTIVATED,),
+    ("Gap", "Blowing", "blow_on"): (_K.BLOWN_OFF,),
+    ("Releasing", "Unwind", ""): (_K.NOT_GONE,),
+    ("Clearing", "Unwind", ""): (_K.NOT_GONE,),
+    ("Unlocking", "Relock", ""): (_K.NOT_PROVEN,),
+    ("Locking", "Fault", ""): (_K.NOT_PROVEN,),
+}
+"""From an edge of `Gripper` or `Changer` to its events: its source, its target and its channel; empty: it has none."""
+FAILURES = (_K.TIMED_OUT, _K.CLOSED_ON_NOTHING, _K.NOT_GONE, _K.NOT_PROVEN)
+"""What was waited for and did not come."""
+_ATTEMPTS = (_K.ATTEMPT_BEGAN, _K.CONFIRMED, _K.TIMED_OUT, _K.CLOSED_ON_NOTHING)
+_CAUSES = {int(each): each for each in Cause}  # a lookup costs less than a conversion
+
+
+class EventReader:
+    """Reads the events of one program off its steps, in the order in which they are taken.
+
+    Args:
+        variables: of the automata before the first step; default: those of the start.
+    """
+
+    MEMORY: ClassVar = {"_attempt": int, "_last": int, "_cause": int, "_cause_at": int}
+    _NAMES: ClassVar = {
+        "Gripper.attempt": "_attempt",
+        "Gripper.last": "_last",
+        "cause": "_cause",
+        "cause_at": "_cause_at",
+    }
+
+    def __init__(self, variables: Mapping[str, int] | None = None) -> None:
+        self._attempt, self._last, self._cause, self._cause_at = 0, 0, 0, -1
+        for name in self._NAMES.keys() & (variables or {}).keys():
+            setattr(self, self._NAMES[name], (variables or {})[name])
+
+    def of(self, step: Step, at: int) -> tuple[ToolEvent, ...]:
+        """The events of one more step, which was taken at ``at`` µs."""
+        before = self._attempt
+        found: list[ToolEvent] = []
+        changed: list[Change] = []
+        for change in step.changes:
+            if (own := self._NAMES.get(change.name)) is not None:
+                setattr(self, own, change.new)
+            elif change.name in _STATES:
+                changed.append(change)
+        if step.received in _COMMANDS:
+            found.append(ToolEvent(at, _K.COMMAND_ACCEPTED, command=step.received or ""))
+        channel, _, index = (step.received or step.sent or "").rstrip("]").partition("[")
+        for edge in step.edges:
+            for kind in EDGES.get((edge.source, edge.target, channel), ()):
+                if index:
+                    who = int(index)
+                elif kind in (_K.NOT_GONE, _K.NOT_PROVEN):
+                    who = self._last if edge.source == "Releasing" else -1
+                else:
+                    who = self._cause_at
+                attempt = self._attempt if kind is _K.ATTEMPT_BEGAN else before
+                found.append(ToolEvent(at, kind, who, attempt if kind in _ATTEMPTS else 0))
+        for change in changed:
+            cause, who = (self._cause, self._cause_at) if change.name == "ee" else (0, -1)
+            found.append(ToolEvent(at, _STATES[change.name], who, 0, change.old, change.new, _CAUSES[cause]))
+        return tuple(found)
+
+
+def restart_events(program: str, before: int, at: int) -> tuple[ToolEvent, ...]:
+    """The events of a restart of a program at ``at`` µs; ``before``: the state that it published last."""
+    kind = _K.STATE_CHANGED if program == "grip" else _K.CHANGER_CHANGED
+    return (ToolEvent(at, kind, old=before, new=0),) if before else ()
