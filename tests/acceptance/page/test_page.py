@@ -346,7 +346,7 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
         page.click("#command-grip")
         page.locator("#cards .attempts:not([hidden])", has_text="attempt 2 of 3").wait_for(timeout=20_000)
         page.locator("#cards .timer:not([hidden])", has_text="time-out in").wait_for()
-        shows(page, "log", "Cylinder was not confirmed within 5 s; Cylinder RETRACTED")
+        shows(page, "log", "Cylinder was not confirmed within 5 s: attempt 1 of 3; Cylinder RETRACTED")
         shows(page, "goal-detail", "at most 58.00 s")
         shot(page, "page-failing")
         shot(page, "failing-attempt", whole=True)

@@ -137,7 +137,8 @@ def test_a_failing_attempt_is_shown_with_its_time_out(verdin: Description) -> No
     entry = next(entry for entry in watched.view.log.entries if entry["kind"] == "time-out")
     assert "T_CONFIRM" in entry["detail"]["edges"][0]["guard"]
     assert entry["detail"]["readings"]["supply"] > 400
-    assert timeouts == ["Cylinder was not confirmed within 5 s; Cylinder RETRACTED; Cylinder output off"]
+    failed = "Cylinder was not confirmed within 5 s: attempt 1 of 3"
+    assert timeouts == [f"{failed}; Cylinder RETRACTED; Cylinder output off"]
     watched.tool.run(2.0)
     attempts = [card["attempt"] for card in watched.shown()["cards"] if card["attempt"]]
     assert max(attempt["number"] for attempt in attempts) == 2

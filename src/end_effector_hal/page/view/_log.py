@@ -1,24 +1,17 @@
-"""What happened, as one log: transitions, time-outs, commands, refusals, alarms; each with its cause."""
+"""One log of transitions, time-outs, commands, refusals and alarms; each with its cause."""
 
 from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from end_effector_hal.control import Status, alarm_changes
+from end_effector_hal.control import FAILURES, EventReader, Status, alarm_changes, event_text
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.vocabulary import (
-    INACTIVE,
-    PENDING,
-    ChangerState,
-    Command,
-    EndEffectorState,
-    display_name,
-)
-from timed_automata import Change, Document, Step, Template
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
+from timed_automata import Document, Step, Template
 
 from ._place import in_file
 
@@ -48,6 +41,7 @@ class EventLog:
         self._count = 0
         self._asked: dict[str, str] = {}
         self._alarms: dict[str, tuple[str, ...]] = {}
+        self._readers: dict[str, EventReader] = {}
 
     def since(self, number: int) -> list[dict[str, Any]]:
         """What came after the entry of that number, by time: each program is heard on a socket of its own."""
@@ -63,6 +57,10 @@ class EventLog:
         """One record; ``readings``: what the sensors say then."""
         if kind == "step":
             self._step(program, record, readings)
+        elif kind == "start":
+            self._readers[program] = EventReader()
+        elif kind == "state":
+            self._readers[program] = EventReader(record.execution.variables)
         elif kind == "command":
             self._asked[program] = record.name
         elif kind == "answer":
@@ -110,11 +108,10 @@ class EventLog:
 
     def _step(self, program: str, step: Step, readings: Mapping[str, Any]) -> None:
         edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]
-        timed = step.due is not None and any(edge["clock"] for edge in edges)
+        events = self._readers.setdefault(program, EventReader()).of(step, step.at)
+        texts = [text.rstrip(".") for event in events if (text := event_text(self._description, event))]
         changes = [f"{change.name} = {change.new}" for change in step.changes]
-        words = self._words([(change.name, change.new) for change in step.changes])
-        if timed:
-            words = [*self._unconfirmed(step.changes), *words]
+        words = [*texts, *self._words([(change.name, change.new) for change in step.changes])]
         detail = {
             "edges": edges,
             "received": step.received,
@@ -124,7 +121,8 @@ class EventLog:
             "readings": dict(readings),
         }
         moved = f"{step.edges[0].process}: {step.edges[0].source} → {step.edges[0].target}"
-        kind = "time-out" if timed and words else "transition" if words else "automaton"
+        failed = any(event.kind in FAILURES for event in events)
+        kind = "time-out" if failed else "transition" if words else "automaton"
         self.add(step.at, kind, "; ".join(words) or moved, program, detail)
         if step.missed:
             self.add(step.at, "alarm", f"Taken {step.late_us / 1000:.1f} ms late: beyond the bound.", program)
@@ -132,23 +130,7 @@ class EventLog:
     def _edge(self, process: str, source: str, target: str, where: str) -> dict[str, Any]:
         template, number = self._labels.get(in_file(where), (None, -1))
         labels = _labels(template, number)
-        clock = bool(re.search(r"\b\w\s*>=", labels.get("guard", "")))
-        return {
-            "process": process,
-            "source": source,
-            "target": target,
-            "number": number,
-            "clock": clock,
-            **labels,
-        }
-
-    def _unconfirmed(self, changes: Sequence[Change]) -> Iterator[str]:
-        """What a time-out ends: the actuator that was pending, and its patience."""
-        for change in changes:
-            found = _INDEX.fullmatch(change.name)
-            if found and found[1] == "actuator" and (change.old, change.new) == (PENDING, INACTIVE):
-                who, part = self._description.ordered[int(found[2])]
-                yield f"{display_name(who)} was not confirmed within {part.timeout_s:g} s"
+        return {"process": process, "source": source, "target": target, "number": number, **labels}
 
     def _words(self, changes: Sequence[tuple[str, int]]) -> list[str]:
         """What changed, in the words of the tool."""
