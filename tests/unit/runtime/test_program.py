@@ -388,6 +388,25 @@ def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(
     assert tool.program.status.held
 
 
+def test_the_events_of_what_was_withheld_come_with_what_is_published_next(tool: Tool) -> None:
+    assert tool.command("grip").accepted
+    while not all(tool.lines.active.values()):
+        tool.run(1)
+    tool.lines.away = True
+    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.run(30)
+    assert tool.program._adoption.controller.status().ee is EndEffectorState.GRIPPED
+    assert tool.program.status.ee is EndEffectorState.GRIPPING
+    tool.lines.away = False
+    tool.run(100)
+    assert tool.program.status.held
+    events = [event for status in tool.statuses for event in status.events]
+    assert [event.actuator for event in events if event.kind is EventKind.CONFIRMED] == [0, 1, 2]
+    assert [event.new for event in events if event.kind is EventKind.STATE_CHANGED][
+        -1
+    ] == tool.program.status.ee
+
+
 def test_what_went_inactive_before_it_was_adopted_is_not_activated_again(tool: Tool) -> None:
     """The line arbiter was lost between the start and the first frames, and has executed a last will."""
     other = Tool(tool.description)
