@@ -147,8 +147,8 @@ def test_a_spoilt_last_row_is_not_continued(path):
         ((0, 6, 9, [0, 0]), "Not in Table II"),
         ((0, 6, -1, [0, 3]), "Not in Table II"),
         ((0, 6, -1, [0]), "1 values for 2 actuators"),
-        ((float("nan"), 6, -1, [0, 0]), "no time"),
-        ((-1, 6, -1, [0, 0]), "no time"),
+        ((float("nan"), 6, -1, [0, 0]), "not a time"),
+        ((-1, 6, -1, [0, 0]), "not a time"),
     ],
 )
 def test_what_is_not_in_table_ii_is_not_written(path, row, message):

@@ -257,7 +257,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
     recording = Recording(tmp_path / "file")
     wait_until("trouble", lambda: recording.writer.trouble)
     recording.writer.close()
-    assert "This is no folder" in recording.writer.trouble
+    assert "This is not a folder" in recording.writer.trouble
 
 
 def test_segments_are_as_long_as_they_may_be(tmp_path: Path) -> None:
