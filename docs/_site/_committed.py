@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ._alarms import alarms
 from ._commands import commands
 from ._errors import errors
 from ._interlocks import interlocks
@@ -12,6 +13,7 @@ from ._mutants import mutants
 from ._ros import entries
 
 COMMITTED: dict[str, Callable[[], str]] = {
+    "alarms": alarms,
     "commands": commands,
     "errors": errors,
     "interlocks": interlocks,

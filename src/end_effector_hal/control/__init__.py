@@ -8,7 +8,6 @@ from ._network import network_of
 from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport, told_to_grip
 from .words import (
-    alarm_changes,
     event_lines,
     event_text,
     held_words,
@@ -31,7 +30,6 @@ __all__ = [
     "Status",
     "StepReport",
     "ToolEvent",
-    "alarm_changes",
     "changer_will",
     "ending_in_words",
     "event_lines",

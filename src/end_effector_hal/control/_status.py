@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from end_effector_hal.vocabulary import (
     ARBITER_LOST,
+    Alarm,
     Cause,
     ChangerFault,
     ChangerState,
@@ -86,7 +87,7 @@ class Status:
     worst_late_us: int = 0
     refused_frames: int = 0
     """Frames that did not count because of their stamp, since the start."""
-    alarms: tuple[str, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
     steps: tuple[StepReport, ...] = ()
     events: tuple[ToolEvent, ...] = ()
     """What has led from the status before to this one, in order."""
@@ -94,7 +95,17 @@ class Status:
     @property
     def arbiter_lost(self) -> bool:
         """Whether ``held`` and the outputs are the last known ones, and not known now."""
-        return any(alarm.startswith(ARBITER_LOST) for alarm in self.alarms)
+        return self.alarm(ARBITER_LOST) is not None
+
+    @property
+    def alarm_texts(self) -> tuple[str, ...]:
+        """The alarms as sentences."""
+        return tuple(map(str, self.alarms))
+
+    def alarm(self, *ids: str, about: str | None = None) -> Alarm | None:
+        """The first alarm with one of some ids, about something or about anything (None); None: there is none."""
+        found = (each for each in self.alarms if each.id in ids and about in (None, each.about))
+        return next(found, None)
 
 
 def told_to_grip(status: Status) -> dict[str, int]:

@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from end_effector_hal.description import Description, used_channels
-from end_effector_hal.sensing import KEPT, HoldMonitor, SensorSet
+from end_effector_hal.sensing import HoldMonitor, SensorSet
 from end_effector_hal.signals import PART
 from end_effector_hal.vocabulary import (
+    LATCHED_ERRORS,
+    Alarm,
     Cause,
     ChangerFault,
     ChangerState,
@@ -25,9 +27,8 @@ from timed_automata.queries import compile_integer
 from ._events import EventReader, ToolEvent
 from ._status import Status
 from ._steps import StepLog
-from .words import explain, explain_changer, latched, left_active, loose
+from .words import explain, explain_changer, left_active, loose
 
-CHANGER_FAULT = "The tool changer is in FAULT: its sensors do not prove where it is. Remedy it, then Lock."
 # a lookup costs less than a conversion, and there is one for each status
 _STATES = {int(each): each for each in EndEffectorState}
 _COMMANDS = {int(each): each for each in Command}
@@ -236,24 +237,27 @@ class StatusBuilder:
         senses, readings = self._senses, self._senses.now.readings
         self._refused = senses.refused
         self._down = readings.down(at)
-        down = [f"The {self._description.sensors_are('down', source.link)}." for source in self._down]
-        self._outages = tuple(dict.fromkeys(down))
+        down = {
+            source.link or "": self._description.sensors_are("down", source.link) for source in self._down
+        }
+        self._outages = tuple(Alarm("link.down", link, {"sensors": are}) for link, are in down.items())
         self._stale = tuple(filter(self._used.__contains__, readings.stale(at)))
         self._notices = senses.notices(at, held=self.held)
 
-    def _alarms(self) -> tuple[str, ...]:
-        alarms: list[str] = []
+    def _alarms(self) -> tuple[Alarm, ...]:
+        alarms: list[Alarm] = []
         if self.adopted:
             alarms += self._outages
         if self._latched:
-            alarms.append(self.latched_error)
+            why = {"why": self._why} if self._why else {}
+            alarms.append(Alarm(LATCHED_ERRORS[self.values["ee"] == EndEffectorState.RELEASE_ERROR], "", why))
         if not self._grips and self.values["changer"] == ChangerState.FAULT:
-            alarms.append(CHANGER_FAULT)
+            alarms.append(Alarm("changer.fault"))
         alarms += self._hold.alarms
         if self.adopted:
             alarms += self._notices
         if self._senses.now.supply.low and self._grips and not self.held:
-            alarms.append(f"Low supply: under {self._description.supply.warn_kpa:g} kPa.")
+            alarms.append(Alarm("supply.low", "", {"warn_kpa": self._description.supply.warn_kpa}))
         return tuple(alarms)
 
     @property
@@ -263,7 +267,7 @@ class StatusBuilder:
 
     @property
     def loose(self) -> str:
-        """What speaks against it that the tool of a held part is locked, a sentence (IL-05); empty: nothing does.
+        """Why the tool of a held part is not proven to be locked, a clause (IL-05); empty: it is.
 
         Sensors that are only silent are an alarm of their own.
         """
@@ -271,8 +275,7 @@ class StatusBuilder:
         if self._is(self._fastened) or (self._senses.now.tool is ToolEvidence.UNCLEAR and not told):
             return ""
         unlocking = bool(self.values["unlock_valve"])
-        why = loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
-        return f"IL-05: {why} while a part is held: do not lift; {KEPT}." if why else ""
+        return loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
 
     def _is(self, condition: Condition) -> bool:
         """Whether a condition of the automata holds."""
@@ -284,11 +287,6 @@ class StatusBuilder:
         changer = self._description.tool_changer
         absent = changer is not None and self._senses.now.tool is ToolEvidence.ABSENT
         return f"There is no tool ({changer.present_bit} is off)." if changer and absent else ""
-
-    @property
-    def latched_error(self) -> str:
-        """An error that no reset clears, in words; empty: there is none."""
-        return latched(EndEffectorState(self.values["ee"]), self._why) if self._latched else ""
 
     @property
     def _why(self) -> str:

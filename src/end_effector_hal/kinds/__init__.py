@@ -11,7 +11,6 @@ from ._kind import DeviceKind
 from ._meanings import SwitchMeaning, switch_meanings
 from ._parts import (
     COMPRESSED_AIR,
-    AlarmKind,
     ChannelKey,
     Detector,
     HoldFinding,
@@ -37,7 +36,6 @@ from ._registry import (
 
 __all__ = [
     "COMPRESSED_AIR",
-    "AlarmKind",
     "ChannelKey",
     "ChannelReadings",
     "Detector",

@@ -17,11 +17,10 @@ from typing import Any, ClassVar, TypeVar
 from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions, Hold, Supply
 from end_effector_hal.plugins import LONGEST, PluginError, attempt
 from end_effector_hal.signals import PART, ChannelReadings, Kind, clone, memory_of
-from end_effector_hal.vocabulary import Evidence
+from end_effector_hal.vocabulary import LEAK, WEAK, Alarm, Evidence
 
 from ._kind import DeviceKind
 from ._parts import (
-    AlarmKind,
     Detector,
     HoldFinding,
     HoldWatch,
@@ -136,11 +135,11 @@ class GuardedWatch(_Judge):
 
         self.secure = self._ask("sample()", sampled, False)
 
-    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
-        """What is to be told."""
+    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
+        """Its findings, as far as they are some."""
 
         def found(watch: HoldWatch) -> list[HoldFinding]:
-            return [_finding(each) for each in islice(watch.findings(who, since, at), MOST_SAID)]
+            return [_finding(each) for each in islice(watch.findings(since, at), MOST_SAID)]
 
         nothing: list[HoldFinding] = []
         yield from self._ask("findings()", found, nothing)
@@ -326,5 +325,10 @@ def _number(value: Any) -> float:
 
 
 def _finding(found: Any) -> HoldFinding:
-    kind, text, over = found
-    return HoldFinding(_of_type(kind, AlarmKind), _line(text), _of_type(over, bool))
+    id_, values, over = found
+    if id_ not in (WEAK, LEAK):
+        raise ValueError("a finding that is neither WEAK nor LEAK")
+    items = [(_of_type(name, str), values[name]) for name in islice(values, MOST_SAID)]
+    checked = {name: _line(each) if isinstance(each, str) else _number(each) for name, each in items}
+    _line(Alarm(id_, "", checked, over=_of_type(over, bool)).text)
+    return HoldFinding(id_, checked, over)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
 from end_effector_hal.signals import ChannelReadings, Kind
@@ -42,22 +41,17 @@ class Detector(Protocol):
         ...
 
 
-class AlarmKind(Enum):
-    """What an operator must know: what is found while a part is held, and what a device says is wrong with it."""
-
-    WEAK = "weak grip"
-    LEAK = "leak"
-    STALE = "no valid reading"
-    SUPPLY = "supply pressure"
-    DEVICE = "device"
-    TOOL = "tool changer"
-
-
 class HoldFinding(NamedTuple):
-    """Something that an operator must know; ``over``: it has ended."""
+    """An alarm about a held part that begins or stands; ``over``: it has ended.
 
-    kind: AlarmKind
-    text: str
+    Attributes:
+        id: `end_effector_hal.vocabulary.WEAK` or ``LEAK``.
+        values: of its text in the table of alarms; ``text`` alone: a sentence of its own.
+        over: it has ended.
+    """
+
+    id: str
+    values: Mapping[str, str | int | float]
     over: bool = False
 
 
@@ -72,8 +66,8 @@ class HoldWatch(Protocol):
         """Look at the newest readings, at ``at`` µs."""
         ...
 
-    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
-        """What is to be told of ``who``, which is held since ``since`` µs and confirmed."""
+    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
+        """The findings about the actuator, which is held since ``since`` µs and confirmed."""
         ...
 
     def dropped(self) -> None:

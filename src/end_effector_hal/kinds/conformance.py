@@ -144,7 +144,7 @@ class KindConformance:
         findings = []
         for at in range(0, 5_000_000, PERIOD_US):
             watch.sample(self.readings(self.active), at, held=True)
-            findings += [each for each in watch.findings("It", 0, at) if not each.over]
+            findings += [each for each in watch.findings(0, at) if not each.over]
         assert watch.secure
         assert not findings
         other = self.kind.hold_watch(self.part, Hold(), PERIOD_US)

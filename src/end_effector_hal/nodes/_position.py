@@ -155,7 +155,7 @@ class PositionNode:
         with self._lock:
             refused = self._senses.refusals(now_us())
             values["sensor frames refused"] = str(self._senses.refused)
-        said = " ".join(([f"Not known: {', '.join(unknown)}."] if unknown else []) + [*refused])
+        said = " ".join(([f"Not known: {', '.join(unknown)}."] if unknown else []) + [*map(str, refused)])
         return Health(WARN if said else OK, said or "All positions are known.", values)
 
 

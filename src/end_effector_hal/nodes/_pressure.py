@@ -102,7 +102,8 @@ class PressureNode:
     def _health(self) -> Health:
         health, at = self._reader.health, now_us()
         with self._lock:
-            readings, notices = self._senses.now.readings, self._senses.notices(at, held=False)
+            readings = self._senses.now.readings
+            notices = tuple(map(str, self._senses.notices(at, held=False)))
             up = readings.link_up(at)
         links, inputs = health.links, health.inputs
         told: list[Health] = []

@@ -27,6 +27,7 @@ from .story import (
 )
 from .tables import (
     BEGUN,
+    ENDED,
     KPA,
     AlarmRow,
     AlarmsWriter,
@@ -51,6 +52,7 @@ from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
 __all__ = [
     "BEGUN",
     "COUNTEREXAMPLE",
+    "ENDED",
     "KPA",
     "MODEL_RUN",
     "AlarmRow",

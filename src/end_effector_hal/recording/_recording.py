@@ -27,7 +27,7 @@ from end_effector_hal.recording.tables import (
 )
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import Alarm, ChangerState
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -80,7 +80,7 @@ class Recording(Closing):
         self._lock = threading.Lock()
         self._losses = Losses(self.folder)
         self._latest: tuple[int, int, Sequence[int]] | None = None
-        self._standing: Sequence[str] = ()
+        self._standing: Sequence[Alarm] = ()
         self._changed = ChangerState.UNKNOWN
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
@@ -146,7 +146,7 @@ class Recording(Closing):
                 self._write_changer(at)
                 self._settle(at)
 
-    def alarms(self, at: int, alarms: Sequence[str]) -> None:
+    def alarms(self, at: int, alarms: Sequence[Alarm]) -> None:
         """The alarms that stand from ``at`` on; raises ReportedError when rows cannot be written now."""
         with self._lock:
             if self._start is not None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, os_errors
@@ -93,8 +92,12 @@ def _changer(rows: Sequence[ChangerRow]) -> list[_Columns]:
 
 
 def _alarms(rows: Sequence[AlarmRow]) -> _Columns:
-    standing = accumulate(1 if row.event == BEGUN else -1 for row in rows)
-    return _Columns(("alarms",), [row.time_s for row in rows], [[str(count)] for count in standing], "0")
+    standing: set[tuple[str, str]] = set()
+    counts = []
+    for row in rows:
+        (standing.add if row.event == BEGUN else standing.discard)(row.key)
+        counts.append([str(len(standing))])
+    return _Columns(("alarms",), [row.time_s for row in rows], counts, "0")
 
 
 def _switches(log: SwitchesLog | None) -> list[_Columns]:

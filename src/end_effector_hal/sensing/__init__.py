@@ -4,7 +4,7 @@ In ``detectors`` stands what belongs to no kind of device; how an actuator is ju
 """
 
 from ._frame_judge import FrameJudge
-from ._hold_monitor import KEPT, HoldMonitor
+from ._hold_monitor import HoldMonitor
 from ._predicates import (
     E_STOP_CLOSED,
     LOCKED,
@@ -24,7 +24,6 @@ from ._stand import ToolPlace, tool_place
 
 __all__ = [
     "E_STOP_CLOSED",
-    "KEPT",
     "LOCKED",
     "NOTHING_GRIPPED",
     "NO_FAULT",

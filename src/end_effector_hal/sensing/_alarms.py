@@ -1,91 +1,69 @@
-"""What an operator must know: sentences that stay until somebody has had the chance to read them."""
+"""The alarms that stay until an operator has had the chance to read them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
-from end_effector_hal.kinds import AlarmKind
-from end_effector_hal.vocabulary import OVER
+from end_effector_hal.vocabulary import Alarm
 
-
-@dataclass(frozen=True, slots=True)
-class Alarm:
-    """One finding; ``over``: it is so no longer, and is shown until it is acknowledged."""
-
-    kind: AlarmKind
-    at: int
-    """µs when it began."""
-    text: str
-    over: bool = False
+DEVICE_ALARMS = ("device.error", "device.warning")
 
 
 class AlarmLog:
     """Alarms in the order in which they began; each is kept until it is over *and* acknowledged."""
 
-    MEMORY: ClassVar = {"listed": list[tuple[str, Alarm]]}
+    MEMORY: ClassVar = {"listed": tuple[Alarm, ...]}
 
     def __init__(self) -> None:
-        self._alarms: dict[tuple[AlarmKind, str], Alarm] = {}
-        self.texts: tuple[str, ...] = ()
-        """All of them, in words."""
+        self.listed: tuple[Alarm, ...] = ()
 
-    @property
-    def listed(self) -> list[tuple[str, Alarm]]:
-        """All of them, each with what it is about, in their order."""
-        return [(who, alarm) for (_, who), alarm in self._alarms.items()]
+    def of_id(self, *ids: str) -> dict[str, Alarm]:
+        """Those with one of some ids, by what each is about."""
+        return {each.about: each for each in self.listed if each.id in ids}
 
-    @listed.setter
-    def listed(self, alarms: list[tuple[str, Alarm]]) -> None:
-        self._alarms = {(alarm.kind, who): alarm for who, alarm in alarms}
-        self._changed()
+    def active(self, id_: str) -> bool:
+        """Whether there is one with an id that is not over."""
+        return any(each.id == id_ and not each.over for each in self.listed)
 
-    def of_kind(self, kind: AlarmKind) -> dict[str, Alarm]:
-        """Those of a kind, by what each is about."""
-        return {who: alarm for (each, who), alarm in self._alarms.items() if each is kind}
+    def raise_(self, alarm: Alarm) -> bool:
+        """Begin an alarm; False when it stands already: its values stay those of its beginning."""
+        known = self._known(alarm.id, alarm.about)
+        if known is None:
+            self.listed = (*self.listed, alarm)
+        elif known.over:
+            self._replace(known, replace(alarm, since=known.since))
+        return known is None or known.over
 
-    def active(self, kind: AlarmKind) -> bool:
-        """Whether there is one of a kind that is not over."""
-        return bool(self._alarms) and any(
-            alarm.kind is kind and not alarm.over for alarm in self._alarms.values()
-        )
+    def end(self, id_: str, about: str, values: Mapping[str, str | int | float] | None = None) -> bool:
+        """End an alarm, which is shown as over from now on; False when it does not stand.
 
-    def raise_(self, kind: AlarmKind, who: str, text: str, at: int) -> bool:
-        """It is so now; False when that was known. The text is that of its beginning: it does not flicker."""
-        known = self._alarms.get((kind, who))
-        if known is not None and not known.over:
-            return False
-        self._alarms[kind, who] = Alarm(kind, known.at if known else at, text)
-        self._changed()
-        return True
-
-    def end(self, kind: AlarmKind, who: str, text: str) -> bool:
-        """It is so no longer; False when that was known."""
-        known = self._alarms.get((kind, who))
+        ``values`` are those of the text that it is over; None: they stay as they are.
+        """
+        known = self._known(id_, about)
         if known is None or known.over:
             return False
-        self._alarms[kind, who] = replace(known, text=f"{OVER}{text}", over=True)
-        self._changed()
+        self._replace(known, replace(known, values=known.values if values is None else values, over=True))
         return True
 
-    def forget(self, kind: AlarmKind, who: str) -> None:
-        """It is so no longer, and nobody need acknowledge it."""
-        if self._alarms.pop((kind, who), None):
-            self._changed()
+    def forget(self, id_: str, about: str) -> None:
+        """End an alarm that nobody needs to acknowledge."""
+        self._keep(each for each in self.listed if each.key != (id_, about))
 
     def acknowledge(self) -> None:
-        """Forget what is over."""
-        self._remove(key for key, alarm in self._alarms.items() if alarm.over)
+        """Remove what is over."""
+        self._keep(each for each in self.listed if not each.over)
 
     def clear(self) -> None:
-        """Forget what was about a held part: nothing is held any more. What a device says of itself stays."""
-        self._remove(key for key in self._alarms if key[0] is not AlarmKind.DEVICE)
+        """Remove what was about a held part: nothing is held now. The faults of devices stay."""
+        self._keep(each for each in self.listed if each.id in DEVICE_ALARMS)
 
-    def _remove(self, keys: Iterable[tuple[AlarmKind, str]]) -> None:
-        for key in list(keys):
-            del self._alarms[key]
-        self._changed()
+    def _known(self, id_: str, about: str) -> Alarm | None:
+        return next((each for each in self.listed if each.key == (id_, about)), None)
 
-    def _changed(self) -> None:
-        self.texts = tuple([alarm.text for alarm in self._alarms.values()])
+    def _replace(self, old: Alarm, new: Alarm) -> None:
+        self._keep(new if each is old else each for each in self.listed)
+
+    def _keep(self, alarms: Iterable[Alarm]) -> None:
+        self.listed = tuple(alarms)

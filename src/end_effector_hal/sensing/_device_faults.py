@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from end_effector_hal.description import Description, DeviceAlarm
 from end_effector_hal.signals import ChannelReadings, Value
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.vocabulary import Alarm, display_name
 
 
 class DeviceFault(NamedTuple):
@@ -26,10 +26,20 @@ class DeviceFault(NamedTuple):
     code: int
 
     @property
-    def text(self) -> str:
-        """In words."""
+    def id(self) -> str:
+        """Of its alarm."""
+        return f"device.{self.alarm.severity}"
+
+    @property
+    def values(self) -> dict[str, str]:
+        """Of the text of its alarm."""
         code = f", code {self.code}" if self.alarm.code is None and self.code != 1 else ""
-        return f"{display_name(self.channel)}: {self.alarm.text.rstrip('.')}{code}."
+        what = f"{self.alarm.text.rstrip('.')}{code}"
+        return {"channel": display_name(self.channel), "what": what}
+
+    def as_alarm(self, at: int = -1) -> Alarm:
+        """The alarm that it is, from ``at`` µs on."""
+        return Alarm(self.id, self.name, self.values, at)
 
 
 class DeviceFaults:

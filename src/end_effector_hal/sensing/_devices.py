@@ -8,6 +8,7 @@ from typing import ClassVar
 from end_effector_hal.codecs import Carrier, FrameSource, sequence_of, sources_of
 from end_effector_hal.description import Description
 from end_effector_hal.signals import PART, Frame
+from end_effector_hal.vocabulary import Alarm
 
 SAID_US = 10_000_000
 """So long a reboot of a device is told."""
@@ -55,19 +56,13 @@ class SendingDevice:
         recent = self._rebooted_at is not None and at - self._rebooted_at < AGAIN_US
         return self._channels if recent and self._quick >= MIXED else frozenset()
 
-    def notices(self, at: int) -> tuple[str, ...]:
-        """That it has restarted lately, in words."""
+    def notices(self, at: int) -> tuple[Alarm, ...]:
+        """The alarm that it has restarted lately."""
         if self._rebooted_at is None or at - self._rebooted_at >= SAID_US:
             return ()
         if self._quick >= MIXED:
-            return (
-                f"Two senders on one link, or the {self._name} restarts again and again: its frames are in no order "
-                "and prove nothing. Disconnect one of the two, or see to the power of the device.",
-            )
-        # without a number: what goes on is one alarm
-        return (
-            f"The {self._name} restarted{' again' * (self.reboots > 1)}; earlier readings were discarded.",
-        )
+            return (Alarm("link.two_senders", self._name),)
+        return (Alarm("link.restarted", self._name, {"again": " again" * (self.reboots > 1)}),)
 
     def deadline(self, at: int) -> int | None:
         """µs at which a notice ends by itself."""
@@ -102,8 +97,8 @@ class SendingDevices:
         """The channels of links on which two devices send."""
         return frozenset().union(*(device.mixed(at) for device in self._devices.values()))
 
-    def notices(self, at: int) -> tuple[str, ...]:
-        """Sentences on the devices that restarted recently."""
+    def notices(self, at: int) -> tuple[Alarm, ...]:
+        """The alarms of the devices that restarted recently."""
         return tuple(said for device in self._devices.values() for said in device.notices(at))
 
     def deadline(self, at: int) -> int | None:

@@ -1,4 +1,4 @@
-"""What is watched while a part is held: a weak grip, a leak, lost readings, the supply. It never releases."""
+"""Watch a held part: a weak grip, a leak, lost readings, the supply. It never releases."""
 
 from __future__ import annotations
 
@@ -8,16 +8,15 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import AlarmKind, HoldFinding, HoldWatch, fault_of, is_guarded, kind_of
+from end_effector_hal.kinds import HoldFinding, HoldWatch, fault_of, is_guarded, kind_of
 from end_effector_hal.signals import PART, ChannelReadings
-from end_effector_hal.vocabulary import Evidence, display_name
+from end_effector_hal.vocabulary import LEAK, Alarm, Evidence
 
-from ._alarms import AlarmLog
+from ._alarms import DEVICE_ALARMS, AlarmLog
 from ._device_faults import refuses
 from ._sensor_set import SensorSet, why_invalid
 
 _SECURE = attrgetter("secure")
-KEPT = "outputs stay as they are, only a Drop releases"
 
 
 class HoldMonitor:
@@ -53,14 +52,14 @@ class HoldMonitor:
         self._since: int | None = None
 
     @property
-    def alarms(self) -> tuple[str, ...]:
-        """In words; a watch of somebody else's that has failed stays one."""
-        return (*self._log.texts, *self._faults()) if self._guarded else self._log.texts
+    def alarms(self) -> tuple[Alarm, ...]:
+        """All of them; a watch of a plug-in that has failed stays one."""
+        return (*self._log.listed, *self._faults()) if self._guarded else self._log.listed
 
-    def _faults(self) -> Iterator[str]:
+    def _faults(self) -> Iterator[Alarm]:
         for name, watch in self._guarded:
             if fault := fault_of(watch):
-                yield f"{display_name(name)} is not watched reliably: {fault}"
+                yield Alarm("kind.failed", name, {"what": "watched", "why": fault})
 
     @property
     def secure(self) -> bool:
@@ -78,7 +77,7 @@ class HoldMonitor:
     @property
     def allows_lift(self) -> bool:
         """Whether nothing that is watched speaks against lifting what is held and confirmed."""
-        return not self._log.active(AlarmKind.LEAK) and (self._hold.lift_needs == "confirmed" or self.secure)
+        return not self._log.active(LEAK) and (self._hold.lift_needs == "confirmed" or self.secure)
 
     def sample(self, at: int, *, held: bool, readings: ChannelReadings | None = None) -> bool:
         """Look at the newest sample, at ``at`` µs; True when there is something new to tell.
@@ -100,7 +99,7 @@ class HoldMonitor:
             for index, watch in self._watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
                     name = self._names[index]
-                    self._log_findings(name, watch.findings(display_name(name), self._since, at), at)
+                    self._log_findings(name, watch.findings(self._since, at), at)
             self._supply(at)
         if self._devices:
             self._device_faults(at)
@@ -108,24 +107,22 @@ class HoldMonitor:
         return newly_secure or self.alarms != told
 
     def tool(self, loose: str, at: int) -> bool:
-        """What speaks against it that the tool of a held part is locked (IL-05), a sentence; empty: nothing.
+        """Take why the tool of a held part is not proven to be locked (IL-05), a clause; empty: it is.
 
-        Returns whether that is news.
+        Returns whether that is new.
         """
         if loose:
-            return self._log.raise_(AlarmKind.TOOL, "", loose, at)
-        return self._log.end(
-            AlarmKind.TOOL, "", "The tool was not proven to be locked while a part was held."
-        )
+            return self._log.raise_(Alarm("changer.loose", "", {"interlock": "IL-05", "why": loose}, at))
+        return self._log.end("changer.loose", "")
 
     def fault(self, at: int) -> str:
         """Why no grip begins: what a device says is wrong, or has said since the last reset; empty: nothing is."""
         faults, readings = self._senses.now.faults, self._senses.now.readings
-        logged = self._log.of_kind(AlarmKind.DEVICE) if self._devices else {}
+        logged = self._log.of_id(*DEVICE_ALARMS) if self._devices else {}
         for name, alarm in logged.items():
             known = faults.named(name)
             if known and refuses(known.alarm):
-                return f"{alarm.text}{' Reset it first.' if alarm.over else ''}"
+                return f"{alarm}{' Reset it first.' if alarm.over else ''}"
         for channel in faults.unknown(readings, at) if self._devices else ():
             if channel in faults.refusing():
                 return f"{channel} has no valid reading: its fault status is unknown; check the link."
@@ -144,50 +141,45 @@ class HoldMonitor:
     def _log_findings(self, name: str, findings: Iterable[HoldFinding], at: int) -> None:
         for finding in findings:
             if finding.over:
-                self._log.end(finding.kind, name, finding.text)
+                self._log.end(finding.id, name, finding.values)
             else:
-                self._log.raise_(finding.kind, name, finding.text, at)
+                self._log.raise_(Alarm(finding.id, name, finding.values, at))
 
     def _device_faults(self, at: int) -> None:
         """What stands begins; of what has a fresh reading without it, it is over."""
         faults, readings = self._senses.now.faults, self._senses.now.readings
         standing = {each.name: each for each in faults.standing(readings, at)}
-        for name, each in standing.items():
-            self._log.raise_(AlarmKind.DEVICE, name, each.text, at)
+        for each in standing.values():
+            self._log.raise_(each.as_alarm(at))
         unknown = faults.unknown(readings, at)
-        for name in self._log.of_kind(AlarmKind.DEVICE).keys() - standing.keys():
+        for name in self._log.of_id(*DEVICE_ALARMS).keys() - standing.keys():
             known = faults.named(name)
             if known is None or known.channel in unknown:
                 continue
             if known.alarm.latches:
-                self._log.end(AlarmKind.DEVICE, name, known.text)
+                self._log.end(known.id, name, known.values)
             else:
-                self._log.forget(AlarmKind.DEVICE, name)
+                self._log.forget(known.id, name)
 
     def _readable(self, index: int, name: str, at: int) -> None:
         unknown = self._senses.now.evidence[index] is Evidence.UNKNOWN
-        if not unknown and not self._log.active(AlarmKind.STALE):
+        if not unknown and not self._log.active("evidence.unread"):
             return
-        who = display_name(name)
         if unknown:
             readings, part = self._senses.now.readings, self._description.actuators[name]
             channels = kind_of(part).channel_names(part)
             sent = next((each for each in channels if readings.sent_invalid(each, at)), "")
-            why = f" ({why_invalid(self._description, sent)})" if sent else ""
-            text = f"No valid reading of {who} while it holds a part{why}; {KEPT}."
-            self._log.raise_(AlarmKind.STALE, name, text, at)
+            why = {"why": why_invalid(self._description, sent)} if sent else {}
+            self._log.raise_(Alarm("evidence.unread", name, why, at))
         else:
-            self._log.end(AlarmKind.STALE, name, f"{who} had no valid reading for a while; it is read again.")
+            self._log.end("evidence.unread", name)
 
     def _supply(self, at: int) -> None:
         supply = self._senses.now.supply
-        if not supply.low and not self._log.active(AlarmKind.SUPPLY):
+        if not supply.low and not self._log.active("supply.low"):
             return
-        warn = f"{self._description.supply.warn_kpa:g} kPa"
         if supply.low and supply.kpa is not None:
-            text = f"Low supply: under {warn} while a part is held ({supply.kpa:.0f} kPa)."
-            self._log.raise_(AlarmKind.SUPPLY, "", text, at)
+            values = {"warn_kpa": self._description.supply.warn_kpa, "kpa": supply.kpa}
+            self._log.raise_(Alarm("supply.low", "", values, at))
         elif not supply.low:
-            self._log.end(
-                AlarmKind.SUPPLY, "", f"The supply pressure was under {warn} while a part was held."
-            )
+            self._log.end("supply.low", "")

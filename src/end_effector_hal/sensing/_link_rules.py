@@ -10,7 +10,7 @@ from end_effector_hal.codecs import Carrier, shows_noise
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
 from end_effector_hal.signals import INLINE, PART, Frame, Kind, Value
-from end_effector_hal.vocabulary import to_us
+from end_effector_hal.vocabulary import Alarm, to_us
 
 from ._devices import devices_of
 from .detectors import FrozenDetector
@@ -91,9 +91,10 @@ class LinkRules:
         """The channels of links on which two devices send."""
         return self._devices.mixed(at)
 
-    def notices(self, at: int) -> tuple[str, ...]:
-        """What is doubted now, in words."""
-        return (*self._doubts.values(), *self._devices.notices(at))
+    def notices(self, at: int) -> tuple[Alarm, ...]:
+        """The alarms of what is doubted now."""
+        doubts = [Alarm("channel.doubted", name, {"text": why}) for name, why in self._doubts.items()]
+        return (*doubts, *self._devices.notices(at))
 
     def deadline(self, at: int) -> int | None:
         """µs at which a notice ends by itself."""

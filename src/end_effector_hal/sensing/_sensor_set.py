@@ -10,7 +10,7 @@ from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.conditions import shown
 from end_effector_hal.signals import INLINE, PART, Frame, Kind, StampGate
-from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
+from end_effector_hal.vocabulary import EMPTY, Alarm, Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
 from ._frame_judge import FrameJudge
@@ -55,7 +55,7 @@ class SensorSet:
         judge: shared with all others in this process who get the same frames; None: there are no others.
     """
 
-    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[str, ...], "revision": int}
+    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[Alarm, ...], "revision": int}
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class SensorSet:
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
         self._parts, self._named = description.ordered, bool(description.named_links)
-        self._noticed: tuple[str, ...] = ()
+        self._noticed: tuple[Alarm, ...] = ()
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """How often something may have changed."""
@@ -119,8 +119,8 @@ class SensorSet:
         """Frames that did not count because of their stamp, since the start."""
         return self._stamps.refused
 
-    def refusals(self, at: int) -> tuple[str, ...]:
-        """What was refused lately, in words; a part of the notices."""
+    def refusals(self, at: int) -> tuple[Alarm, ...]:
+        """The alarm of frames that were refused lately; a part of the notices."""
         return self._stamps.notices(at)
 
     def accepts(self, frame: Frame, now: int) -> bool:
@@ -169,10 +169,10 @@ class SensorSet:
         self._due = read_at, at, due
         return due
 
-    def notices(self, at: int, *, held: bool) -> tuple[str, ...]:
-        """What is wrong with the readings at ``at`` µs, in words.
+    def notices(self, at: int, *, held: bool) -> tuple[Alarm, ...]:
+        """The alarms about the readings at ``at`` µs.
 
-        A link that is down, and an actuator of a held part without evidence, are told elsewhere.
+        Those of a link that is down, and of an actuator of a held part without evidence, are made elsewhere.
         """
         said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
         down = readings.down(at)
@@ -196,15 +196,14 @@ class SensorSet:
         missing = [name for name in lacking if name not in told]
         invalid = [name for name in missing if readings.sent_invalid(name, at)]
         if gone := [name for name in missing if name not in invalid]:
-            said.append(f"No valid reading of {', '.join(gone)}.")
+            said.append(Alarm("channel.unread", ", ".join(gone)))
         whys = {name: why_invalid(self._description, name) for name in invalid}
         for why in dict.fromkeys(whys.values()):
-            said.append(
-                f"No valid reading of {', '.join(name for name in invalid if whys[name] == why)}: {why}."
-            )
-        if not held and (again := [name for name in unknown if not self._channels[name] & set(lacking)]):
-            names = ", ".join(map(display_name, again))
-            said.append(f"{names}: readings are back; evidence not re-established yet.")
+            names = ", ".join([name for name in invalid if whys[name] == why])
+            said.append(Alarm("channel.unread", names, {"why": why}))
+        if not held and (back := [name for name in unknown if not self._channels[name] & set(lacking)]):
+            names = ", ".join(map(display_name, back))
+            said.append(Alarm("evidence.settling", ", ".join(back), {"names": names}))
         return tuple(said)
 
     def noticed(self, at: int, *, held: bool) -> bool:
@@ -212,19 +211,16 @@ class SensorSet:
         before, self._noticed = self._noticed, self.notices(at, held=held)
         return self._noticed != before
 
-    def _findings(self, at: int) -> Iterator[str]:
-        """What is found by conditions, beside the evidence."""
+    def _findings(self, at: int) -> Iterator[Alarm]:
+        """The alarms of detectors with conditions."""
         for index, detector in self.now.by_conditions:
             name, carried = self._parts[index][0], self.now.readings.carried
             if detector.broken:
                 bits = sorted(each for each in self._channels[name] if carried.get(each) is Kind.BIT)
                 seen = shown(bits, self.now.readings, at)
-                yield (
-                    f"The sensors of {display_name(name)} contradict each other ({seen}): they prove nothing. "
-                    "Is one broken, or wired wrongly?"
-                )
-            elif said := self.now.empty(index):
-                yield f"{said}."
+                yield Alarm("evidence.contradicts", name, {"seen": seen})
+            elif empty := self.now.empty(index):
+                yield Alarm(EMPTY, name, {"empty": empty})
 
     def _unknown(self) -> list[str]:
         """Actuators without evidence."""

@@ -10,7 +10,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.signals import PART, Frame, clone
-from end_effector_hal.vocabulary import Evidence, ToolEvidence, display_name
+from end_effector_hal.vocabulary import Alarm, Evidence, ToolEvidence
 
 from ._device_faults import DeviceFaults
 from ._link_rules import LinkRules
@@ -57,7 +57,7 @@ class SensorState:
             [i for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
         )
         self._guarded = tuple(
-            (index, display_name(name))
+            (index, name)
             for index, name in enumerate(description.sequence)
             if is_guarded(self._detectors[index])
         )
@@ -121,8 +121,8 @@ class SensorState:
         """The channels of links on which two devices send; a part of the doubts."""
         return self._rules.mixed(at)
 
-    def doubts(self, at: int) -> tuple[str, ...]:
-        """What is impossible or frozen at ``at`` µs, a detector that fails, a device that restarted, in words."""
+    def doubts(self, at: int) -> tuple[Alarm, ...]:
+        """Alarms at ``at`` µs: impossible or frozen readings, a detector that fails, a device that restarted."""
         said = self._rules.notices(at)
         return (*said, *self._faults()) if self._guarded else said
 
@@ -149,10 +149,9 @@ class SensorState:
         )
 
     def empty(self, index: int) -> str:
-        """That an actuator has gripped nothing, in words; empty: that is not proven."""
-        name, part = self._parts[index]
+        """A clause, the words of the kind, if an actuator has gripped nothing; empty: that is not proven."""
         found = any(i == index and each.empty for i, each in self.by_conditions)
-        return f"{display_name(name)} {kind_of(part).empty}" if found else ""
+        return kind_of(self._parts[index][1]).empty if found else ""
 
     @property
     def emptied(self) -> tuple[int, ...]:
@@ -175,10 +174,10 @@ class SensorState:
             self._tool is None or self.tool is not ToolEvidence.UNCLEAR
         )
 
-    def _faults(self) -> Iterator[str]:
+    def _faults(self) -> Iterator[Alarm]:
         for index, name in self._guarded:
             if fault := fault_of(self._detectors[index]):
-                yield f"{name} is not judged reliably: {fault}"
+                yield Alarm("kind.failed", name, {"what": "judged", "why": fault})
 
     def _sample(self, at: int) -> None:
         self.supply.sample(self.readings, at)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from end_effector_hal.vocabulary import Alarm
+
 SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
 """So long after the last refusal it is told; what came late is told otherwise as well: the readings are stale."""
 LATE_US = 60_000_000
@@ -25,7 +27,7 @@ class StampGate:
         "refused": int,
         "_last": dict[str, int],
         "_until": int | None,
-        "_text": str,
+        "_why": str,
         "_said_us": int,
     }
 
@@ -35,7 +37,7 @@ class StampGate:
         """How many, since the start."""
         self._last: dict[str, int] = {}
         self._until: int | None = None
-        self._text, self._said_us = "", 0
+        self._why, self._said_us = "", 0
 
     def passes(self, stamp: object, now: int, old_us: int | None = None, source: str = "") -> bool:
         """Whether a stamp counts.
@@ -56,21 +58,21 @@ class StampGate:
         if (
             not self.notices(now) or said_us > self._said_us
         ):  # the words of its beginning: it does not flicker
-            doubt = (
-                "Did the machine stand still?"
-                if late
-                else "Is a clock wrong, or does somebody else publish them?"
-            )
-            # without numbers: the same fault is the same alarm, in each program and each time
-            self._text = f"{self._what} are refused and count for nothing: one is {why}. {doubt}"
-            self._said_us = said_us
+            self._why, self._said_us = why, said_us
         self._until = max(self._until or 0, now + said_us)
         return False
 
-    def notices(self, at: int) -> tuple[str, ...]:
-        """What was refused lately, in words."""
-        end = self.deadline(at)
-        return (self._text,) if end is not None else ()
+    def notices(self, at: int) -> tuple[Alarm, ...]:
+        """The alarm of what was refused lately."""
+        if self.deadline(at) is None:
+            return ()
+        late = self._said_us == LATE_SAID_US
+        doubt = (
+            "Did the machine stand still?"
+            if late
+            else "Is a clock wrong, or does somebody else publish them?"
+        )
+        return (Alarm("stamps.refused", self._what, {"why": self._why, "doubt": doubt}),)
 
     def deadline(self, at: int) -> int | None:
         """µs at which the notice ends by itself."""

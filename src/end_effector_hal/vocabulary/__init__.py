@@ -1,5 +1,21 @@
 """The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
 
+from ._alarms import (
+    ALARMS,
+    ARBITER_LOST,
+    E_STOPPED,
+    EMPTY,
+    LATCHED_ERRORS,
+    LEAK,
+    OVER,
+    STOPPED,
+    WEAK,
+    Alarm,
+    alarm_changes,
+    distinct,
+    received_alarms,
+    with_since,
+)
 from ._last_will import LEASE_US, SETTLE_US, LastWill, LastWillStep, read_last_will
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._limits import LONGEST_MESSAGE, MOST_ACTUATORS, MOST_CHANNELS, MOST_LINES, MOST_PREDICATES
@@ -13,24 +29,18 @@ from ._tables import (
     TableState,
     display_name,
 )
-from ._text import (
-    ARBITER_LOST,
-    LONGEST_SENTENCE,
-    OVER,
-    STOPPED,
-    escaped,
-    hint,
-    is_name,
-    latched_il_13,
-    latched_stop,
-    printable,
-)
+from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable
 from ._time import to_s, to_us
 
 __all__ = [
     "ACTIVE",
+    "ALARMS",
     "ARBITER_LOST",
+    "EMPTY",
+    "E_STOPPED",
     "INACTIVE",
+    "LATCHED_ERRORS",
+    "LEAK",
     "LEASE_US",
     "LONGEST_MESSAGE",
     "LONGEST_SENTENCE",
@@ -42,7 +52,9 @@ __all__ = [
     "PENDING",
     "SETTLE_US",
     "STOPPED",
+    "WEAK",
     "ActuatorState",
+    "Alarm",
     "Cause",
     "ChangerFault",
     "ChangerState",
@@ -53,14 +65,16 @@ __all__ = [
     "LastWillStep",
     "TableState",
     "ToolEvidence",
+    "alarm_changes",
     "display_name",
+    "distinct",
     "escaped",
     "hint",
     "is_name",
-    "latched_il_13",
-    "latched_stop",
     "printable",
     "read_last_will",
+    "received_alarms",
     "to_s",
     "to_us",
+    "with_since",
 ]

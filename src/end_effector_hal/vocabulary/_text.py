@@ -5,23 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-OVER = "Over: "
-"""With this begins an alarm that is so no longer, and is shown until it is acknowledged."""
-ARBITER_LOST = "The line arbiter is lost"
-"""How an alarm begins that says so: outputs and what is held are the last known ones."""
-STOPPED = "the tool was stopped"
-"""With this clause, after ``IL-13: ``, begins the fault of a latched stop: a program knows it by that."""
 LONGEST_NAME, LONGEST_SENTENCE = 64, 500
-
-
-def latched_stop(sentences: Iterable[str]) -> str:
-    """The sentence of a latched stop among faults or alarms; empty: there is none."""
-    return next((each for each in sentences if each.startswith(f"IL-13: {STOPPED}")), "")
-
-
-def latched_il_13(sentences: Iterable[str]) -> str:
-    """The sentence of a latched stop or e-stop among faults or alarms: nothing is activated; empty: there is none."""
-    return next((each for each in sentences if each.startswith("IL-13:")), "")
 
 
 def is_name(given: object) -> bool:

@@ -10,7 +10,7 @@ from end_effector_hal.nodes.transport import FrameMessage, StateMessage
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
-OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms")
+OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms", "alarm_ids")
 """Fields of a state that are used, and that an older version may lack."""
 
 
@@ -28,6 +28,7 @@ def state_of(content: Any) -> StateMessage:
         "tool": _one(content, "tool", str, ""),
         "tool_changer": _one(content, "tool_changer", int, 0),
         "alarms": _list(content, "alarms", str, []),
+        "alarm_ids": _list(content, "alarm_ids", str, []),
     }
     if len(used["actuator_names"]) != len(used["actuators"]):
         raise ValueError("its lists are not of the same length")

@@ -279,7 +279,9 @@ class _CaseRun:
         why = self._not_usable(SOON_S if well else KNOWN_S)
         if why:
             status = self.tool.status
-            said = f"{status.ee.name}, {status.changer.name}, {status.reason or '; '.join(status.alarms)}"
+            said = (
+                f"{status.ee.name}, {status.changer.name}, {status.reason or '; '.join(status.alarm_texts)}"
+            )
             self._judge.objections.setdefault("usable", f"usable: {why} ({said})")
 
     @property
@@ -344,8 +346,10 @@ class _CaseRun:
             lines.append((status.at, 2, f"  {status.ee.name} {status.reason}".rstrip()))
         known: set[str] = set()
         for status in sorted([*tool.statuses, *tool.changes], key=lambda each: each.at):
-            lines += [(status.at, 3, f"  alarm: {alarm}") for alarm in status.alarms if alarm not in known]
-            known |= set(status.alarms)
+            lines += [
+                (status.at, 3, f"  alarm: {alarm}") for alarm in status.alarm_texts if alarm not in known
+            ]
+            known |= set(status.alarm_texts)
         shown = sorted((line for line in lines if line[0] >= self._origin), key=lambda line: line[0])
         return tuple(f"{(at - self._origin) / 1e6:9.3f} {what}" for at, _, what in shown)
 

@@ -212,9 +212,9 @@ class CellRun:
         tool, cell = self.tool, self._cell
         said = [*tool.statuses[marks[1] :], *tool.changes[marks[2] :]]
         before = [*tool.statuses[marks[1] - 1 : marks[1]], *tool.changes[marks[2] - 1 : marks[2]]]
-        known = {text for status in before for text in (*status.alarms, status.reason)}
+        known = {text for status in before for text in (*status.alarm_texts, status.reason)}
         for status in sorted(said, key=lambda each: each.at):
-            for text in (*status.alarms, status.reason):
+            for text in (*status.alarm_texts, status.reason):
                 if text and text not in known:
                     return text, round((status.at - cell.moment.at) / 1e6, 3)
         refused = any(not accepted for _, accepted in self._answered)

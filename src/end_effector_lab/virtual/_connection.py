@@ -41,7 +41,7 @@ class VirtualConnection:
         self._will: tuple[LastWillStep, ...] = ()
         self._lost: ArbiterError | None = None
         self._declared_dead = False
-        self._faults: tuple[str, ...] = ()
+        self._faults: dict[str, str] = {}
         self._latched: dict[str, str] = {}
         self.renews_at = clock() + RENEW_US
         """µs at which `renew` is to be called."""
@@ -86,7 +86,7 @@ class VirtualConnection:
         self._latched.pop(fault, None)
         self._tell_fault(lambda arbiter, session: arbiter.rules.clear(session, fault))
 
-    def renew(self) -> tuple[ArbiterError | None, tuple[str, ...] | None]:
+    def renew(self) -> tuple[ArbiterError | None, dict[str, str] | None]:
         """Renew the lease; returns why the connection was lost just now, and the faults if they are others."""
         self.renews_at = self._clock() + RENEW_US
         known = self._session is not None
@@ -113,9 +113,10 @@ class VirtualConnection:
             arbiter.rules.declare_dead(session, "its socket was closed", self._clock())
             arbiter.keep()
 
-    def _renewed(self, arbiter: VirtualArbiter, session: Session) -> tuple[str, ...]:
+    def _renewed(self, arbiter: VirtualArbiter, session: Session) -> dict[str, str]:
         arbiter.rules.renew(session, self._clock())
-        return tuple(printable(why) for why in arbiter.rules.predicates.faults.values())
+        faults = arbiter.rules.predicates.faults
+        return {printable(name): printable(why) for name, why in faults.items()}
 
     def _tell_fault(self, what: Callable[[VirtualArbiter, Session], None]) -> None:
         try:

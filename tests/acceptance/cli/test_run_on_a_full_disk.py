@@ -156,7 +156,7 @@ def test_what_fills_while_gripping_and_while_gripped_drops_nothing_and_ends_noth
     run.told.clear()
     disk.free()
     wait_until("it is recorded again", lambda: "The trace of grip is not" in run.alarms(over=True))
-    wait_until("rows are, too", lambda: "Over: The listener that records failed" in run.alarms(over=False))
+    wait_until("rows are, too", lambda: "The listener that records failed" in run.alarms(over=True))
     run.do("drop", "RELEASE")
     run.do("reset", "RESET")
     run.do("grip", "GRIP")

@@ -99,7 +99,9 @@ def test_a_drop_without_the_line_arbiter_is_unreachable_and_the_part_stays_held(
         status = run.give("status")
         assert (status["state_name"], status["held"], status["arbiter_lost"]) == ("GRIPPED", True, True)
         assert [each["output"] for each in status["actuators"].values()] == [True, True, True]
-        assert any("are not known now" in alarm for alarm in status["alarms"])
+        assert [alarm["id"] for alarm in status["alarms"] if "are not known now" in alarm["text"]] == [
+            "arbiter.lost"
+        ]
         time.sleep(away_s)
         start_arbiter(world)
         time.sleep(1.5)

@@ -50,7 +50,7 @@ def world(tmp_path: Path) -> Iterator[World]:
 
 
 def alarms(tool: EndEffector, what: str) -> bool:
-    return any(what in alarm for alarm in tool.status.alarms)
+    return any(what in alarm for alarm in tool.status.alarm_texts)
 
 
 def test_one_link_falls_silent_while_held_and_comes_back(world: World) -> None:
@@ -60,7 +60,7 @@ def test_one_link_falls_silent_while_held_and_comes_back(world: World) -> None:
         assert tool.grip().succeeded
         world.choose("silent-after:jaws:0")
         down = f"The sensor link jaws ({jaws}) is down."
-        wait_until("it is told", lambda: down in tool.status.alarms)
+        wait_until("it is told", lambda: down in tool.status.alarm_texts)
         assert not alarms(tool, "sensor link cups")
         assert tool.status.ee is EndEffectorState.GRIPPED
         assert all(tool.status.outputs)

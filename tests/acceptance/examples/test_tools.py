@@ -70,7 +70,7 @@ def diy_vacuum(tmp_path: Path) -> Iterator[World]:
 
 
 def shows(tool: EndEffector, what: str) -> bool:
-    return any(what in alarm for alarm in tool.status.alarms)
+    return any(what in alarm for alarm in tool.status.alarm_texts)
 
 
 def test_a_switch_that_is_stuck_refuses_a_grip(six_cups: World) -> None:

@@ -387,7 +387,7 @@ def open_e_stop(rig: Rig) -> None:
     rig.odd["estop_ok"] = False
     rig.until(lambda: "e_stop_closed" in rig.faults())
     # at the socket there is no program
-    rig.until(lambda: all("IL-13" in " ".join(each.status.alarms) for each in rig.units))
+    rig.until(lambda: all("IL-13" in " ".join(each.status.alarm_texts) for each in rig.units))
 
 
 @cell("IL-13", "action", r"^IL-13: the emergency stop was opened\. Nothing is activated")

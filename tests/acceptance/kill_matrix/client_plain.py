@@ -53,7 +53,7 @@ class PlainClient(Client):
                 at_us=status.at,
                 evidence=map(int, status.evidence),
                 outputs=map(bool, status.outputs),
-                alarms=status.alarms,
+                alarms=status.alarm_texts,
             )
         )
 

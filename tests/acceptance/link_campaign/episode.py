@@ -185,6 +185,8 @@ class Episode:
         tool.run(11.0)  # so long a reboot is told
         status, judge = tool.status, tool.judge
         assert judge
-        if status.ee != EndEffectorState.STAND_BY or status.alarms:
+        if status.ee != EndEffectorState.STAND_BY or status.alarm_texts:
             state = EndEffectorState(status.ee).name
-            judge.violations.append(f"{status.at / 1e6:.3f} s: not usable again: {state}, {status.alarms}")
+            judge.violations.append(
+                f"{status.at / 1e6:.3f} s: not usable again: {state}, {status.alarm_texts}"
+            )

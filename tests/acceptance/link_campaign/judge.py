@@ -107,7 +107,7 @@ class Judge:
 
     def changer(self, status: Status) -> None:
         """A status of the tool-change program."""
-        if status.changer == ChangerState.FAULT and not (status.alarms or status.reason):
+        if status.changer == ChangerState.FAULT and not (status.alarm_texts or status.reason):
             self._say(status.at, "the tool changer is in FAULT and nobody says why")
 
     def _explained(self, status: Status) -> None:
@@ -117,7 +117,7 @@ class Judge:
             self._say(status.at, f"{state.name} without a reason")
         latched = state in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR) and not passing
         unknown = Evidence.UNKNOWN in status.evidence and state is not EndEffectorState.OFF
-        if (latched or unknown) and not status.alarms:
+        if (latched or unknown) and not status.alarm_texts:
             self._say(status.at, f"{state.name}, evidence {status.evidence}, and no alarm")
         if status.lift_allowed and status.evidence != (Evidence.CONFIRMED,) * len(self._names):
             self._say(status.at, "lifting is allowed without evidence")

@@ -141,7 +141,7 @@ class Run:
             if status.ee == EndEffectorState.STAND_BY and status.changer == ChangerState.LOCKED:
                 return
             self._next()
-        self._judge.violations.append(f"not usable again: {self._tool!r}, {self._tool.status.alarms}")
+        self._judge.violations.append(f"not usable again: {self._tool!r}, {self._tool.status.alarm_texts}")
 
     def _result(self) -> Found:
         health, found = self._tool.link, self.found

@@ -132,7 +132,7 @@ def test_it_grips_and_drops_and_an_empty_grip_says_so(gripper: Rig) -> None:
         assert gripper.device.written == []  # nothing moves at a start
         wait_until("a grip", lambda: tool.grip().succeeded)
         assert gripper.device.holds
-        assert not tool.status.alarms
+        assert not tool.status.alarm_texts
         assert tool.drop().succeeded
         assert gripper.device.written[-2:] == [CLOSE, OPEN]
         gripper.device.has_part = False
@@ -179,10 +179,10 @@ def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) ->
     with gripper.gripping() as tool:
         told = len(gripper.device.written)
         gripper.cable.cut = True
-        wait_until("it is told", lambda: tool.status.alarms)
+        wait_until("it is told", lambda: tool.status.alarm_texts)
         assert tool.status.ee == EndEffectorState.GRIPPED
         gripper.cable.cut = False
-        wait_until("it is over", lambda: all(each.startswith("Over:") for each in tool.status.alarms))
+        wait_until("it is over", lambda: all(each.startswith("Over:") for each in tool.status.alarm_texts))
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert len(gripper.device.written) == told
         assert tool.drop().succeeded
@@ -196,7 +196,9 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         wait_until("a grip", lambda: tool.grip().succeeded)
         told = len(gripper.device.written)
         gripper.device.fault = 0xC
-        wait_until("it is told", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarms)
+        wait_until(
+            "it is told", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarm_texts
+        )
         assert tool.status.ee == EndEffectorState.GRIPPED
         wait_until("its sensors prove nothing", lambda: tool.status.evidence[0] is Evidence.UNKNOWN)
         wait_until(
@@ -211,7 +213,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         refused = tool.begin(Command.GRIP)
         assert "IL-07: Over: Gripper fault: internal fault; ask Robotiq. Reset it first." in str(refused)
         assert tool.reset().accepted
-        wait_until("nothing is told", lambda: not tool.status.alarms)
+        wait_until("nothing is told", lambda: not tool.status.alarm_texts)
         wait_until("a grip", lambda: tool.grip().succeeded)
 
 
@@ -244,11 +246,11 @@ def test_a_fault_that_an_activation_clears_is_cleared_by_the_next_grip_and_never
         told = len(gripper.device.written)
         gripper.device.fault = 0xE
         alarm = "Gripper fault: overcurrent; the next grip activates it again."
-        wait_until("it is told", lambda: alarm in tool.status.alarms)
+        wait_until("it is told", lambda: alarm in tool.status.alarm_texts)
         assert len(gripper.device.written) == told
         wait_until("a grip", lambda: tool.grip().succeeded)
         assert gripper.device.written[told:][:2] == [(0, 0, 0), (0x0100, 0, 0)]
-        wait_until("it is over", lambda: f"Over: {alarm}" in tool.status.alarms)
+        wait_until("it is over", lambda: f"Over: {alarm}" in tool.status.alarm_texts)
         assert tool.reset().accepted
 
 

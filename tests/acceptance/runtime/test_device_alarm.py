@@ -28,7 +28,7 @@ def test_a_code_and_an_input_of_the_board_are_alarms_in_words_and_refuse_a_grip(
     ):
         opened.wait_ready(READY_S)
         for alarm in ("Pump: it is too hot.", "Door: The door is open."):
-            wait_until(alarm, lambda alarm=alarm: alarm in opened.status.alarms)
+            wait_until(alarm, lambda alarm=alarm: alarm in opened.status.alarm_texts)
         refused = str(opened.begin(Command.GRIP))  # with the one that came first
         assert "IL-07: Pump: it is too hot." in refused or "IL-07: Door: The door is open." in refused
         wait_until("the arbiter knows", lambda: "IL-07: pump shows a fault" in opened.reset().reason)

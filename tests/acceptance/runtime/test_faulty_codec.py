@@ -80,7 +80,7 @@ def test_a_codec_that_fails_while_gripped_lets_nothing_go(
         wait_until("a grip", lambda: tool.grip().succeeded)
         codec.fault = fault
         wait_until("DOWN", lambda: tool.link.state is LinkState.DOWN and why in tool.link.error)
-        wait_until("the alarm", lambda: any("is down" in alarm for alarm in tool.status.alarms))
+        wait_until("the alarm", lambda: any("is down" in alarm for alarm in tool.status.alarm_texts))
         status = tool.status
         assert (status.ee, status.held, status.lift_allowed) == (EndEffectorState.GRIPPED, True, False)
         assert set(status.evidence) == {0}

@@ -67,16 +67,16 @@ def test_what_it_raises_is_an_alarm_until_it_works_and_somebody_has_seen_it(
         listening.put(number)
     wait_until("an alarm", lambda: listening.alarm)
     text = f"The listener that shows failed: {words}"
-    assert listening.alarm == text
+    assert str(listening.alarm) == text
     listening.acknowledge()
-    assert listening.alarm == text
+    assert str(listening.alarm) == text
     wait_until("all five", lambda: not listening._waiting and listening._called_at is None)
     ear.error = None
     listening.put(6)
-    wait_until("it works", lambda: listening.alarm == f"Over: {text}")
+    wait_until("it works", lambda: str(listening.alarm) == f"Over: {text}")
     wait_until("both", lambda: len(changes) == 2)
     listening.acknowledge()
-    assert listening.alarm == ""
+    assert listening.alarm is None
     listening.close(time.monotonic() + PATIENCE_S)
     assert ear.heard == [6]
 
@@ -90,11 +90,11 @@ def test_one_that_blocks_delays_nobody_and_gets_the_newest(ear: Ear, monkeypatch
     for number in range(1, 31):
         listening.put(number)
     text = "The listener Ear does not keep up with what it is called with."
-    assert listening.alarm == text
+    assert str(listening.alarm) == text
     ear.goes_on.set()
     wait_until("it works", lambda: len(ear.heard) == 11)
     assert ear.heard == [0, *range(21, 31)]
-    wait_until("it is over", lambda: listening.alarm == f"Over: {text} 20 were dropped.")
+    wait_until("it is over", lambda: str(listening.alarm) == f"Over: {text} 20 were dropped.")
 
 
 def test_one_that_does_not_return_is_an_alarm_without_any_further_call(
@@ -104,7 +104,7 @@ def test_one_that_does_not_return_is_an_alarm_without_any_further_call(
     listening = Listening(ear, "", lambda: None)
     ear.goes_on.clear()
     listening.put(0)
-    wait_until("an alarm", lambda: "does not keep up" in listening.alarm)
+    wait_until("an alarm", lambda: "does not keep up" in str(listening.alarm))
     listening.close(0.0)  # returns all the same
 
 
@@ -123,15 +123,17 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
     tool.program = GripProgram(load(profile_path()), tool.arbiter, fails)
     tool.program.start()
     tool.grip_to(2)
-    tool.until(lambda status: "A listener failed, and lacks a state: SystemExit: 1" in status.alarms)
+    tool.until(lambda status: "A listener failed, and lacks a state: SystemExit: 1" in status.alarm_texts)
     tool.confirmed[TOP] = True
     tool.until(lambda status: status.ee == State.GRIPPED)
-    tool.until(lambda status: any("OSError" in alarm or "SystemExit" in alarm for alarm in status.alarms))
+    tool.until(
+        lambda status: any("OSError" in alarm or "SystemExit" in alarm for alarm in status.alarm_texts)
+    )
     assert tool.program.alive
     assert tool.program.command("drop").accepted
     tool.until(lambda _: not tool.arbiter.active[TOP])
     tool.confirmed = dict.fromkeys(LINES, OFF)
-    tool.until(lambda status: status.ee == State.STAND_BY and not status.alarms)
+    tool.until(lambda status: status.ee == State.STAND_BY and not status.alarm_texts)
     assert State.GRIPPED in [status.ee for status in told]
     assert tool.arbiter.active[CYLINDER] is False
     tool.program.close()
@@ -160,16 +162,18 @@ def test_a_tool_whose_listeners_raise_and_block_grips_and_drops(world: World) ->
         tool.subscribe_frames(raises)
         tool.subscribe_frames(blocks)
         asked: list[Any] = []
-        tool.subscribe(lambda _: asked.append(tool.status.alarms))
+        tool.subscribe(lambda _: asked.append(tool.status.alarm_texts))
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
         assert tool.grip().succeeded
-        alarms = wait_until("both alarms", lambda: len(tool.status.alarms) == 2 and tool.status.alarms)
+        alarms = wait_until(
+            "both alarms", lambda: len(tool.status.alarm_texts) == 2 and tool.status.alarm_texts
+        )
         assert sorted(alarm.partition(">.")[2] for alarm in alarms) == [
             "blocks does not keep up with what it is called with.",
             "raises failed: RuntimeError: third party",
         ]
-        wait_until("the listeners know it", lambda: told[-1].alarms == alarms)
+        wait_until("the listeners know it", lambda: told[-1].alarm_texts == alarms)
         assert tool.drop().succeeded
         wait_until("the last state", lambda: told[-1].ee == State.STAND_BY)
         assert asked
@@ -177,10 +181,10 @@ def test_a_tool_whose_listeners_raise_and_block_grips_and_drops(world: World) ->
         # it listens to statuses and to frames, and catches up with one of them first
         wait_until(
             "both are over",
-            lambda: sorted(alarm.startswith("Over: ") for alarm in tool.status.alarms) == [False, True],
+            lambda: sorted(alarm.startswith("Over: ") for alarm in tool.status.alarm_texts) == [False, True],
         )
         tool.reset()
-        wait_until("the other stays", lambda: len(tool.status.alarms) == 1)
+        wait_until("the other stays", lambda: len(tool.status.alarm_texts) == 1)
 
 
 def test_a_grip_whose_program_ends_says_so(world: World) -> None:

@@ -86,10 +86,10 @@ class TestUnit:
         status = tool.until(lambda status: status.maintenance)
         assert status.outputs == (True, False, False)
         assert status.deadline is not None
-        assert any(alarm.startswith("Maintenance: Bottom vacuum") for alarm in status.alarms)
+        assert any(alarm.startswith("Maintenance: Bottom vacuum") for alarm in status.alarm_texts)
         tool.until(lambda status: not status.maintenance)
         assert tool.arbiter.active[BOTTOM] is OFF
-        assert not tool.program.status.alarms
+        assert not tool.program.status.alarm_texts
 
     def test_a_grip_is_refused_meanwhile(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
@@ -127,10 +127,10 @@ class TestUnit:
     def test_a_lease_that_ends_without_an_arbiter_is_ended_when_it_is_back(self, tool: Tool) -> None:
         drive(tool, "cylinder", CYLINDER)
         tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
-        tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarms))
+        tool.until(lambda status: any("cannot be reached" in alarm for alarm in status.alarm_texts))
         assert tool.program.alive
         tool.arbiter.error = None
-        tool.until(lambda status: not status.alarms and not tool.arbiter.active[CYLINDER])
+        tool.until(lambda status: not status.alarm_texts and not tool.arbiter.active[CYLINDER])
 
     def test_what_the_arbiter_refused_was_not_driven(self, tool: Tool) -> None:
         tool.arbiter.error = LineRefusedError("IL-13: the emergency stop is open.")

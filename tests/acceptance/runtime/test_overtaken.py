@@ -48,12 +48,12 @@ def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
     tool.arbiter.error = LineBusyError("the last will of grip is being executed.")
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
-    status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarms))
-    assert "the last will of grip is being executed." in status.alarms
+    status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarm_texts))
+    assert "the last will of grip is being executed." in status.alarm_texts
     assert not tool.program.command("grip").accepted
     tool.arbiter.error = None
     overtake(tool)
-    assert tool.until(lambda status: status.ee == State.STAND_BY).alarms == ()
+    assert tool.until(lambda status: status.ee == State.STAND_BY).alarm_texts == ()
 
 
 def test_lines_that_did_not_move_change_nothing(tool: Tool) -> None:
@@ -86,7 +86,7 @@ def test_what_is_held_is_held_also_by_a_program_that_was_taken_for_dead(tool: To
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.arbiter.took_for_dead = True
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
-    tool.until(lambda status: not tool.arbiter.took_for_dead and not status.alarms)
+    tool.until(lambda status: not tool.arbiter.took_for_dead and not status.alarm_texts)
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
 
@@ -97,7 +97,7 @@ def test_gripped_is_not_claimed_before_the_arbiter_has_the_will_that_holds(tool:
     assert tool.arbiter.will
     tool.arbiter.error = ArbiterError("the line arbiter does not answer.")
     tool.confirmed[TOP] = ON
-    tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarms))
+    tool.until(lambda status: any("does not answer" in alarm for alarm in status.alarm_texts))
     for _ in range(30):
         tool.frame()
         threading.Event().wait(0.01)
@@ -105,7 +105,7 @@ def test_gripped_is_not_claimed_before_the_arbiter_has_the_will_that_holds(tool:
     tool.arbiter.error = None
     status = tool.until(lambda status: status.ee == State.GRIPPED)
     assert tool.arbiter.will == ()
-    assert status.alarms == ()
+    assert status.alarm_texts == ()
 
 
 def test_what_is_held_stays_held_while_there_is_no_arbiter(tool: Tool) -> None:
@@ -114,9 +114,9 @@ def test_what_is_held_stays_held_while_there_is_no_arbiter(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
     tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
-    assert tool.until(lambda status: bool(status.alarms)).held
+    assert tool.until(lambda status: bool(status.alarm_texts)).held
     tool.arbiter.error = None
-    assert tool.until(lambda status: not status.alarms).ee == State.GRIPPED
+    assert tool.until(lambda status: not status.alarm_texts).ee == State.GRIPPED
     assert tool.states()[-1] == State.GRIPPED
     assert State.OFF not in tool.states()[1:]
 
@@ -130,7 +130,7 @@ def test_a_cancel_that_finds_no_arbiter_changes_nothing_and_the_grip_goes_on(too
     status = tool.until(lambda status: status.arbiter_lost)
     assert status.outputs == (ON, ON, OFF)
     tool.arbiter.error = None
-    tool.until(lambda status: not status.alarms)
+    tool.until(lambda status: not status.alarm_texts)
     assert tool.arbiter.active == {BOTTOM: ON, CYLINDER: ON, TOP: OFF}
     tool.confirmed[CYLINDER] = ON
     tool.until(lambda _: tool.arbiter.active[TOP])
@@ -157,7 +157,7 @@ def test_a_drop_whose_first_write_is_lost_is_given_up_and_the_part_stays_held(to
     assert (status.held, status.outputs) == (ON, (ON, ON, ON))
     assert State.RELEASING not in tool.states()
     tool.arbiter.error = None
-    tool.until(lambda status: status.ee == State.GRIPPED and not status.alarms)
+    tool.until(lambda status: status.ee == State.GRIPPED and not status.alarm_texts)
     assert tool.arbiter.active == dict.fromkeys(LINES, ON)
     assert tool.arbiter.will == ()
     assert tool.program.command("drop").accepted
@@ -176,7 +176,7 @@ def test_a_frame_that_waited_too_long_proves_nothing(tool: Tool) -> None:
 
 def test_what_the_arbiter_has_latched_is_an_alarm_until_it_is_reset(tool: Tool) -> None:
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.program.faults_changed(("IL-13: the emergency stop was opened.",))
-    tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarms)
-    tool.program.faults_changed(())
-    tool.until(lambda status: not status.alarms)
+    tool.program.faults_changed({"e_stop_closed": "IL-13: the emergency stop was opened."})
+    tool.until(lambda status: "IL-13: the emergency stop was opened." in status.alarm_texts)
+    tool.program.faults_changed({})
+    tool.until(lambda status: not status.alarm_texts)

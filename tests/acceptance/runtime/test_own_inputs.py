@@ -76,7 +76,9 @@ def test_an_e_stop_that_opens_refuses_at_once_and_until_a_reset_and_releases_not
         wait_until("it is locked", lambda: tool.lock().succeeded)
         wait_until("a grip", lambda: tool.grip().succeeded)
         world.choose("estop-open")
-        wait_until("it is latched", lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
+        wait_until(
+            "it is latched", lambda: "IL-13: the emergency stop was opened." in tool.status.alarm_texts
+        )
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert active(world, JAW)
         assert not tool.reset().accepted

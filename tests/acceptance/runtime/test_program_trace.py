@@ -36,9 +36,9 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.arbiter.error = ArbiterError("the line arbiter cannot be reached.")
     tool.program.arbiter_lost(ArbiterError("the line arbiter was lost."))
-    tool.until(lambda status: bool(status.alarms))
+    tool.until(lambda status: bool(status.alarm_texts))
     tool.arbiter.error = None
-    tool.until(lambda status: not status.alarms)
+    tool.until(lambda status: not status.alarm_texts)
     assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
@@ -106,7 +106,7 @@ def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path
     tool.program = GripProgram(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
     alarm = f"The trace of grip is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
-    tool.until(lambda status: alarm in status.alarms)
+    tool.until(lambda status: alarm in status.alarm_texts)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
     tool.until(lambda status: status.ee == State.GRIPPED)

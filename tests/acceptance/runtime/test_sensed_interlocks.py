@@ -146,7 +146,7 @@ def test_il_13_an_open_e_stop_holds_what_is_held_and_latches(world: World) -> No
         assert tool.grip().succeeded
         world.choose("estop-open")
         wait_until("it", lambda: "e_stop_closed" in look.status()["faults"])
-        wait_until("it", lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
+        wait_until("it", lambda: "IL-13: the emergency stop was opened." in tool.status.alarm_texts)
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert tool.drop().succeeded, "a deactivation is never refused"
         assert tool.grip().reason == REFUSED

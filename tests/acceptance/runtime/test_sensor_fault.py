@@ -83,7 +83,7 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     second.start()
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
-    fed(second, lambda status: "sensor fault" in " ".join(status.alarms), unlocked=False)
+    fed(second, lambda status: "sensor fault" in " ".join(status.alarm_texts), unlocked=False)
     with ArbiterClient(world.socket, "reset") as arbiter:
         assert arbiter.reset() == {
             "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."

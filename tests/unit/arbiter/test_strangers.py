@@ -112,7 +112,7 @@ def test_a_lone_surrogate_is_made_printable_in_a_sentence_and_refused_in_a_name(
     assert [reply["error"] for reply in guest.replies()] == ["say hello first."]
     assert program.writes(BOTTOM)["ok"]
     assert program.ask("latch", **{key: latch[key] for key in ("fault", "why")})["ok"]
-    (shown,) = program.ask("renew")["faults"]
+    (shown,) = program.ask("renew")["faults"].values()
     assert shown == "IL-04: ? both ?[31mbits?"
     assert shown.encode() in arbiter.record.read_bytes()
     for name in ("a\nb", "a\x00", "\ud800", "\u2028", "x" * 65):

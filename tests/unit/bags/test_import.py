@@ -187,14 +187,14 @@ def test_an_older_version_of_the_messages(write: Write) -> None:
     """What the bag defines is read, and what it lacks is told."""
 
     def older(name: str, text: str) -> str:
-        gone = ("alarms", "tool ", "since_us", "uint32 count")
+        gone = ("string[] alarms", "alarm_ids", "tool ", "since_us", "uint32 count")
         lines = text.splitlines() if name == "EndEffectorState" else [text]
         return "\n".join(line for line in lines if not any(f" {each}" in f" {line}" for each in gone))
 
     found = imported(write([state(S, 0), state(2 * S, S, 1)], definitions(older)))
     assert [row[0] for row in rows(found)] == [0.0, 1.0]
     assert (
-        "The states of the bag are of another version: they lack since_us, count, tool, alarms."
+        "The states of the bag are of another version: they lack since_us, count, tool, alarms, alarm_ids."
         in found.notes
     )
 

@@ -14,7 +14,7 @@ from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.process import BURST
 from end_effector_hal.runtime import Refused, Result
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import WEAK, Alarm, Command, EndEffectorState, received_alarms
 from tests.support.virtual_tool import VirtualTool
 
 
@@ -52,7 +52,7 @@ def test_a_flood_is_cut_and_counted_and_an_alarm_gets_through(
     for _ in range(500):
         words.event(0, "a line")
     assert len(screen.out) == BURST
-    words.alarm(0, "It burns.", over=False)
+    words.alarm(0, *received_alarms(["It burns."]), over=False)
     assert screen.lines[-1] == ("alarm: It burns.", False)
     now[0] += 1.0
     words.event(0, "later")
@@ -189,7 +189,7 @@ def test_a_reader_who_has_gone_worries_nobody(as_json: bool, description: Descri
     voice = JsonLines(write=broken) if as_json else Words(broken)
     tool = VirtualTool(description)
     Changes(description, voice).status(tool.status)
-    voice.alarm(0, "A text.", over=False)
+    voice.alarm(0, DOWN, over=False)
     voice.help("A text.")
 
 
@@ -203,17 +203,19 @@ def test_an_alarm_is_told_where_nobody_reads_the_rest(screen: Screen) -> None:
 
     words = Words(half_broken)
     words.event(0, "GRIPPED")
-    words.alarm(0, "It burns.", over=False)
+    words.alarm(0, *received_alarms(["It burns."]), over=False)
     words.ending("What is held stays held.")
     assert screen.lines == [("alarm: It burns.", True), ("What is held stays held.", True)]
 
 
-WEAK = "Weak grip: Cups fell to 52.0 kPa; minimum for a secure grip: 60 kPa."
-SECURE_AGAIN = "Over: Cups was not secure for a while; it is again (62 kPa)."
-DOWN = "The sensor link is down."
+WEAK_CUPS = Alarm(WEAK, "cups", {"kpa": 52.0, "least_kpa": 60.0}, 0)
+SECURE_AGAIN = Alarm(WEAK, "cups", {"kpa": 62.0}, 0, over=True)
+WEAK_TEXT = "Weak grip: Cups fell to 52.0 kPa; minimum for a secure grip: 60 kPa."
+AGAIN_TEXT = "Cups was not secure for a while; it is again (62 kPa)."
+DOWN = Alarm("link.down", "", {"sensors": "sensor link is down"}, 0)
 
 
-def alarmed(changes: Changes, *rounds: tuple[str, ...]) -> None:
+def alarmed(changes: Changes, *rounds: tuple[Alarm, ...]) -> None:
     status = VirtualTool(changes._description).status
     for at, alarms in enumerate(rounds):
         changes.status(replace(status, at=at, alarms=alarms))
@@ -221,12 +223,12 @@ def alarmed(changes: Changes, *rounds: tuple[str, ...]) -> None:
 
 def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description, screen: Screen) -> None:
     changes = Changes(description, Words(screen))
-    alarmed(changes, (), (DOWN, WEAK), (SECURE_AGAIN,), ())
+    alarmed(changes, (), (DOWN, WEAK_CUPS), (SECURE_AGAIN,), ())
     assert [text for text in screen.out if text.startswith(("alarm: ", "over: "))] == [
-        f"alarm: {DOWN}",
-        f"alarm: {WEAK}",
-        "over: Cups was not secure for a while; it is again (62 kPa).",
-        f"over: {DOWN}",
+        "alarm: The sensor link is down.",
+        f"alarm: {WEAK_TEXT}",
+        "over: The sensor link is down.",
+        f"over: {AGAIN_TEXT}",
     ]
     (line,) = (
         each
@@ -238,14 +240,16 @@ def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description,
     assert line.startswith("over: Cups was")
 
 
-def test_json_has_each_sentence_as_the_status_has_it(
+def test_json_has_the_identity_of_each_alarm(
     description: Description, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    alarmed(Changes(description, JsonLines(0)), (), (WEAK,), (SECURE_AGAIN,), ())
+    alarmed(Changes(description, JsonLines(0)), (), (WEAK_CUPS,), (SECURE_AGAIN,), ())
     told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [(each["text"], each["over"]) for each in told if each["event"] == "alarm"] == [
-        (WEAK, False), (SECURE_AGAIN, False), (WEAK, True), (SECURE_AGAIN, True)
-    ]  # fmt: skip
+    common = {"schema_version": 1, "event": "alarm", "id": WEAK, "about": "cups", "severity": "warning"}
+    assert [each for each in told if each["event"] == "alarm"] == [
+        {**common, "at_s": 1e-6, "text": WEAK_TEXT, "over": False},
+        {**common, "at_s": 2e-6, "text": AGAIN_TEXT, "over": True},
+    ]
 
 
 def test_a_scenario_is_said_by_its_name(description: Description, screen: Screen) -> None:

@@ -95,10 +95,10 @@ def gripped(cup: Cup) -> Cup:
 
 
 def test_a_code_is_an_alarm_in_its_words_and_refuses_a_grip(cup: Cup) -> None:
-    assert cup.status.alarms == ()
+    assert cup.status.alarm_texts == ()
     cup.pump = 8
     cup.run(0.02)
-    assert cup.status.alarms == ("Pump: it is too hot.",)
+    assert cup.status.alarm_texts == ("Pump: it is too hot.",)
     assert cup.controller.blocking["IL-07"] == cup.controller.refusal("grip") == "IL-07: Pump: it is too hot."
     assert cup.grip() == "IL-07: Pump: it is too hot."
     assert cup.status.ee == EndEffectorState.STAND_BY
@@ -108,20 +108,20 @@ def test_a_latched_fault_that_is_over_refuses_until_it_is_acknowledged(cup: Cup)
     cup.pump = 8
     cup.run(0.02)
     cup.acknowledge()
-    assert cup.status.alarms == ("Pump: it is too hot.",)
+    assert cup.status.alarm_texts == ("Pump: it is too hot.",)
     cup.pump = 0
     cup.run(0.02)
-    assert cup.status.alarms == ("Over: Pump: it is too hot.",)
+    assert cup.status.alarm_texts == ("Over: Pump: it is too hot.",)
     assert cup.grip() == "IL-07: Over: Pump: it is too hot. Reset it first."
     cup.acknowledge()
-    assert cup.status.alarms == ()
+    assert cup.status.alarm_texts == ()
     assert cup.grip() == ""
 
 
 def test_a_code_without_a_text_of_its_own_has_that_of_all_others_and_its_number(cup: Cup) -> None:
     cup.pump = 13
     cup.run(0.02)
-    assert cup.status.alarms == ("Pump: a fault without a name, code 13.",)
+    assert cup.status.alarm_texts == ("Pump: a fault without a name, code 13.",)
 
 
 def test_one_code_after_another_leaves_both(cup: Cup) -> None:
@@ -129,17 +129,17 @@ def test_one_code_after_another_leaves_both(cup: Cup) -> None:
     cup.run(0.02)
     cup.pump = 13
     cup.run(0.02)
-    assert cup.status.alarms == ("Over: Pump: it is too hot.", "Pump: a fault without a name, code 13.")
+    assert cup.status.alarm_texts == ("Over: Pump: it is too hot.", "Pump: a fault without a name, code 13.")
 
 
 def test_a_warning_refuses_nothing_and_one_that_does_not_latch_goes_by_itself(cup: Cup) -> None:
     cup.pump = 3
     cup.run(0.02)
-    assert cup.status.alarms == ("Pump: the part is porous.",)
+    assert cup.status.alarm_texts == ("Pump: the part is porous.",)
     assert cup.grip() == ""
     cup.pump = 0
     cup.run(0.02)
-    assert cup.status.alarms == ()
+    assert cup.status.alarm_texts == ()
 
 
 def test_an_error_that_does_not_latch_refuses_while_it_stands(cup: Cup) -> None:
@@ -154,7 +154,7 @@ def test_an_error_that_does_not_latch_refuses_while_it_stands(cup: Cup) -> None:
 def test_a_bit_is_an_alarm(cup: Cup) -> None:
     cup.door = True
     cup.run(0.02)
-    assert cup.status.alarms == ("Door: The door is open.",)
+    assert cup.status.alarm_texts == ("Door: The door is open.",)
     assert cup.grip() == "IL-07: Door: The door is open."
 
 
@@ -170,7 +170,7 @@ def test_no_fault_lets_go_of_what_is_held_and_a_drop_leaves_the_alarm(gripped: C
     assert answer.accepted
     gripped.run(1.0)
     assert gripped.status.ee == EndEffectorState.STAND_BY
-    assert any(each.startswith("Over: Pump") for each in gripped.status.alarms) is (code != 4)
+    assert any(each.startswith("Over: Pump") for each in gripped.status.alarm_texts) is (code != 4)
 
 
 def test_sensors_that_a_fault_makes_worthless_prove_nothing_while_it_stands(gripped: Cup) -> None:
@@ -195,7 +195,7 @@ def test_a_channel_without_a_reading_refuses_and_ends_no_alarm(cup: Cup) -> None
     cup.pump = 8
     cup.run(0.02)
     cup.run(1.0, without="pump")
-    assert "Pump: it is too hot." in cup.status.alarms
+    assert "Pump: it is too hot." in cup.status.alarm_texts
     assert cup.status.evidence == (Evidence.UNKNOWN,)
     cup.pump = 0
     cup.run(0.1)
@@ -219,7 +219,7 @@ def test_another_controller_that_goes_on_from_a_snapshot_knows_the_latched_fault
     assert snapshot is not None
     again = Controller(description, network_of(description), "grip")
     again.resume(snapshot)
-    assert again.status().alarms == ("Over: Pump: it is too hot.",)
+    assert again.status().alarm_texts == ("Over: Pump: it is too hot.",)
     assert again.refusal("grip") == "IL-07: Over: Pump: it is too hot. Reset it first."
 
 
@@ -241,7 +241,7 @@ def test_codes_without_a_text_of_their_own_are_one_alarm_however_many_come(cup: 
     for code in range(100, 400):
         cup.pump = code
         cup.run(0.02)
-    assert cup.status.alarms == ("Pump: a fault without a name, code 100.",)
+    assert cup.status.alarm_texts == ("Pump: a fault without a name, code 100.",)
     cup.pump = 8
     cup.run(0.1)
-    assert cup.status.alarms == ("Over: Pump: a fault without a name.", "Pump: it is too hot.")
+    assert cup.status.alarm_texts == ("Over: Pump: a fault without a name.", "Pump: it is too hot.")

@@ -22,7 +22,15 @@ from end_effector_hal.control.goals import (
     reset_answer,
     tool_status,
 )
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, Evidence
+from end_effector_hal.vocabulary import (
+    ARBITER_LOST,
+    Alarm,
+    Cause,
+    ChangerState,
+    Command,
+    Evidence,
+    received_alarms,
+)
 from end_effector_hal.vocabulary import EndEffectorState as State
 
 YES = Answer(True, count=7)
@@ -193,7 +201,7 @@ def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> No
     assert goal.ending.seconds == 2.5
 
 
-LOST = ("The line arbiter is lost: why.",)
+LOST = (Alarm(ARBITER_LOST, "", {"why": "it is away"}),)
 
 
 def test_rule_4_an_end_that_was_seen_before_the_answer_counts(room: Room) -> None:
@@ -302,17 +310,21 @@ def test_rule_7_at_our_end_every_goal_gets_its_ending(room: Room, phase: Phase) 
     assert room.goals.open == ()
 
 
+def alarms(*texts: str) -> tuple[Alarm, ...]:
+    return received_alarms(texts)
+
+
 def test_the_tool_from_two_programs() -> None:
     grip = status(ee=State.GRIPPED, held=True, evidence=(Evidence.CONFIRMED,), lift_allowed=True, missed=1)
-    change = status(changer=ChangerState.LOCKED, command=Command.LOCK, missed=2, alarms=("b", "c"))
-    tool = tool_status(replace(grip, alarms=("a", "b")), change, 9, notices=("n",))
+    change = status(changer=ChangerState.LOCKED, command=Command.LOCK, missed=2, alarms=alarms("b", "c"))
+    tool = tool_status(replace(grip, alarms=alarms("a", "b")), change, 9, notices=alarms("n"))
     assert (tool.at, tool.ee, tool.changer, tool.command) == (
         9,
         State.GRIPPED,
         ChangerState.LOCKED,
         Command.LOCK,
     )
-    assert (tool.missed, tool.alarms) == (3, ("n", "a", "b", "c"))
+    assert (tool.missed, tool.alarm_texts) == (3, ("n", "a", "b", "c"))
     assert tool_status(replace(grip, command=Command.GRIP), change, 9).command == Command.GRIP
     lost = tool_status(grip, change, 9, gone=("grip", "tool_change"))
     assert (lost.ee, lost.changer, lost.command) == (State.OFF, ChangerState.UNKNOWN, Command.NONE)

@@ -169,7 +169,7 @@ def test_stale_while_gripped_freezes_and_tells(description: Description) -> None
     assert status.ee == GRIPPED
     assert status.evidence == (0, 0, 0)
     assert not status.lift_allowed
-    assert any("while it holds a part" in alarm for alarm in status.alarms)
+    assert any("while it holds a part" in alarm for alarm in status.alarm_texts)
     assert tool.edges == edges
     tool.link = True
     tool.run(1.0)

@@ -88,7 +88,7 @@ def cases() -> list[object]:
 def named(status: Status, description: Description) -> set[str]:
     """Channels that the alarms say have no valid reading, by their names or by the actuator that is held."""
     found: set[str] = set()
-    for alarm in status.alarms:
+    for alarm in status.alarm_texts:
         if alarm.startswith("No valid reading of ") and "while it holds a part" not in alarm:
             found |= set(re.findall(r"\w+", alarm.removeprefix("No valid reading of ").partition(":")[0]))
         for name, part in description.ordered:

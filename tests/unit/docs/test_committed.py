@@ -33,6 +33,7 @@ def test_a_page_says_what_the_program_says(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "written"),
     [
+        ("alarms", "`grip.leak`"),
         ("commands", "## `eehal arbiter`"),
         ("errors", "### EE-205"),
         ("interlocks", "## IL-09"),

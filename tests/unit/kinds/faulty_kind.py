@@ -45,11 +45,9 @@ class FaultyWatch(VacuumWatch):
         sample = VacuumWatch.sample
         or_broken("FaultyWatch.sample()", lambda: sample(self, readings, at, held=held))
 
-    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
+    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
         findings = VacuumWatch.findings
-        found: Iterator[HoldFinding] = or_broken(
-            "FaultyWatch.findings()", lambda: findings(self, who, since, at)
-        )
+        found: Iterator[HoldFinding] = or_broken("FaultyWatch.findings()", lambda: findings(self, since, at))
         return found
 
     def dropped(self) -> None:

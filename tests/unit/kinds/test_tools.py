@@ -61,10 +61,10 @@ def test_an_attempt_that_closes_on_nothing_is_over_at_once() -> None:
     assert min(pauses) >= 1_000_000
     given_up = next(status for status in tool.statuses if status.ee == GRIP_ERROR)
     assert (given_up.cause, given_up.cause_at) == (Cause.EMPTY, 0)
-    assert "Jaw closed on nothing." in given_up.alarms
+    assert "Jaw closed on nothing." in given_up.alarm_texts
     assert tool.status.ee == STAND_BY
     assert tool.status.reason == "Jaw closed on nothing: all 3 attempts have failed."
-    assert "Jaw closed on nothing." not in tool.status.alarms
+    assert "Jaw closed on nothing." not in tool.status.alarm_texts
     lines = [line for status in tool.statuses for line in event_lines(tool.description, status)]
     assert [line for line in lines if "attempt " in line] == [
         f"Jaw closed on nothing: attempt {number} of 3." for number in (1, 2, 3)
@@ -107,7 +107,7 @@ def test_both_end_switches_at_once_hold_what_is_held_and_refuse_a_grip() -> None
     status = feed(tool, 1.0, cylinder_extended=True, cylinder_retracted=True)
     assert (status.ee, status.evidence, status.outputs) == (GRIPPED, (Evidence.UNKNOWN,), (True,))
     assert not status.lift_allowed
-    assert any("The sensors of Jaw contradict each other" in alarm for alarm in status.alarms)
+    assert any("The sensors of Jaw contradict each other" in alarm for alarm in status.alarm_texts)
     tool.run(2.0)
     assert (tool.status.evidence, tool.status.lift_allowed) == ((Evidence.CONFIRMED,), True)
     tool = ready("gripper")
@@ -144,7 +144,7 @@ def test_switches_that_change_one_after_the_other_are_no_alarm() -> None:
     feed(tool, 1.0, cylinder_extended=False, cylinder_retracted=True)
     seen = tool.statuses[told:]
     assert Evidence.UNKNOWN in {status.evidence[0] for status in seen}
-    assert [status.alarms for status in seen if status.alarms] == []
+    assert [status.alarm_texts for status in seen if status.alarm_texts] == []
     assert tool.status.ee == STAND_BY
 
 

@@ -6,6 +6,7 @@ from typing import Any, cast
 
 from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
 from end_effector_hal.nodes.report import OK, Health, publish_health, standing
+from end_effector_hal.vocabulary import LEAK, Alarm
 from tests.support.lone_node import LoneTransport
 
 
@@ -23,4 +24,8 @@ def test_each_status_names_its_tool_and_its_hardware() -> None:
 
 
 def test_what_is_over_is_no_warning() -> None:
-    assert standing(("Over: Top vacuum leaked for a while.", "Low supply.")) == ("Low supply.",)
+    over, low = (
+        Alarm(LEAK, "top_vacuum", {"kpa": 60.0}, over=True),
+        Alarm("supply.low", "", {"warn_kpa": 450}),
+    )
+    assert (standing((over,)), standing((over, low))) == (False, True)

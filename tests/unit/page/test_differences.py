@@ -36,7 +36,7 @@ from end_effector_hal.recording import (
     StatesLog,
     StatesWriter,
 )
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.vocabulary import display_name, received_alarms
 from tests.support.recorded_tool import recorded
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, log
 from tests.unit.page.test_past import asked
@@ -60,7 +60,7 @@ def written(folder: Path, states: StatesLog, lower_kpa: float = 0.0, *alarms: tu
             )
     with AlarmsWriter(folder / "alarms.csv") as writer:
         for at_s, text in alarms:
-            writer.write(at_s, [text])
+            writer.write(at_s, received_alarms([text]))
     INFO.write(folder)
     return folder
 

@@ -421,7 +421,7 @@ def test_a_bag_is_shown_as_far_as_it_goes(tmp_path: Path, verdin: Description) -
     assert document["recording"]["notes"][0].startswith("There is no trace:")
     shown = moment(document, 2_500_000)
     assert (shown["state.word"], shown["state.held"], shown["state.lift_allowed"]) == ("GRIPPING", None, None)
-    assert shown["state.alarms"] == ["Frames are late: 3."]
+    assert [each["text"] for each in shown["state.alarms"]] == ["Frames are late: 3."]
     assert [shown[f"cards.{number}.state"] for number in range(3)] == ["PENDING ON", "RETRACTED", "OFF"]
     assert (shown["cards.0.values"], shown["cards.2.values"], shown["cards.0.output"]) == (
         [60.0],

@@ -24,11 +24,16 @@ from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, Re
 from end_effector_hal.runtime.boundary._open import header_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.verification.mutation import kept_record
+from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm
 from end_effector_hal.vocabulary import EndEffectorState as State
 from tests.support.places import ROOT
 from tests.support.virtual_tool import VirtualTool
 
 UNTIL_RESET = "nothing is activated until the faults are reset"
+
+
+def latched(why: str) -> dict[str, str]:
+    return {"interlock": "IL-13", "why": why}
 
 
 @cache
@@ -42,7 +47,7 @@ class Watched:
     def __init__(self, description: Description, scenario: str = "nominal") -> None:
         self.description = description
         self.view = ToolView(description, 0)
-        self.now, self.faults = 0, tuple[str, ...]()
+        self.now, self.faults = 0, tuple[Alarm, ...]()
         for program in ("grip", "tool_change"):
             self.send(program, "header", 0, header_of(description, program, 0))
 
@@ -213,7 +218,9 @@ def test_an_e_stop_has_a_card(tmp_path: Path, scenario: str, word: str, why: str
     watched.tool.run(1.5)
     assert watched.shown()["state"]["e_stop"] == {"word": word, "why": why}
     if word == "CLOSED":
-        watched.faults = ("IL-13: the emergency stop was opened; reset the faults first.",)
+        watched.faults = (
+            Alarm(E_STOPPED, "", latched("the emergency stop was opened; reset the faults first.")),
+        )
         assert watched.tool.command("grip").accepted
         watched.tool.run(0.2)
         assert watched.shown()["state"]["e_stop"] == {"word": "STOPPED", "why": UNTIL_RESET}
@@ -226,7 +233,9 @@ def test_a_stop_is_shown_wherever_the_tool_stands(verdin: Description) -> None:
     watched.tool.run(1.5)
     assert watched.shown()["stop"].startswith("Latched until a reset")
     assert watched.shown()["state"]["e_stop"] is None
-    watched.faults = ("IL-13: the tool was stopped (pid 7): nothing is activated until a reset.",)
+    watched.faults = (
+        Alarm(STOPPED, "", latched("the tool was stopped (pid 7): nothing is activated until a reset.")),
+    )
     assert watched.tool.command("grip").accepted
     watched.tool.run(0.2)
     shown = watched.shown()
@@ -383,7 +392,7 @@ def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) ->
     watched.tool.link = True
     watched.tool.run(1.0)
     again = "Top vacuum had no valid reading for a while; it is read again."
-    assert f"Over: {again}" in watched.shown()["state"]["alarms"]
+    assert f"Over: {again}" in [each["text"] for each in watched.shown()["state"]["alarms"] if each["over"]]
     assert watched.tool.command("drop").accepted
     watched.tool.run(4.0)
     assert watched.shown()["state"]["alarms"] == []

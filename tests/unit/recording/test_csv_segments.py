@@ -18,6 +18,7 @@ from end_effector_hal.recording import (
     read_pressures,
     read_states,
 )
+from end_effector_hal.vocabulary import received_alarms
 from tests.support.full_disk import FullDisk
 
 LIMITS = RecordingLimits(400, 1_000_000)
@@ -80,8 +81,9 @@ def test_pressures_in_segments(tmp_path: Path) -> None:
 def test_alarms_in_segments_begin_with_those_that_stand(tmp_path: Path) -> None:
     writer = AlarmsWriter(tmp_path / "alarms.csv", LIMITS)
     for number in range(40):
-        assert writer.write(number, ("Always.", f"Number {number}."))
-        assert not writer.write(number, ("Always.", f"Number {number}."))
+        alarms = received_alarms(["Always.", f"Number {number}."])
+        assert writer.write(number, alarms)
+        assert not writer.write(number, alarms)
     writer.close()
     paths = segments(tmp_path, "alarms.csv")
     assert len(paths) > 3
@@ -158,9 +160,9 @@ def test_an_alarm_that_could_not_be_written_comes_with_the_next(tmp_path: Path, 
     writer = AlarmsWriter(tmp_path / "alarms.csv")
     disk.full = True
     with pytest.raises(ReportedError):
-        writer.write(1, ("One.",))
+        writer.write(1, received_alarms(["One."]))
     disk.full = False
-    assert writer.write(2, ("One.", "Two."))
+    assert writer.write(2, received_alarms(["One.", "Two."]))
     writer.close()
     assert [(row.time_s, row.text) for row in read_alarms(tmp_path / "alarms.csv")] == [
         (2, "One."),

@@ -23,7 +23,7 @@ from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import STOPPED, Cause, Command, EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import Cause, Command, EndEffectorState, LastWillStep
 from tests.support.declared import declared
 from tests.support.patience import wait_until
 
@@ -485,7 +485,7 @@ def test_a_silent_link_is_told_as_such_although_the_e_stop_is_on_it() -> None:
     assert tool.program.status.ee is EndEffectorState.STAND_BY
 
 
-STOP = f"IL-13: {STOPPED} (pid 7, eehal stop): nothing is activated until a reset."
+STOP = "IL-13: the tool was stopped (pid 7, eehal stop): nothing is activated until a reset."
 
 
 @pytest.mark.parametrize(
@@ -498,26 +498,26 @@ def test_a_stop_cancels_a_grip_as_is_declared(cancel: str, ends: EndEffectorStat
     tool.run(2)
     assert tool.program.status.ee is EndEffectorState.GRIPPING
     before = dict(tool.lines.active)
-    tool.program.faults_changed((STOP,))
+    tool.program.faults_changed({"stop": STOP})
     tool.idle()
     tool.run(40)
     status = tool.program.status
     assert (status.ee, status.cause) == (ends, Cause.CANCELLED)
-    assert STOP in status.alarms
+    assert STOP in status.alarm_texts
     assert (tool.lines.active == before) is (cancel == "hold")
 
 
 def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) -> None:
-    tool.program.faults_changed((STOP,))
+    tool.program.faults_changed({"stop": STOP})
     tool.idle()
     assert tool.command("grip") == Answer(False, STOP)
-    tool.program.faults_changed(())
+    tool.program.faults_changed({})
     tool.idle()
     assert tool.command("grip").accepted
     tool.run(60)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
     before = dict(tool.lines.active)
-    tool.program.faults_changed((STOP,))
+    tool.program.faults_changed({"stop": STOP})
     tool.idle()
     tool.run(40)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
@@ -528,15 +528,15 @@ def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) 
 def test_an_open_e_stop_refuses_a_grip_at_once_until_a_reset_and_cancels_nothing(tool: Tool) -> None:
     opened = "IL-13: the emergency stop was opened."
     tool.run(60)
-    tool.program.faults_changed((opened,))
+    tool.program.faults_changed({"e_stop_closed": opened})
     tool.idle()
     refused = Answer(False, f"{opened} Nothing is activated until it is closed and the faults are reset.")
     assert tool.command("grip") == refused
     assert tool.program.status.ee is EndEffectorState.STAND_BY
-    tool.program.faults_changed(())
+    tool.program.faults_changed({})
     tool.idle()
     assert tool.command("grip").accepted
     tool.run(2)
-    tool.program.faults_changed((opened,))
+    tool.program.faults_changed({"e_stop_closed": opened})
     tool.idle()
     assert tool.program.status.ee is EndEffectorState.GRIPPING, "only the next activation is refused"

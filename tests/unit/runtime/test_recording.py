@@ -22,6 +22,7 @@ from end_effector_hal.recording import (
     read_states,
     read_switches,
 )
+from end_effector_hal.vocabulary import received_alarms
 from tests.support.full_disk import FullDisk
 
 DESCRIPTION = load(profile_path())
@@ -55,7 +56,7 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Ful
                 recording.state(start + after * SECOND, 5 if after % 2 else 2, -1, [2, 2, 2])
             assert str(refused.value) == f"{tmp_path}: {FULL}"
         with pytest.raises(ReportedError):
-            recording.alarms(start + 4 * SECOND, ("Leak.",))
+            recording.alarms(start + 4 * SECOND, received_alarms(["Leak."]))
         with pytest.raises(ReportedError):  # what has nothing to write complains, too: it does not flicker
             recording.values(start + 4 * SECOND + 1, {"bottom": -80_000})
         disk.full = False

@@ -40,7 +40,7 @@ def first(tool: VirtualTool, such: Callable[[Status], bool]) -> float:
 
 
 def has(words: str) -> Callable[[Status], bool]:
-    return lambda status: any(words in alarm for alarm in status.alarms)
+    return lambda status: any(words in alarm for alarm in status.alarm_texts)
 
 
 def choose(tool: VirtualTool, scenario: str) -> None:
@@ -53,7 +53,7 @@ def test_a_good_grip_is_confirmed_then_secure_and_nothing_is_told(description: D
     assert 0.3 < secure - confirmed < 1.0  # the physics: 55 kPa after 0.33 s, 75 kPa after 0.95 s
     assert tool.status.lift_allowed
     tool.run(60.0)
-    assert not any(status.alarms for status in tool.statuses if status.ee == GRIPPED)
+    assert not any(status.alarm_texts for status in tool.statuses if status.ee == GRIPPED)
     assert tool.status.secure
     tool.command("drop")
     assert not tool.status.secure
@@ -63,7 +63,7 @@ def test_a_vacuum_that_never_gets_secure_is_weak_after_its_time(description: Des
     tool = gripped(description, "leak:top_vacuum", 6.0)
     weak, since = first(tool, has("Weak grip")), first(tool, lambda status: status.ee == GRIPPED)
     assert weak - since == pytest.approx(2.02)  # 2 s, seen with the next frame
-    assert tool.status.alarms == (
+    assert tool.status.alarm_texts == (
         "Weak grip: Top vacuum did not reach 75 kPa within 2 s (67.6 kPa).",
     )  # fmt: skip
     assert tool.status.lift_allowed  # confirmed and fresh: a warning is no refusal
@@ -86,7 +86,7 @@ def test_secure_has_a_hysteresis_of_15_kpa(description: Description) -> None:
     choose(tool, "leak:top_vacuum:8")  # settles at 58 kPa
     tool.run(10.0)
     assert not tool.status.secure
-    assert any(alarm.startswith("Weak grip: Top vacuum fell to ") for alarm in tool.status.alarms)
+    assert any(alarm.startswith("Weak grip: Top vacuum fell to ") for alarm in tool.status.alarm_texts)
     choose(tool, "leak:top_vacuum")
     tool.run(10.0)
     assert not tool.status.secure
@@ -101,17 +101,17 @@ def test_a_weak_grip_that_is_over_stays_told_until_a_drop(description: Descripti
     tool.run(5.0)
     choose(tool, "nominal")
     tool.run(5.0)
-    assert [alarm for alarm in tool.status.alarms if alarm.startswith("Over: Top vacuum was not secure")]
+    assert [alarm for alarm in tool.status.alarm_texts if alarm.startswith("Over: Top vacuum was not secure")]
     assert tool.command("drop").accepted
-    assert tool.status.alarms == ()
+    assert tool.status.alarm_texts == ()
     tool.run(3.0)
     assert tool.status.ee == STAND_BY
 
 
 def test_the_program_of_the_tool_changer_watches_nothing(description: Description) -> None:
     tool = gripped(description, "leak:top_vacuum,supply:430", 6.0)
-    assert len(tool.status.alarms) == 2
-    assert tool.change.status().alarms == ()
+    assert len(tool.status.alarm_texts) == 2
+    assert tool.change.status().alarm_texts == ()
 
 
 def test_acknowledged_is_what_is_over_and_nothing_else(description: Description) -> None:
@@ -120,9 +120,9 @@ def test_acknowledged_is_what_is_over_and_nothing_else(description: Description)
     tool.run(5.0)
     choose(tool, "leak:bottom_vacuum")
     tool.run(5.0)
-    assert len([alarm for alarm in tool.status.alarms if "secure" in alarm or "Weak" in alarm]) == 2
+    assert len([alarm for alarm in tool.status.alarm_texts if "secure" in alarm or "Weak" in alarm]) == 2
     tool.grip.acknowledge(tool.at)
-    assert [alarm.split(" (")[0] for alarm in tool.status.alarms] == [
+    assert [alarm.split(" (")[0] for alarm in tool.status.alarm_texts] == [
         "Weak grip: Bottom vacuum did not reach 75 kPa within 2 s",
     ]
 
@@ -212,14 +212,16 @@ def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: De
     tool.run(1.0)
     status = tool.status
     assert (status.ee, status.evidence[2], status.held, status.lift_allowed) == (GRIPPED, 0, True, False)
-    assert status.alarms == (
+    assert status.alarm_texts == (
         f"No valid reading of Top vacuum while it holds a part ({SENT_INVALID}); outputs stay as they are, only a "
         "Drop releases.",
     )
     choose(tool, "nominal")
     tool.run(3.0)
     assert tool.status.lift_allowed
-    assert tool.status.alarms == ("Over: Top vacuum had no valid reading for a while; it is read again.",)
+    assert tool.status.alarm_texts == (
+        "Over: Top vacuum had no valid reading for a while; it is read again.",
+    )
 
 
 def test_a_supply_that_falls_while_held_is_told_and_releases_nothing(description: Description) -> None:
@@ -227,7 +229,7 @@ def test_a_supply_that_falls_while_held_is_told_and_releases_nothing(description
     edges = tool.edges.copy()
     choose(tool, "supply:430")
     tool.run(5.0)
-    assert any(alarm.startswith("Low supply: under 450 kPa while") for alarm in tool.status.alarms)
+    assert any(alarm.startswith("Low supply: under 450 kPa while") for alarm in tool.status.alarm_texts)
     assert tool.status.ee == GRIPPED
     assert tool.edges == edges
 
@@ -241,7 +243,7 @@ def test_a_lost_grip_says_what_was_seen_and_what_to_do(description: Description)
     assert status.reason.endswith(" kPa below ambient, 50 kPa required.")
     kpa = float(status.reason.split()[4])
     assert kpa < 50.0
-    assert status.alarms == (
+    assert status.alarm_texts == (
         f"GRIP_ERROR: {status.reason} The outputs stay as they are; only a Drop releases.",
     )
 
@@ -251,7 +253,7 @@ def test_an_adopted_part_is_watched_as_well(description: Description) -> None:
     tool = VirtualTool(description, "leak:top_vacuum", levels=levels)
     tool.run(4.0)
     assert tool.status.ee == GRIPPED
-    assert any(alarm.startswith("Weak grip: Top vacuum did not reach") for alarm in tool.status.alarms)
+    assert any(alarm.startswith("Weak grip: Top vacuum did not reach") for alarm in tool.status.alarm_texts)
 
 
 @pytest.mark.parametrize(
@@ -277,4 +279,4 @@ def test_too_little_air_refuses_a_grip_and_says_how_much_it_takes(
     assert tool.command("grip").accepted
     tool.run(3.0)
     assert tool.status.ee == GRIPPED  # under 450 kPa: a warning only
-    assert any(alarm.startswith("Low supply: under 450 kPa") for alarm in tool.status.alarms)
+    assert any(alarm.startswith("Low supply: under 450 kPa") for alarm in tool.status.alarm_texts)

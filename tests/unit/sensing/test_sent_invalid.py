@@ -53,7 +53,7 @@ def test_the_link_is_up_and_the_alarm_names_the_reading(also: str) -> None:
     feed(tool, 3.0, also)
     status = tool.grip.status()
     assert (status.link_up, status.stale, status.evidence) == (True, ("cup",), (Evidence.UNKNOWN,))
-    assert status.alarms == (f"No valid reading of cup: {SAYS}.",)
+    assert status.alarm_texts == (f"No valid reading of cup: {SAYS}.",)
     assert not tool.command("grip").accepted
 
 
@@ -64,7 +64,7 @@ def test_a_link_that_then_falls_silent_is_down(also: str) -> None:
     feed(tool, 2.0, also, link=False)
     status = tool.grip.status()
     assert not status.link_up
-    assert [each.endswith("down.") for each in status.alarms] == [True]
+    assert [each.endswith("down.") for each in status.alarm_texts] == [True]
 
 
 @pytest.mark.parametrize("also", ALSO)
@@ -74,12 +74,12 @@ def test_what_is_held_is_held_and_the_alarm_says_that_the_device_sends(also: str
     feed(tool, 3.0, also)
     status = tool.grip.status()
     assert (status.held, status.evidence, tool.edges) == (True, (Evidence.UNKNOWN,), edges)
-    assert f"No valid reading of Cup while it holds a part ({SAYS}); outputs" in status.alarms[0]
+    assert f"No valid reading of Cup while it holds a part ({SAYS}); outputs" in status.alarm_texts[0]
 
 
 def test_a_sensor_that_is_doubted_is_told_in_the_words_of_the_doubt_only() -> None:
     tool = tool_that("alone")
     feed(tool, 3.0, "alone", 900_000)  # no vacuum has such a pressure
-    alarms = " ".join(tool.grip.status().alarms)
+    alarms = " ".join(tool.grip.status().alarm_texts)
     assert "it counts as invalid" in alarms
     assert SAYS not in alarms

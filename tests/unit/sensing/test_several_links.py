@@ -50,7 +50,7 @@ def test_interleaved_numbers_are_no_reboot_and_a_reboot_is_that_of_one(tool: Des
     assert senses.now.evidence[0] is not Evidence.CONFIRMED
     assert senses.now.readings.get("two", at + 10 * MS) == -70_019
     assert senses.now.evidence[1] is Evidence.CONFIRMED
-    (said,) = [each for each in senses.notices(at + 10 * MS, held=True) if "restarted" in each]
+    (said,) = [each for each in map(str, senses.notices(at + 10 * MS, held=True)) if "restarted" in each]
     assert said == "The device on the sensor link left (/dev/a) restarted; earlier readings were discarded."
 
 
@@ -138,14 +138,14 @@ def test_what_waited_until_it_was_stale_is_told_as_a_standstill(tool: Descriptio
     assert senses.accepts(newest, now)
     senses.frame(newest)
     assert not senses.accepts(Frame(at + 20 * MS, 20, 400, {"one": -71_000}), now)
-    (said,) = senses.refusals(now)
+    (said,) = map(str, senses.refusals(now))
     assert said.endswith("one is too old. Did the machine stand still?")
 
 
 def test_a_source_that_goes_back_itself_has_a_wrong_clock(tool: Description) -> None:
     senses, at = confirmed(tool)
     assert not senses.accepts(Frame(at - 50 * MS, 20, 400, {"two": -71_000}), at)
-    (said,) = senses.refusals(at)
+    (said,) = map(str, senses.refusals(at))
     assert "stamped before the one that came last. Is a clock wrong" in said
 
 

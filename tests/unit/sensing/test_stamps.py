@@ -13,6 +13,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, examine_text, load, profile_path
 from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame, StampGate, Value, memory_of, recall
+from end_effector_hal.vocabulary import Alarm
 from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 
@@ -27,8 +28,8 @@ def description() -> Description:
     return load(profile_path())
 
 
-def refused(why: str) -> str:
-    return f"Sensor frames are refused and count for nothing: one is {why}. {DOUBT}"
+def refused(why: str) -> Alarm:
+    return Alarm("stamps.refused", "Sensor frames", {"why": why, "doubt": DOUBT})
 
 
 # Stamps, by the time at which they come
@@ -71,7 +72,7 @@ def test_what_came_late_is_told_for_a_second_and_what_is_far_too_old_for_ten(
 ) -> None:
     gate, now = StampGate("Sensor frames", old_us=STALE), 2 * 10**12
     assert not gate.passes(now - age_us, now)
-    (text,) = gate.notices(now + said_s * 1_000_000 - 1)
+    (text,) = map(str, gate.notices(now + said_s * 1_000_000 - 1))
     assert text.startswith("Sensor frames are refused and count for nothing: one is too old.")
     assert text.endswith("Did the machine stand still?" if said_s == 1 else DOUBT)
     assert gate.notices(now + said_s * 1_000_000) == ()
@@ -144,7 +145,7 @@ def script(tool: VirtualTool, wrong: object = None) -> list[Status]:
             values: dict[str, Value] = dict.fromkeys(kinds)
             for program in (tool.grip, tool.change):
                 told = program.frame(Frame(stamp, None, None, values), tool.at)
-                assert all("are refused" in str(status.alarms) for status in told)
+                assert all("are refused" in str(status.alarm_texts) for status in told)
         if command:
             assert tool.command(command).accepted
         tool.run(seconds)
@@ -174,7 +175,7 @@ def test_a_wrong_frame_moves_nothing_in_any_state(description: Description, wron
     assert tool.edges == good.edges
     status = tool.grip.status()
     assert status.refused_frames == 4
-    assert all("are refused" in each for each in status.alarms)
+    assert all("are refused" in each for each in status.alarm_texts)
 
 
 def test_a_grip_ends_although_every_second_frame_comes_from_the_future(description: Description) -> None:
@@ -188,7 +189,7 @@ def test_a_grip_ends_although_every_second_frame_comes_from_the_future(descripti
     status = tool.grip.status()
     assert (status.ee, status.at) == (STAND_BY, tool.at)
     assert status.refused_frames == 30
-    assert "Sensor frames are refused" in status.alarms[0]
+    assert "Sensor frames are refused" in status.alarm_texts[0]
     assert status.missed == 0
 
 
@@ -200,13 +201,13 @@ def test_while_held_nothing_is_let_go_and_the_alarm_ends(description: Descriptio
     edges = tool.edges.copy()
     told = tool.grip.frame(Frame(YEAR_2038, None, None, {"bottom": 0, "top": 0}), tool.at)
     assert [(status.ee, status.lift_allowed) for status in told] == [(GRIPPED, True)]
-    (alarm,) = told[0].alarms
+    (alarm,) = told[0].alarm_texts
     assert alarm.startswith("Sensor frames are refused and count for nothing: one is stamped ")
     assert tool.grip.frame(Frame(YEAR_2038, None, None, {"bottom": 0}), tool.at) == []  # said already
     tool.run(9.9)
-    assert tool.grip.status().alarms == (alarm,)
+    assert tool.grip.status().alarm_texts == (alarm,)
     tool.run(0.2)
-    assert tool.grip.status().alarms == ()
+    assert tool.grip.status().alarm_texts == ()
     assert (tool.grip.status().ee, tool.edges) == (GRIPPED, edges)
 
 
@@ -219,7 +220,7 @@ def test_only_wrong_frames_are_a_silence(description: Description) -> None:
         tool.grip.frame(Frame(tool.at + 60_000_000, None, None, tool.bench.sample(tool.at)), tool.at)
     status = tool.grip.status()
     assert (status.link_up, set(status.evidence)) == (False, {0})
-    assert "The sensor link /dev/verdin-uart1 is down." in status.alarms
+    assert "The sensor link /dev/verdin-uart1 is down." in status.alarm_texts
     assert not tool.command("grip").accepted
 
 

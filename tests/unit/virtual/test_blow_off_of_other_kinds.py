@@ -76,7 +76,7 @@ def test_a_drop_right_after_the_grip_waits_for_the_pause_before_it_blows(tmp_pat
     assert tool.command("cancel").accepted
     until(tool, STAND_BY)
     assert not tool.latched
-    assert not any("IL-08" in alarm for status in tool.statuses for alarm in status.alarms)
+    assert not any("IL-08" in alarm for status in tool.statuses for alarm in status.alarm_texts)
     back = next(edge.at for edge in tool.edges if (edge.line, edge.level) == ("BACK", True))
     on, _ = (edge.at for edge in tool.edges if edge.line == "AIR")
     assert back + 50_000 <= on

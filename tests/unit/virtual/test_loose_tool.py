@@ -24,7 +24,7 @@ def description(request: pytest.FixtureRequest) -> Description:
 def ready(description: Description, scenario: str = "nominal") -> VirtualTool:
     tool = VirtualTool(description, scenario)
     tool.run(2.0)
-    assert tool.status.ee == EndEffectorState.STAND_BY, tool.status.alarms
+    assert tool.status.ee == EndEffectorState.STAND_BY, tool.status.alarm_texts
     return tool
 
 
@@ -62,14 +62,14 @@ def test_a_tool_that_vanishes_while_a_part_is_held(description: Description) -> 
     tool.choose("no-tool")
     tool.run(0.5)
     assert held(tool) == (True, False, False)
-    assert any("there is no tool" in alarm and "do not lift" in alarm for alarm in tool.status.alarms)
+    assert any("there is no tool" in alarm and "do not lift" in alarm for alarm in tool.status.alarm_texts)
     tool.choose("nominal")
     tool.run(0.5)
     assert held(tool) == (True, True, True)
-    assert any("over" in alarm.lower() for alarm in tool.status.alarms)
+    assert any("over" in alarm.lower() for alarm in tool.status.alarm_texts)
     assert tool.command("drop").accepted
     tool.run(3.0)
-    assert (tool.status.ee, tool.status.alarms) == (EndEffectorState.STAND_BY, ())
+    assert (tool.status.ee, tool.status.alarm_texts) == (EndEffectorState.STAND_BY, ())
 
 
 def test_a_tool_that_is_unlocked_while_a_part_is_held_stays_in_fault(description: Description) -> None:
@@ -81,7 +81,7 @@ def test_a_tool_that_is_unlocked_while_a_part_is_held_stays_in_fault(description
     tool.choose("nominal")
     tool.run(0.5)
     assert held(tool) == (True, False, False)
-    assert any("the tool" in alarm and "while a part is held" in alarm for alarm in tool.status.alarms)
+    assert any("the tool" in alarm and "while a part is held" in alarm for alarm in tool.status.alarm_texts)
     assert tool.command("lock").accepted
     tool.run(0.5)
     assert held(tool) == (True, True, True)

@@ -33,7 +33,7 @@ STAND_BY = EndEffectorState.STAND_BY
 
 def until(tool: VirtualTool, state: EndEffectorState, seconds: float = 60.0) -> None:
     reached = tool.run_until(tool.at + round(seconds * 1e6), lambda: tool.status.ee == state)
-    assert reached, f"{tool.status.ee.name}: {tool.status.reason} {tool.status.alarms}"
+    assert reached, f"{tool.status.ee.name}: {tool.status.reason} {tool.status.alarm_texts}"
 
 
 def ready(description: Description = SHIPPED, scenario: str = "nominal", *, seed: int = 0) -> VirtualTool:
@@ -68,7 +68,7 @@ def test_a_grip_and_a_drop() -> None:
     assert tool.command("drop").accepted
     until(tool, STAND_BY)
     assert moved(tool, 3) == [(TOP, False), (CYLINDER, False), (BOTTOM, False)]
-    assert not tool.status.alarms
+    assert not tool.status.alarm_texts
 
 
 def test_one_seed_is_one_run() -> None:
@@ -316,7 +316,7 @@ def test_a_link_that_falls_silent_holds_what_is_held() -> None:
     tool.choose("silent-after:0")
     tool.run(3.0)
     assert tool.status.held
-    assert tool.status.alarms
+    assert tool.status.alarm_texts
     assert moved(tool, before) == []
 
 
@@ -386,7 +386,7 @@ def test_a_last_will_that_no_device_has_heard(acknowledged: bool) -> None:
     tool.run(0.5)
     assert any(tool.levels.values()) == acknowledged
     told = "No last will was executed" if acknowledged else "was not activated: its program has died"
-    assert any(told in alarm for alarm in tool.status.alarms)
+    assert any(told in alarm for alarm in tool.status.alarm_texts)
 
 
 def test_an_arbiter_that_ends_writes_what_is_still_to_be_written() -> None:
@@ -415,7 +415,7 @@ def test_a_device_that_hears_nothing_lets_go_and_the_loss_is_told(restarts: bool
     tool.run(2.0)
     assert not any(tool.levels.values()), "nothing is activated by itself (IL-11)"
     told = "went inactive while no line arbiter ran" if restarts else "Cup was lost"
-    assert any(told in alarm for alarm in tool.status.alarms)
+    assert any(told in alarm for alarm in tool.status.alarm_texts)
 
 
 @pytest.mark.parametrize(("who", "holds"), [("hal", False), ("arbiter", True)])
@@ -602,6 +602,6 @@ def test_a_start_at_rest_tells_of_no_part_that_is_held(tmp_path: Path) -> None:
     (tmp_path / "end_effector.yaml").write_text(OF_TWO_SOURCES)
     tool = VirtualTool(load_tool(tmp_path / "end_effector.yaml"))
     until(tool, STAND_BY)
-    told = [alarm for status in tool.statuses for alarm in status.alarms]
+    told = [alarm for status in tool.statuses for alarm in status.alarm_texts]
     assert any(status.held for status in tool.statuses[:-1]), "nobody knows at first"
     assert not [alarm for alarm in told if "while it holds a part" in alarm]

@@ -66,8 +66,8 @@ class ArbiterClient:
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
         self._on_lost: Callable[[ArbiterError], None] | None = None
-        self._on_faults: Callable[[tuple[str, ...]], None] | None = None
-        self._faults: tuple[str, ...] = ()  # as on_faults knows them
+        self._on_faults: Callable[[Mapping[str, str]], None] | None = None
+        self._faults: dict[str, str] = {}  # as on_faults knows them
         self._latched: dict[str, str] = {}  # by this client
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -86,17 +86,17 @@ class ArbiterClient:
         *,
         alive: Callable[[], bool] = lambda: True,
         on_lost: Callable[[ArbiterError], None] | None = None,
-        on_faults: Callable[[tuple[str, ...]], None] | None = None,
+        on_faults: Callable[[Mapping[str, str]], None] | None = None,
     ) -> None:
         """Callbacks of the thread that renews the lease, from now on.
 
         Args:
             alive: called before each renewal; while it returns False, the lease runs out and the last will is executed.
             on_lost: called when that thread finds the connection lost.
-            on_faults: called with the latched faults, sentences, now and when they change; at first there are none.
+            on_faults: called with the latched faults, sentences by name, now and when they change; at first none.
         """
         with self._lock:
-            self._alive, self._faults = alive, ()
+            self._alive, self._faults = alive, {}
             self._on_lost, self._on_faults = on_lost, on_faults
         if on_faults and self._lines and (lost := self._renew()) and on_lost:
             on_lost(lost)
@@ -257,9 +257,9 @@ class ArbiterClient:
             connected, known = self._arbiter.connected, self._faults
             try:
                 if not self._ended.is_set():
-                    self._faults = tuple(
-                        printable(str(why)) for why in self._request("renew").get("faults", ())
-                    )
+                    found = self._request("renew").get("faults", {})
+                    named = found.items() if isinstance(found, dict) else ()
+                    self._faults = {printable(str(name)): printable(str(why)) for name, why in named}
             except ReportedError as error:
                 if connected:
                     self._lost = error if isinstance(error, ArbiterError) else ArbiterError(str(error))

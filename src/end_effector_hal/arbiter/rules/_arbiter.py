@@ -20,7 +20,7 @@ from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import STOPPED, LastWill, hint
+from end_effector_hal.vocabulary import LastWill, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -248,7 +248,9 @@ class LineArbiter:
         Args:
             who: the process that gave it, for the sentence.
         """
-        self.predicates.latch(STOP, f"IL-13: {STOPPED} ({who}): nothing is activated until a reset.")
+        self.predicates.latch(
+            STOP, f"IL-13: the tool was stopped ({who}): nothing is activated until a reset."
+        )
 
     def latch(self, session: Session, name: str, why: str) -> None:
         """Keep a fault that a client has found, until the client clears it, or it has gone and a reset comes.

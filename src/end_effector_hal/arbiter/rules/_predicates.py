@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import STOPPED, hint
+from end_effector_hal.vocabulary import hint
 
 STOP = "stop"
 """The name of the fault that a stop latches: without an e-stop input as well, it refuses what an open one does."""
@@ -99,7 +99,7 @@ class SensorPredicates:
     @property
     def stopped(self) -> str:
         """Why nothing is activated until a reset, a clause; empty: no stop is latched (IL-13)."""
-        return f"{STOPPED}; reset the faults first" if STOP in self.faults else ""
+        return "the tool was stopped; reset the faults first" if STOP in self.faults else ""
 
     def objection(self, need: Need, at: int) -> str:
         """Why an activation that needs this is refused, a clause; empty: it is not refused."""

@@ -111,7 +111,7 @@ class RequestHandler:
                 }
             case "renew":
                 arbiter.renew(session, at)
-                return {"faults": list(arbiter.predicates.faults.values())}
+                return {"faults": dict(arbiter.predicates.faults)}
             case "latch":
                 arbiter.latch(session, request.fault, request.why)
                 return {}

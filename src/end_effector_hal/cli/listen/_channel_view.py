@@ -189,9 +189,9 @@ class ChannelView:
         return {name: each.name for name, each in zip(names, self.sensors.now.evidence, strict=True)}
 
     def alarms(self, now: int) -> tuple[str, ...]:
-        """What devices say is wrong with them now, in words."""
+        """The faults that devices show now, sentences."""
         sensed = self.sensors.now
-        return tuple([fault.text for fault in sensed.faults.standing(sensed.readings, now)])
+        return tuple([fault.as_alarm().text for fault in sensed.faults.standing(sensed.readings, now)])
 
     def lost(self) -> tuple[str, ...]:
         """Why links that were open are not, and what is wrong with the answers of single devices, in words."""

@@ -11,14 +11,21 @@ from typing import Any, Self
 import click
 
 from end_effector_hal.cli._json_output import json_text
-from end_effector_hal.control import Answer, Status, alarm_changes, event_lines, refused, unanswered
+from end_effector_hal.control import Answer, Status, event_lines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.process import PER_S, Allowance
 from end_effector_hal.runtime import Refused, Result
-from end_effector_hal.vocabulary import OVER, Cause, Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import (
+    Alarm,
+    Cause,
+    Command,
+    EndEffectorState,
+    alarm_changes,
+    display_name,
+)
 from end_effector_hal.wires import now_us
 
 from ._causes import Causes
@@ -93,11 +100,11 @@ class Words:
         """A transition or a time-out."""
         self._paced(self._common, text, at)
 
-    def alarm(self, at: int, text: str, *, over: bool) -> None:
+    def alarm(self, at: int, alarm: Alarm, *, over: bool) -> None:
         """One line each."""
         self._paced(
             self._worse,
-            f"{'over' if over else 'alarm'}: {text}",
+            f"{'over' if over else 'alarm'}: {alarm.text}",
             at,
             urgent=True,
             fg=None if over else "yellow",
@@ -205,9 +212,9 @@ class JsonLines:
         """The same words."""
         self._print("log", at, text=text)
 
-    def alarm(self, at: int, text: str, *, over: bool) -> None:
-        """``over``: it is gone."""
-        self._print("alarm", at, text=text, over=over)
+    def alarm(self, at: int, alarm: Alarm, *, over: bool) -> None:
+        """``over``: it has ended."""
+        self._print("alarm", at, **alarm.as_json() | {"over": over})
 
     def result(self, command: Command, result: Result) -> None:
         """With the attempts and the time of each step."""
@@ -241,7 +248,7 @@ class JsonLines:
             command_name=status.command.name, tool_changer=int(status.changer),
             tool_changer_name=status.changer.name, held=status.held, lift_allowed=status.lift_allowed,
             arbiter_lost=status.arbiter_lost, secure=status.secure, link_up=status.link_up, reason=status.reason,
-            alarms=list(status.alarms),
+            alarms=[alarm.as_json() for alarm in status.alarms],
             actuators=actuators, steps=[asdict(step) for step in status.steps],
         )  # fmt: skip
 
@@ -293,7 +300,7 @@ def status_lines(description: Description, status: Status) -> Iterator[str]:
         yield f"tool changer {status.changer.name}"
     yield f"sensors {'up' if status.link_up else 'DOWN'}"
     for alarm in status.alarms:
-        yield f"over: {alarm.removeprefix(OVER)}" if alarm.startswith(OVER) else f"alarm: {alarm}"
+        yield f"{'over' if alarm.over else 'alarm'}: {alarm.text}"
     if status.reason:
         yield f"last reason: {status.reason}"
 
@@ -310,7 +317,7 @@ class Changes:
     def __init__(self, description: Description, voice: Voice, causes: Causes | None = None) -> None:
         self._description, self._voice, self._causes = description, voice, causes
         self._last: tuple[str, dict[str, str]] = ("", {})
-        self._alarms: tuple[str, ...] = ()
+        self._alarms: tuple[Alarm, ...] = ()
         self._at = 0
         self._shown: tuple[object, ...] = ()
         self._told = threading.Condition()
@@ -329,21 +336,14 @@ class Changes:
         # in words the transition has said it already
         if now[1] != before[1] or (now != before and isinstance(self._voice, JsonLines)):
             self._voice.state(status.at, *now)
-        for text, over in self._alarm_changes(status.alarms):
-            self._voice.alarm(status.at, text, over=over)
+        for alarm, change in alarm_changes(self._alarms, status.alarms):
+            if change != "ended" or not alarm.over:
+                self._voice.alarm(status.at, alarm, over=change != "begun")
         self._alarms = status.alarms
         with self._told:
             self._shown = _shown(status)
             self._at = max(self._at, status.at)  # the two programs may tell in another order than it happened
             self._told.notify_all()
-
-    def _alarm_changes(self, alarms: tuple[str, ...]) -> Iterator[tuple[str, bool]]:
-        if not isinstance(self._voice, JsonLines):
-            yield from alarm_changes(self._alarms, alarms)
-            return
-        # for a program each sentence begins and ends, as in `alarms` of a status
-        yield from ((text, False) for text in alarms if text not in self._alarms)
-        yield from ((text, True) for text in self._alarms if text not in alarms)
 
     def catch_up(self, status: Status) -> None:
         """Wait until a status is told, for a second at most: a result comes after its states.

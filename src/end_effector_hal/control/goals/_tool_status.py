@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 
-from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import Alarm, ChangerState, Command, EndEffectorState, Evidence, distinct
 
 from .._events import ToolEvent
 from .._status import Answer, Status
@@ -19,7 +19,7 @@ def tool_status(
     at: int,
     *,
     gone: Collection[str] = (),
-    notices: Iterable[str] = (),
+    notices: Iterable[Alarm] = (),
     events: tuple[ToolEvent, ...] = (),
 ) -> Status:
     """The status of the whole tool at ``at`` µs.
@@ -57,7 +57,7 @@ def tool_status(
         missed=grip.missed + change.missed,
         worst_late_us=max(grip.worst_late_us, change.worst_late_us),
         events=events,
-        alarms=tuple(dict.fromkeys((*notices, *grip.alarms, *change.alarms))),
+        alarms=distinct((*notices, *grip.alarms, *change.alarms)),
     )
 
 

@@ -45,13 +45,6 @@ def left_active(description: Description, outputs: tuple[bool, ...]) -> str:
     return f"{', '.join(names)} stay{'s' if len(names) == 1 else ''} active, as declared."
 
 
-def latched(state: EndEffectorState, reason: str) -> str:
-    """A latched error as an alarm: what has happened, what is now, and what to do."""
-    kept = "The outputs stay as they are; only a Drop releases."
-    todo = kept if state is EndEffectorState.GRIP_ERROR else "Remedy it, then Drop again."
-    return " ".join(filter(None, (f"{state.name}:", reason, todo)))
-
-
 def held_words(state: EndEffectorState) -> str:
     """A clause: only in GRIPPED the sensors prove the part; what was found active, or was lost, may be no part."""
     return "a part is held" if state is EndEffectorState.GRIPPED else "a part is held, or may be"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from end_effector_hal.kinds import AlarmKind, ChannelReadings, HoldFinding
+from end_effector_hal.kinds import ChannelReadings, HoldFinding
 from end_effector_hal.kinds.stanza import Hold
 from end_effector_hal.signals import PART, Streak, Trend
-from end_effector_hal.vocabulary import to_us
+from end_effector_hal.vocabulary import LEAK, WEAK, to_us
 
 from ._detector import SecureDetector
 from ._stanza import VacuumActuator
@@ -56,11 +56,11 @@ class VacuumWatch:
                 self.was_secure = False
                 self.trend.clear()
 
-    def findings(self, who: str, since: int, at: int) -> Iterator[HoldFinding]:
+    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
         """A weak grip and a leak, each when it is there and when it has ended."""
         if self.kpa is not None:
-            yield from self._weak(who, self.kpa, since, at)
-            yield from self._leak(who, self.kpa, at)
+            yield from self._weak(self.kpa, since, at)
+            yield from self._leak(self.kpa, at)
 
     @property
     def leak_kpa_s(self) -> float | None:
@@ -82,21 +82,18 @@ class VacuumWatch:
         self.trend.clear()
         self.leaks, self.keeps = Streak(), Streak()
 
-    def _weak(self, who: str, kpa: float, since: int, at: int) -> Iterator[HoldFinding]:
+    def _weak(self, kpa: float, since: int, at: int) -> Iterator[HoldFinding]:
         within_s = self._hold.secure_within_s
         if self.secure:
             self.was_secure = True
-            text = f"{who} was not secure for a while; it is again ({kpa:.0f} kPa)."
-            yield HoldFinding(AlarmKind.WEAK, text, over=True)
+            yield HoldFinding(WEAK, {"kpa": kpa}, over=True)
         elif self.was_secure:
-            least_kpa = self._detector.least_kpa
-            text = f"Weak grip: {who} fell to {kpa:.1f} kPa; minimum for a secure grip: {least_kpa:g} kPa."
-            yield HoldFinding(AlarmKind.WEAK, text)
+            yield HoldFinding(WEAK, {"kpa": kpa, "least_kpa": self._detector.least_kpa})
         elif at - since >= to_us(within_s):
-            missed = f"did not reach {self._part.secure_kpa:g} kPa within {within_s:g} s"
-            yield HoldFinding(AlarmKind.WEAK, f"Weak grip: {who} {missed} ({kpa:.1f} kPa).")
+            values = {"kpa": kpa, "secure_kpa": self._part.secure_kpa, "within_s": within_s}
+            yield HoldFinding(WEAK, values)
 
-    def _leak(self, who: str, kpa: float, at: int) -> Iterator[HoldFinding]:
+    def _leak(self, kpa: float, at: int) -> Iterator[HoldFinding]:
         if not self.judged:
             return
         hold, lost_kpa = self._hold, self._part.lost_kpa
@@ -104,12 +101,9 @@ class VacuumWatch:
         self.leaks.take(left_s is not None and left_s < hold.warn_ahead_s, at)
         self.keeps.take(left_s is None or left_s >= RELIEF * hold.warn_ahead_s, at)
         if self.keeps.lasted(at, to_us(hold.trend_s)):
-            text = f"{who} leaked for a while; it is at {kpa:.0f} kPa now."
-            yield HoldFinding(AlarmKind.LEAK, text, over=True)
+            yield HoldFinding(LEAK, {"kpa": kpa}, over=True)
         elif (falls := self.trend.falls) and left_s is not None and self._believed(at):
-            fall = f"falls by {falls:.1f} kPa/s from {kpa:.1f} kPa"
-            text = f"Leak: {who} {fall} and would be lost (under {lost_kpa:g} kPa) in {left_s:.0f} s."
-            yield HoldFinding(AlarmKind.LEAK, text)
+            yield HoldFinding(LEAK, {"falls": falls, "kpa": kpa, "lost_kpa": lost_kpa, "left_s": left_s})
 
     def _believed(self, at: int) -> bool:
         return self.leaks.lasted(at, to_us(LASTS * self._hold.trend_s))

@@ -10,14 +10,20 @@ from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.nodes.interface import GRIP, STARTING_S, TOOL_CHANGE, actuator_joints
 from end_effector_hal.nodes.transport import StateMessage, StatusMessage
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import (
+    Alarm,
+    Cause,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    Evidence,
+    distinct,
+    received_alarms,
+)
 
 from ._margins import Margins
 from ._positions import Positions
 from ._silence import Silence
-
-_SILENT = "The node {} is silent: what it left active is held or released as the description declares."
-_AWAITED = "The node {} has not reported yet."
 
 CHANGER, STAND = "tool_changer", "tool_stand"
 
@@ -43,18 +49,21 @@ class Aggregate:
         nothing = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
         self.grip = self.tool_change = nothing
 
-    def message(self, at_us: int, now_us: int, silence: Silence, notices: Sequence[str] = ()) -> StateMessage:
+    def message(
+        self, at_us: int, now_us: int, silence: Silence, notices: Sequence[Alarm] = ()
+    ) -> StateMessage:
         """The state after a change at ``at_us``, without a number; ``notices`` are alarms of HALMain itself."""
         gone = silence.silent(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
-        alarms = dict.fromkeys((*notices, *grip.alarms, *change.alarms))
         starting = now_us - self._since_us < STARTING_S * 1e6
         absent = [
-            (_SILENT if silence.has_reported(name) else _AWAITED).format(name)
+            Alarm("node.silent" if silence.has_reported(name) else "node.awaited", name)
             for name in gone
             if silence.has_reported(name) or not starting
         ]
+        told = (received_alarms(each.alarms, each.alarm_ids) for each in (grip, change))
+        alarms = distinct((*absent, *notices, *(alarm for each in told for alarm in each)))
         deadline = grip.deadline_us
         state, command = EndEffectorState.OFF if lost else grip.state, self._command(gone)
         evidence = [Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence
@@ -105,7 +114,8 @@ class Aggregate:
             stale=grip.stale,
             missed=grip.missed + change.missed,
             worst_late_us=max(grip.worst_late_us, change.worst_late_us),
-            alarms=[*absent, *alarms],
+            alarms=[*map(str, alarms)],
+            alarm_ids=[alarm.name for alarm in alarms],
         )  # fmt: skip
 
     def _command(self, gone: Sequence[str]) -> int:

@@ -31,7 +31,7 @@ from end_effector_hal.nodes.transport import (
     StatusMessage,
 )
 from end_effector_hal.sensing import ToolPlace
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState, received_alarms
 from end_effector_hal.wires import now_us
 
 from ._aggregate import CHANGER, STAND, Aggregate
@@ -159,7 +159,8 @@ class HalMainNode:
         if self._gone and not state.alarms:
             return Health(WARN, f"Starting: {' and '.join(self._gone)} did not report yet.")
         bad = self._gone or not state.link_up or state.state in _ERRORS
-        level = ERROR if bad else WARN if standing(state.alarms) or state.missed else OK
+        warns = standing(received_alarms(state.alarms, state.alarm_ids)) or state.missed
+        level = ERROR if bad else WARN if warns else OK
         return Health(
             level,
             " ".join(state.alarms) or "As it should be.",

@@ -9,6 +9,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.kinds import fault_of, kind_of
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.nodes.transport import AMBIENT_PA
+from end_effector_hal.vocabulary import Alarm
 
 
 class Margins:
@@ -28,10 +29,11 @@ class Margins:
         return [self._margin(part, stale) for _, part in self._description.ordered]
 
     @property
-    def alarms(self) -> tuple[str, ...]:
-        """Kinds of somebody else's whose margins are not known because they have failed."""
-        kinds = dict.fromkeys(kind_of(part) for _, part in self._description.ordered)
-        return tuple(fault for kind in kinds if (fault := fault_of(kind)))
+    def alarms(self) -> tuple[Alarm, ...]:
+        """One for each kind of a plug-in whose margins are not known because it has failed."""
+        kinds = {part.kind: kind_of(part) for _, part in self._description.ordered}
+        found = ((name, fault_of(kind)) for name, kind in kinds.items())
+        return tuple(Alarm("kind.failed", name, {"why": fault}) for name, fault in found if fault)
 
     def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
         supply_pa = self._supply.pressure_pa(self._gauge(self._supply.channel, stale))

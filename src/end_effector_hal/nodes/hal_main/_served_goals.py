@@ -24,7 +24,14 @@ from end_effector_hal.nodes.transport import (
     StateMessage,
     StatusMessage,
 )
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.vocabulary import (
+    Cause,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    Evidence,
+    received_alarms,
+)
 from end_effector_hal.wires import now_us
 
 from ._goal_types import GoalType
@@ -174,5 +181,5 @@ def _status(message: StatusMessage) -> Status:
         cause=Cause(message.cause),
         reason=message.reason,
         changer=ChangerState(message.tool_changer),
-        alarms=tuple(message.alarms),
+        alarms=received_alarms(message.alarms, message.alarm_ids),
     )

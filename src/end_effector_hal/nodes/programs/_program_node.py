@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -30,7 +31,7 @@ from end_effector_hal.nodes.transport import (
     StatusMessage,
 )
 from end_effector_hal.runtime import Program, open_program
-from end_effector_hal.vocabulary import OVER, Command, EndEffectorState
+from end_effector_hal.vocabulary import Alarm, Command, EndEffectorState, alarm_changes
 from end_effector_hal.wires import now_us
 
 from ._status_message import status_to_message
@@ -61,7 +62,7 @@ class ProgramNode(Generic[P]):
         self._since_us, self._count = now_us(), 0
         self._lock = threading.Lock()
         self._last: StatusMessage | None = None
-        self._alarms: tuple[str, ...] = ()
+        self._alarms: tuple[Alarm, ...] = ()
         folder = node.parameter(DIRECTORY)
         traces = Path(folder).expanduser() if folder else None
         limits = recording_limits(node)
@@ -86,16 +87,21 @@ class ProgramNode(Generic[P]):
     def _on_status(self, status: Status) -> None:
         with self._lock:
             self._count += 1
-            now = status_to_message(status, self._since_us, self._count)
-            now.alarms = (*status.alarms, *self._node.unknown_senders.alarms())
-            self._last = now
+            self._last = now = self._with_alarms(
+                status_to_message(status, self._since_us, self._count), status.alarms
+            )
             self._publish(now)
             before, self._alarms = self._alarms, status.alarms
         for line in event_lines(self._description, status):
             self._log.info("%s", line)
-        for alarm in status.alarms:
-            if alarm not in before:
-                self._log.log(logging.INFO if alarm.startswith(OVER) else logging.WARNING, "%s", alarm)
+        for alarm, change in alarm_changes(before, status.alarms):
+            if change != "ended":
+                self._log.log(logging.INFO if alarm.over else logging.WARNING, "%s", alarm)
+
+    def _with_alarms(self, message: StatusMessage, alarms: Sequence[Alarm]) -> StatusMessage:
+        """A message with the alarms of its program and those about unknown senders."""
+        every = (*alarms, *self._node.unknown_senders.alarms())
+        return replace(message, alarms=tuple(map(str, every)), alarm_ids=tuple(each.name for each in every))
 
     def _repeat(self) -> None:
         if not self.program.alive:
@@ -103,9 +109,9 @@ class ProgramNode(Generic[P]):
             return
         with self._lock:
             if self._last is not None:
-                alarms = (*self._alarms, *self._node.unknown_senders.alarms())
-                self._count += alarms != tuple(self._last.alarms)
-                self._last = replace(self._last, header=MessageHeader(), alarms=alarms, count=self._count)
+                now = self._with_alarms(self._last, self._alarms)
+                self._count += now.alarms != self._last.alarms
+                self._last = replace(now, header=MessageHeader(), count=self._count)
                 self._publish(self._last)
 
     def _on_command(self, request: Any) -> Answer:
@@ -153,7 +159,7 @@ class ProgramNode(Generic[P]):
         late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
         return Health(
             level,
-            " ".join((*status.alarms, late)).strip() or "As it should be.",
+            " ".join((*status.alarm_texts, late)).strip() or "As it should be.",
             {
                 "link up": status.link_up,
                 "stale channels": ", ".join(status.stale) or "none",

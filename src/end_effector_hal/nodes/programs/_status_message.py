@@ -35,6 +35,7 @@ def status_to_message(status: Status, since_us: int, count: int) -> StatusMessag
         stale=status.stale,
         missed=status.missed,
         worst_late_us=status.worst_late_us,
-        alarms=status.alarms,
+        alarms=status.alarm_texts,
+        alarm_ids=[alarm.name for alarm in status.alarms],
         steps=[StepMessage(step.name, step.attempts, step.seconds, step.confirmed) for step in status.steps],
     )

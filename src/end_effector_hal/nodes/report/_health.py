@@ -12,7 +12,7 @@ from end_effector_hal.nodes.transport import (
     KeyValueMessage,
     NodeTransport,
 )
-from end_effector_hal.vocabulary import OVER
+from end_effector_hal.vocabulary import Alarm
 
 OK, WARN, ERROR = 0, 1, 2
 """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
@@ -27,9 +27,9 @@ class Health:
     values: Mapping[str, object] = field(default_factory=dict)
 
 
-def standing(alarms: Sequence[str]) -> tuple[str, ...]:
-    """Those that are so now: what is over waits to be read, and is no warning."""
-    return tuple(alarm for alarm in alarms if not alarm.startswith(OVER))
+def standing(alarms: Sequence[Alarm]) -> bool:
+    """Whether an alarm stands; one that is over and waits for an acknowledgement is no warning."""
+    return any(not alarm.over for alarm in alarms)
 
 
 def publish_health(
@@ -53,7 +53,7 @@ def publish_health(
             KeyValueMessage(key, str(value)) for key, value in {"tool": tool, **now.values, **counts}.items()
         ]
         # the sentence of the health may contain an alarm already
-        new = [alarm for alarm in unknown if alarm not in now.message]
+        new = [alarm.text for alarm in unknown if alarm.text not in now.message]
         message = " ".join((*new, now.message))
         publish(DiagnosticsMessage([DiagnosticMessage(level, node.name, message, hardware or tool, values)]))
 

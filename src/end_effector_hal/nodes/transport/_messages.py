@@ -119,6 +119,7 @@ class StatusMessage:
     missed: int = 0
     worst_late_us: int = 0
     alarms: Sequence[str] = ()
+    alarm_ids: Sequence[str] = ()
     steps: Sequence[StepMessage] = ()
 
 
@@ -169,6 +170,7 @@ class StateMessage:
     missed: int
     worst_late_us: int
     alarms: Sequence[str]
+    alarm_ids: Sequence[str]
     header: MessageHeader = field(default_factory=MessageHeader)
 
 

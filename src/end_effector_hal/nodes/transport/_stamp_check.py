@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 
 from end_effector_hal.signals import StampGate
+from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
 
 
@@ -24,11 +25,11 @@ class StampCheck:
         now = now_us()
         before = self._gate.notices(now)
         accepted = all(self._gate.passes(stamp, now) for stamp in stamps)
-        for text in self._gate.notices(now):
-            if text not in before:
-                self._log.error("%s", text)
+        for alarm in self._gate.notices(now):
+            if alarm not in before:
+                self._log.error("%s", alarm)
         return accepted
 
-    def notices(self, at_us: int) -> tuple[str, ...]:
-        """A sentence for what was refused lately."""
+    def notices(self, at_us: int) -> tuple[Alarm, ...]:
+        """The alarm of what was refused lately."""
         return self._gate.notices(at_us)

@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from end_effector_hal.vocabulary import Alarm
+
 ALARM_S = 10.0
 """How long an alarm stays after the last message that was dropped."""
 LONGEST_NAME = 80
@@ -56,11 +58,12 @@ class UnknownSenders:
             self._report(dropped.alarm)
         return dropped.alarm
 
-    def alarms(self) -> tuple[str, ...]:
+    def alarms(self) -> tuple[Alarm, ...]:
         """One for each topic or service where something was dropped in the last 10 s."""
         now = self._clock()
         with self._lock:
-            return tuple(each.alarm for each in self._dropped.values() if self._is_recent(each, now))
+            recent = [(what, each) for what, each in self._dropped.items() if self._is_recent(each, now)]
+        return tuple(Alarm("node.unknown_sender", what, {"text": each.alarm}) for what, each in recent)
 
     def counts(self) -> dict[str, int]:
         """Messages and calls that were dropped since the start, by topic or service."""

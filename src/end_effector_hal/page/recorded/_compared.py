@@ -20,6 +20,7 @@ from end_effector_hal.recording import (
     changed_alarms,
     pressure_channels,
 )
+from end_effector_hal.vocabulary import Alarm
 
 from ._samples import Samples
 
@@ -67,7 +68,7 @@ class TablesBuilder:
         curves = [Curve(name, name, name, KPA, decimals=DECIMALS, most=SCALE) for name in self._channels]
         self._samples = Samples(curves, epoch, step_us)
         self._values: dict[str, tuple[int, Any]] = {}
-        self._standing: tuple[str, ...] = ()
+        self._standing: tuple[Alarm, ...] = ()
         self._alarms: list[AlarmRow] = []
         self._changer: list[ChangerRow] = []
 

@@ -58,7 +58,10 @@ class Summary:
         """Entries of the log, of which the alarms count."""
         for entry in entries:
             if entry["kind"] == "alarm":
-                self._alarms.append(AlarmRow((entry["at"] - self._epoch) / 1e6, BEGUN, entry["text"]))
+                at_s = (entry["at"] - self._epoch) / 1e6
+                self._alarms.append(
+                    AlarmRow(at_s, BEGUN, entry["text"], entry.get("id", ""), entry.get("about", ""))
+                )
 
     @property
     def states(self) -> StatesLog:

@@ -13,6 +13,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.page.view import Cards
 from end_effector_hal.recording import (
+    ENDED,
     AlarmRow,
     PressuresLog,
     RunInfo,
@@ -28,11 +29,10 @@ from end_effector_hal.recording import (
 )
 from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken, Header, Published
 from end_effector_hal.verification.replay import Entry
-from end_effector_hal.vocabulary import ACTIVE, PENDING, Evidence
+from end_effector_hal.vocabulary import ACTIVE, PENDING, Alarm, Evidence
 
 from ._files import TOLD
 
-BEGUN = "begun"
 STATES, PRESSURES, SWITCHES, ALARMS = "states.csv", "pressures.csv", "switches.csv", "alarms.csv"
 _UNKNOWN = ("held", "lift_allowed", "secure", "changer", "unlock_output", "armed", "worst_late_ms", "missed")
 
@@ -122,15 +122,15 @@ class RecordedTables:
 
     def _told(self) -> Iterator[Entry]:
         every: list[StatesRow | AlarmRow] = [*self._states.rows, *self._alarms]
-        shown: dict[str, None] = {}
+        shown: dict[tuple[str, str], Alarm] = {}
         state: StatesRow | None = None
         for row in sorted(every, key=lambda row: row.time_s):
             at = round(row.time_s * 1e6)
             if isinstance(row, AlarmRow):
-                if row.event == BEGUN:
-                    shown[row.text] = None
+                if row.event == ENDED:
+                    shown.pop(row.key, None)
                 else:
-                    shown.pop(row.text, None)
+                    shown[row.key] = row.as_alarm()
             else:
                 old = state.states if state else (None,) * len(row.states)
                 state = row
@@ -149,7 +149,7 @@ class RecordedTables:
                     state.actuators,
                     active,
                     unknown,
-                    alarms=tuple(shown),
+                    alarms=tuple(shown.values()),
                 )
                 yield Entry(at, "grip", PUBLISHED, Published(at, status, {}))
 

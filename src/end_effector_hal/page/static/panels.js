@@ -86,13 +86,13 @@ function held(state, cards) {
   return [state.lift_allowed ? "ok" : "warn", "not secure"];  // a grip gets firm in its first second
 }
 
-function alarms(texts) {
+function alarms(all) {
   const list = byId("alarms");
-  list.hidden = !texts.length;
-  const key = texts.join("\n");
+  list.hidden = !all.length;
+  const key = all.map((alarm) => alarm.text).join("\n");
   if (list.dataset.key === key) return;
   list.dataset.key = key;
-  list.replaceChildren(...texts.map((text) => Object.assign(document.createElement("li"), { textContent: text, className: text.startsWith("Over:") ? "over" : "" })));
+  list.replaceChildren(...all.map((alarm) => Object.assign(document.createElement("li"), { textContent: alarm.text, className: alarm.over ? "over" : "" })));
 }
 
 function flag(name, on, tone, detail) {

@@ -6,7 +6,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import E_STOP_CLOSED, LOCKED, NOTHING_GRIPPED, predicates_fitted
-from end_effector_hal.vocabulary import OVER, EndEffectorState, latched_il_13
+from end_effector_hal.vocabulary import E_STOPPED, STOPPED, EndEffectorState
 
 RULES = {
     "IL-01": "Unlock only when nothing is gripped or held",
@@ -69,7 +69,7 @@ class InterlockTable:
 
     def e_stop(self, status: Status, change: Controller | None) -> dict[str, str] | None:
         """The e-stop in a word and a sentence; None: there is no input for it, and no stop is latched."""
-        e_stop, latched = self._description.e_stop, bool(latched_il_13(status.alarms))
+        e_stop, latched = self._description.e_stop, bool(status.alarm(STOPPED, E_STOPPED))
         closed: object = e_stop is None
         if e_stop is None and not latched:
             return None
@@ -118,9 +118,9 @@ class InterlockTable:
     def _by_status(self, status: Status, change: Controller | None) -> dict[str, str]:
         said: dict[str, str] = {}
         for alarm in status.alarms:
-            name = alarm[:5]
-            if name in RULES and not alarm.startswith(OVER):
-                said[name] = alarm
+            name = str(alarm.values.get("interlock"))
+            if name in RULES and not alarm.over:
+                said[name] = alarm.text
         if status.changer_fault and status.reason.startswith("IL-04"):
             said["IL-04"] = status.reason
         if status.maintenance:

@@ -7,10 +7,17 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from end_effector_hal.control import FAILURES, EventReader, Status, alarm_changes, event_text
+from end_effector_hal.control import FAILURES, EventReader, Status, event_text
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import (
+    Alarm,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    alarm_changes,
+    display_name,
+)
 from timed_automata import Document, Step, Template
 
 from ._place import in_file
@@ -40,7 +47,7 @@ class EventLog:
         self.entries: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self._count = 0
         self._asked: dict[str, str] = {}
-        self._alarms: dict[str, tuple[str, ...]] = {}
+        self._alarms: dict[str, tuple[Alarm, ...]] = {}
         self._readers: dict[str, EventReader] = {}
 
     def since(self, number: int) -> list[dict[str, Any]]:
@@ -85,13 +92,18 @@ class EventLog:
             self._published(program, record.status)
 
     def add(
-        self, at: int, kind: str, text: str, who: str = "", detail: Mapping[str, Any] | None = None
+        self,
+        at: int,
+        kind: str,
+        text: str,
+        who: str = "",
+        detail: Mapping[str, Any] | None = None,
+        alarm: Alarm | None = None,
     ) -> None:
-        """One entry."""
+        """One entry; that of an alarm has its identity."""
         self._count += 1
-        self.entries.append(
-            {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
-        )
+        entry = {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
+        self.entries.append(entry | ({"id": alarm.id, "about": alarm.about} if alarm else {}))
 
     def told(self, at: int, changes: Sequence[tuple[str, int]]) -> None:
         """Variables of the automata were changed, nobody knows by which edge."""
@@ -101,10 +113,13 @@ class EventLog:
     def _published(self, program: str, status: Status) -> None:
         before = self._alarms.get(program, ())
         self._alarms[program] = status.alarms
-        elsewhere = {alarm for name, alarms in self._alarms.items() if name != program for alarm in alarms}
-        own = [text for text in status.alarms if text not in elsewhere]
-        for text, over in alarm_changes([text for text in before if text not in elsewhere], own):
-            self.add(status.at, "over" if over else "alarm", text, program)
+        others = (alarms for name, alarms in self._alarms.items() if name != program)
+        elsewhere = {alarm.key for alarms in others for alarm in alarms}
+        for alarm, change in alarm_changes(before, status.alarms):
+            if alarm.key not in elsewhere and (change != "ended" or not alarm.over):
+                self.add(
+                    status.at, "alarm" if change == "begun" else "over", alarm.text, program, alarm=alarm
+                )
 
     def _step(self, program: str, step: Step, readings: Mapping[str, Any]) -> None:
         edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]

@@ -13,7 +13,7 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
-from end_effector_hal.vocabulary import Command, EndEffectorState, display_name, latched_stop
+from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState, display_name
 
 from ._automata import AutomataView
 from ._cards import Cards
@@ -222,7 +222,7 @@ class ToolView:
             "secure": status.secure,
             "maintenance": status.maintenance,
             "reason": status.reason,
-            "alarms": list(status.alarms),
+            "alarms": [each.as_json() | {"text": str(each)} for each in status.alarms],
             "changer": status.changer.name if self.description.tool_changer else None,
             "unlock_output": status.unlock_output,
             "armed": status.armed,
@@ -268,7 +268,7 @@ class ToolView:
 
     def _stop_words(self, status: Status | None) -> str:
         """What a stop would do now, or has done."""
-        if status is not None and latched_stop(status.alarms):
+        if status is not None and status.alarm(STOPPED):
             return "Stopped: nothing is activated until the faults are reset. What is held stays held."
         return "Latched until a reset: nothing is activated, a running grip is cancelled, what is held stays held."
 

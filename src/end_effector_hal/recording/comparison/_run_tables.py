@@ -57,7 +57,10 @@ class RunTables:
         # an alarm may come again: each is a change
         yield (
             "alarms",
-            [(row.time_s, f"{'' if row.event == BEGUN else 'over: '}{row.text}") for row in self.alarms],
+            [
+                (row.time_s, f"{'' if row.event == BEGUN else f'{row.event}: '}{row.text}")
+                for row in self.alarms
+            ],
         )
 
 

@@ -14,11 +14,9 @@ from end_effector_hal.recording.story._story import (
     Story,
 )
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
-from end_effector_hal.vocabulary import OVER, Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import LATCHED_ERRORS, Command, EndEffectorState, display_name
 
 _TOGETHER_S = 0.2
-_TOLD = (OVER.rstrip(" :"), "GRIP_ERROR", "RELEASE_ERROR")
-"""Alarms that a figure leaves out: what is over, and what the states show."""
 
 
 def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
@@ -44,12 +42,12 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
 
 
 def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
-    """What began, once for what began of several actuators together."""
+    """Alarms that began, once for those of several actuators together; the states show latched errors."""
     found: dict[str, Moment] = {}
     moments = []
     for row in alarms:
         last = found.get(row.title)
-        if row.event != BEGUN or row.title.startswith(_TOLD):
+        if row.event != BEGUN or row.id in LATCHED_ERRORS:
             continue
         if last is None or row.time_s - last.time_s > _TOGETHER_S:
             found[row.title] = Moment(row.time_s, "alarm", row.title)

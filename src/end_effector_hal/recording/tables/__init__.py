@@ -1,6 +1,6 @@
 """The CSV tables of a recording: states, pressures, switches, alarms; written row by row, and read back."""
 
-from ._alarms import BEGUN, AlarmRow, AlarmsWriter, changed_alarms, read_alarms
+from ._alarms import BEGUN, ENDED, AlarmRow, AlarmsWriter, changed_alarms, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer
 from ._pressures import KPA, PressuresLog, PressuresWriter, column_of, read_pressures
 from ._states import StatesLog, StatesRow, StatesWriter, read_states

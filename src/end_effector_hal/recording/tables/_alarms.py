@@ -1,4 +1,4 @@
-"""``alarms.csv``: a row when a sentence becomes an alarm, and one when it is one no longer."""
+"""``alarms.csv``: a row when an alarm begins, when it is over, and when it is not shown any more."""
 
 from __future__ import annotations
 
@@ -11,18 +11,35 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording.tables._rows import TableWriter, read_lines
+from end_effector_hal.vocabulary import Alarm, alarm_changes, received_alarms
 
-COLUMNS = ("time_s", "event", "alarm")
-BEGUN, ENDED = "begun", "ended"
+COLUMNS = ("time_s", "event", "id", "about", "alarm")
+BEGUN, OVER, ENDED = "begun", "over", "ended"
 
 
 @dataclass(frozen=True, slots=True)
 class AlarmRow:
-    """``event`` is ``begun`` or ``ended``; seconds since the start of the recording."""
+    """One change of an alarm; seconds since the start of the recording.
+
+    Attributes:
+        event: ``begun``; ``over``: it has ended and waits for an acknowledgement; ``ended``: it is not shown any more.
+    """
 
     time_s: float
     event: str
     text: str
+    id: str = ""
+    about: str = ""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """The identity of the alarm."""
+        return (self.id, self.about) if self.id else ("", self.text)
+
+    def as_alarm(self) -> Alarm:
+        """The alarm that it is about, with the sentence of the row."""
+        name = ("over:" if self.event == OVER else "") + self.id + (f":{self.about}" if self.about else "")
+        return received_alarms([self.text], [name])[0]
 
     @property
     def title(self) -> str:
@@ -30,10 +47,12 @@ class AlarmRow:
         return self.text.split(":")[0].split(" (")[0].rstrip(".")
 
 
-def changed_alarms(time_s: float, before: Sequence[str], now: Sequence[str]) -> list[AlarmRow]:
-    """What has ended, then what has begun."""
-    rows = [AlarmRow(time_s, ENDED, text) for text in before if text not in now]
-    return rows + [AlarmRow(time_s, BEGUN, text) for text in now if text not in before]
+def changed_alarms(time_s: float, before: Sequence[Alarm], now: Sequence[Alarm]) -> list[AlarmRow]:
+    """What has ended, then what has begun or is over."""
+    return [
+        AlarmRow(time_s, change, alarm.text, alarm.id, alarm.about)
+        for alarm, change in alarm_changes(before, now)
+    ]
 
 
 class AlarmsWriter(TableWriter):
@@ -44,11 +63,11 @@ class AlarmsWriter(TableWriter):
     """
 
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
-        self._shown: tuple[str, ...] = ()
+        self._shown: tuple[Alarm, ...] = ()
         self._last_s = 0.0
         super().__init__(path, COLUMNS, limits)
 
-    def write(self, time_s: float, alarms: Sequence[str]) -> bool:
+    def write(self, time_s: float, alarms: Sequence[Alarm]) -> bool:
         """The alarms that stand from ``time_s`` on; whether there is something new.
 
         Raises:
@@ -75,7 +94,7 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
     if not Path(path).exists():
         return ()
     rows: list[AlarmRow] = []
-    standing: set[str] = set()
+    standing: set[tuple[str, str]] = set()
     first = ""
     for line in read_lines(path):
         if not line.complete:
@@ -85,20 +104,19 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
             fields = next(csv.reader([line.text]), [])
             if line.number == 1 and tuple(fields) == COLUMNS:
                 continue
-            time_s, event, text = fields
-            row = AlarmRow(line.seconds(time_s, rows[-1].time_s if rows else 0.0), event, text)
+            time_s, event, id_, about, text = fields
+            row = AlarmRow(line.seconds(time_s, rows[-1].time_s if rows else 0.0), event, text, id_, about)
         except (ValueError, UsageError, csv.Error):
             raise line.fault(f"This is no row of {','.join(COLUMNS)}.") from None
-        repeated = line.path != first and event == BEGUN and text in standing
+        repeated = line.path != first and event != ENDED and row.key in standing
         if not repeated:  # a segment begins with what stands then
             rows.append(row)
-        (standing.add if event == BEGUN else standing.discard)(text)
+        (standing.discard if event == ENDED else standing.add)(row.key)
     return tuple(rows)
 
 
 def _text(row: AlarmRow) -> str:
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(
-        (f"{row.time_s:.6f}", row.event, " ".join(row.text.split()))
-    )
+    text, about = " ".join(row.text.split()), " ".join(row.about.split())
+    csv.writer(line, lineterminator="\n").writerow((f"{row.time_s:.6f}", row.event, row.id, about, text))
     return line.getvalue()

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status, maintenance_will
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, WireError
-from end_effector_hal.vocabulary import ARBITER_LOST, LastWillStep
+from end_effector_hal.vocabulary import ARBITER_LOST, Alarm, LastWillStep
 
 from ._output_mapping import OutputMapping
 
@@ -81,7 +81,7 @@ class Outputs:
         self.retry_at: int | None = None
         self.settles_at: int | None = None
         """µs at which what was written is applied: lines have to settle (IL-10). None: it is applied."""
-        self.alarm = ""
+        self.alarm: Alarm | None = None
         self.refused = ""
         """Why the line arbiter did not activate something, in words, until it activates again."""
         self.objected = False
@@ -146,13 +146,14 @@ class Outputs:
             delay_us = self._end(asked.changes, asked.wait)
             # asked again by then: a deactivation that fails waits for longer
             self.settles_at = asked.at + min(delay_us, RETRY_US) if delay_us > 0 else None
-            self.alarm, self._said, self._undone, self.retry_at = "", asked.will, {}, None
+            self.alarm, self._said, self._undone, self.retry_at = None, asked.will, {}, None
             self._leased.clear()
             return
         except ReportedError as error:
             if isinstance(error, LineRefusedError):
                 self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
-            self.alarm = unknown(error) if self.lost else f"The lines could not be written: {error}"
+            written = Alarm("lines.not_written", "", {"why": str(error)})
+            self.alarm = unknown(error) if self.lost else written
             self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
         self._fail(asked.changes)
 
@@ -190,7 +191,7 @@ class Outputs:
     def drive(self, line: str, active: bool, will: tuple[LastWillStep, ...]) -> None:
         """Write one line in maintenance; raises WireError."""
         if self.lost:
-            raise ArbiterError(self.alarm)
+            raise ArbiterError(str(self.alarm))
         self._end({line: active}, lambda: self._lines.ask({line: active}, will, drop=not active)())
 
     def lose(self, error: WireError, at: int) -> None:
@@ -260,10 +261,9 @@ class Outputs:
         return delay_us
 
 
-def unknown(error: ReportedError) -> str:
+def unknown(error: ReportedError) -> Alarm:
     """The alarm while the line arbiter is lost."""
-    why = f"what is held and the outputs are the last known ones, and are not known now ({str(error).rstrip('.')})"
-    return f"{ARBITER_LOST}: {why}."
+    return Alarm(ARBITER_LOST, "", {"why": str(error).rstrip(".")})
 
 
 def _nothing() -> int:

@@ -10,7 +10,7 @@ from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.errors import ArbiterError, LineBusyError, WireError
 from end_effector_hal.runtime.boundary import AnyController
 from end_effector_hal.runtime.outputs import DECLARED_DEAD, RETRY_US, LineWriter, Outputs, unknown
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import Alarm, EndEffectorState
 
 
 class DeclaredDeadError(Exception):
@@ -29,7 +29,7 @@ class Adoption:
     Attributes:
         begun: whether the lines are adopted.
         withholds: whether something held is not told yet, because a write waits for its lines to settle.
-        obstacle: why they are not, a sentence; empty: nothing is known to be in the way.
+        alarm: why they are not; None: nothing is known to be in the way.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Adoption:
         self.controller, self.outputs, self._lines = controller, outputs, lines
         self.begun = False
         self.withholds = False
-        self.obstacle = ""
+        self.alarm: Alarm | None = None
         self._unreachable = False
         self._begin_at: int | None = None
         self._ahead_of: object = None
@@ -77,10 +77,12 @@ class Adoption:
             found = sensor_fault()
         except WireError as error:
             self._unreachable = isinstance(error, ArbiterError)
-            self.obstacle = unknown(error) if self._unreachable else str(error)
+            self.alarm = (
+                unknown(error) if self._unreachable else Alarm("lines.not_adopted", "", {"text": str(error)})
+            )
             self._begin_at = at + RETRY_US
             return []
-        self.begun, self._unreachable, self.obstacle, self._begin_at = True, False, "", None
+        self.begun, self._unreachable, self.alarm, self._begin_at = True, False, None, None
         self.outputs.found(levels, self.controller.status())
         statuses = self.controller.start(levels, at, sensor_fault=found)
         return statuses + (self.controller.update_peer(peer, at) if peer else [])

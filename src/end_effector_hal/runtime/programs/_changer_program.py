@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import ClassVar, Protocol
 
@@ -12,6 +12,7 @@ from end_effector_hal.errors import WireError
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import RESTARTED, RETRY_US, ChangerOutputs, LineWriter, OutputMapping
 from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
 
 from ._inline_worker import InlineWorker
@@ -63,7 +64,7 @@ class ChangerProgram(Program):
     def _fault_found(self) -> bool:
         return self._fault.found()
 
-    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+    def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
         """A sensor fault may be among them that a slow disk has kept back until now."""
         self._look_at = self._clock()
         return super()._keep_faults(faults)
@@ -96,7 +97,7 @@ class ChangerProgram(Program):
         self._fault.restarted()
         return super()._restart(why)
 
-    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
+    def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
         completed, changer = super()._completed(status, notices), self._description.tool_changer
         if changer is None or not self._adoption.lost:
             return completed

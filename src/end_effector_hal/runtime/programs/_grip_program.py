@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import ClassVar
 
 from end_effector_hal.control import Answer, EventKind, Status
 from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, OutputMapping
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, TOO_LATE, ProgramCommand
+from end_effector_hal.vocabulary import Alarm
 
 from ._maintenance_drive import drive, proof
 from ._program import Program
@@ -58,7 +60,7 @@ class GripProgram(Program):
         self._maintenance = Maintenance(self._description)
         return GripOutputs(self._description, self._maintenance)
 
-    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
+    def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
         """A stop cancels the grip that runs."""
         before, adoption = self._stopped, self._adoption
         statuses = super()._keep_faults(faults)
@@ -84,11 +86,11 @@ class GripProgram(Program):
     def _unrest(self) -> str:
         return super()._unrest() or self._maintenance.notice
 
-    def _notices(self) -> tuple[str, ...]:
-        notice = self._maintenance.notice
-        return (*super()._notices(), notice) if notice else super()._notices()
+    def _notices(self) -> tuple[Alarm, ...]:
+        notices, active = super()._notices(), self._maintenance.notice
+        return (*notices, Alarm("maintenance.active", "", {"text": active})) if active else notices
 
-    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
+    def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
         completed, adoption = super()._completed(status, notices), self._adoption
         written = adoption.outputs
         if completed.blowing and written.refused:  # inactive: no air

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -32,9 +33,17 @@ from end_effector_hal.runtime.stream import (
     TOO_LATE,
     ProgramCommand,
 )
-from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.sensing import E_STOP_CLOSED, FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Command, EndEffectorState, LastWill, latched_il_13, latched_stop
+from end_effector_hal.vocabulary import (
+    E_STOPPED,
+    STOPPED,
+    Alarm,
+    Command,
+    EndEffectorState,
+    LastWill,
+    with_since,
+)
 from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
@@ -48,6 +57,8 @@ STILL_US = 30_000_000
 """Longer than all programs of a tool take to end and to start again."""
 RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
 UNTIL_RESET = "Nothing is activated until it is closed and the faults are reset."
+_FAULT_IDS = {"stop": STOPPED, E_STOP_CLOSED: E_STOPPED}
+"""Alarms by the names of the faults; every other one is ``arbiter.fault``."""
 ACTIVATING = ("grip", "unlock", "activate")
 """Commands that begin with an activation; the others only deactivate, or change nothing."""
 LOST = "The line arbiter is lost: nothing was written, and nothing will be. Give the command again when it is back."
@@ -99,13 +110,13 @@ class Program(ABC):
         self._held = False  # as it was last known, before a restart
         self._commanded = False  # what is being written is the beginning of a command that activates nothing
         self._peer: dict[str, int] = {}
-        self._faults: tuple[str, ...] = ()
+        self._faults: tuple[Alarm, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
         self._refused = ""  # why nothing is activated: that, or an e-stop, and what to do
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
-        self._shown_notices: tuple[str, ...] = ()
-        self._link_faults: tuple[str, ...] = ()
+        self._shown_notices: tuple[Alarm, ...] = ()
+        self._link_faults: tuple[Alarm, ...] = ()
         self._reset()
         self._worker = worker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
@@ -154,8 +165,8 @@ class Program(ABC):
 
     @property
     def latched_interlocks(self) -> tuple[str, ...]:
-        """What the line arbiter has latched for an interlock, sentences."""
-        return tuple(fault for fault in self._faults if fault.startswith("IL-"))
+        """The faults that the line arbiter has latched for an interlock, sentences."""
+        return tuple(fault.text for fault in self._faults if "interlock" in fault.values)
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
@@ -178,8 +189,8 @@ class Program(ABC):
         """Submit that the connection to the line arbiter was lost; returns at once."""
         self._worker.submit(lambda: partial(self._lose, error))
 
-    def faults_changed(self, faults: tuple[str, ...]) -> None:
-        """Submit the faults that the line arbiter has latched, sentences; returns at once."""
+    def faults_changed(self, faults: Mapping[str, str]) -> None:
+        """Submit the faults that the line arbiter has latched, sentences by name; returns at once."""
         self._worker.submit(lambda: self._reaction(self._keep_faults(faults)))
 
     def acknowledge(self) -> None:
@@ -228,11 +239,11 @@ class Program(ABC):
     def _arbiter_was_lost(self) -> None:  # noqa: B027 most programs remember nothing of it
         """The line arbiter is lost, or was; what is remembered of it may be outdated."""
 
-    def _keep_faults(self, faults: tuple[str, ...]) -> list[Status]:
-        self._faults = faults
-        self._stopped = latched_stop(faults)
-        latched = latched_il_13(faults)
-        self._refused = self._stopped or (latched and f"{latched} {UNTIL_RESET}")
+    def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
+        self._faults = _latched_alarms(faults)
+        texts = {fault.id: fault.text for fault in self._faults}
+        self._stopped = texts.get(STOPPED, "")
+        self._refused = self._stopped or (f"{texts[E_STOPPED]} {UNTIL_RESET}" if E_STOPPED in texts else "")
         return []  # only the notices change
 
     def _due(self) -> int | None:
@@ -247,7 +258,7 @@ class Program(ABC):
         """Why a command does not even come to the automata now, a sentence; empty: it does."""
         adoption = self._adoption
         if not adoption.begun:
-            return f"The lines are not adopted yet. {adoption.obstacle}".rstrip()
+            return f"The lines are not adopted yet. {adoption.alarm or ''}".rstrip()
         if adoption.outputs.lost and name != "acknowledge":
             lost = "Nothing can be activated while the line arbiter is lost."
             return lost if name in ACTIVATING else LOST
@@ -291,25 +302,28 @@ class Program(ABC):
             self._why = adoption.outputs.refused = ""
         return answer, statuses
 
-    def see_link_faults(self, faults: tuple[str, ...]) -> None:
-        """What is wrong with the answers of single devices: alarms; for any thread."""
+    def see_link_faults(self, faults: tuple[Alarm, ...]) -> None:
+        """Take the alarms about the answers of single devices; for any thread."""
         if faults != self._link_faults:
             self._link_faults = faults
             self._look_around()
 
-    def _notices(self) -> tuple[str, ...]:
-        """What an operator must know beside the controller's alarms."""
+    def _notices(self) -> tuple[Alarm, ...]:
+        """The alarms beside those of the controller."""
+        listener, recorder = self._latest.trouble, self._recorder.trouble
         return tuple(filter(None, (
-            self._adoption.obstacle, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
-            self._latest.trouble, self._recorder.trouble,
+            self._adoption.alarm, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
+            Alarm("listener.failed", self.NAME, {"text": listener}) if listener else None,
+            Alarm("recording.failed", self.NAME, {"text": recorder}) if recorder else None,
         )))  # fmt: skip
 
-    def _completed(self, status: Status, notices: tuple[str, ...]) -> Status:
-        """A status of the controller with what the program knows beside it."""
+    def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
+        """A status of the controller with the alarms and the reason of the program."""
         reason = f"{status.reason or self._why} {self._adoption.outputs.refused}".strip()
-        if not notices and reason == status.reason:
+        if not notices and not status.alarms and reason == status.reason:
             return status
-        return replace(status, alarms=(*status.alarms, *notices), reason=reason)
+        alarms = with_since((*status.alarms, *notices), self.status.alarms, status.at)
+        return replace(status, alarms=alarms, reason=reason)
 
     def _publish_one(self, status: Status) -> None:
         self._latest.publish(status)
@@ -466,3 +480,14 @@ class Program(ABC):
             obstacles = {word: why for word in PROGRAM_WORDS[self.NAME] if (why := self._obstacle(word))}
             self._recorder.published(completed, obstacles)
             self._publish_one(completed)
+
+
+def _latched_alarms(faults: Mapping[str, str]) -> tuple[Alarm, ...]:
+    """Alarms from sentences by the name of the fault, which begin with their interlock if there is one."""
+    return tuple([_latched_alarm(name, text) for name, text in faults.items()])
+
+
+def _latched_alarm(name: str, text: str) -> Alarm:
+    found = re.fullmatch(r"(IL-\d\d): (.*)", text)
+    values = {"interlock": found[1], "why": found[2]} if found else {"text": text}
+    return Alarm(_FAULT_IDS[name], "", values) if name in _FAULT_IDS else Alarm("arbiter.fault", name, values)

@@ -21,7 +21,7 @@ from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, latched_il_13
+from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm, ChangerState, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -68,7 +68,7 @@ class EndEffector(Closing):
     ) -> None:
         self.description = description
         self._audience = Audience(self._audience_changed)
-        self._told: tuple[str, ...] = ()
+        self._told: tuple[Alarm, ...] = ()
         self._gripping: Status | None = None
         self._lock = threading.Lock()
         judge = FrameJudge()
@@ -260,7 +260,7 @@ class EndEffector(Closing):
         if answer.accepted:
             # the line arbiter tells the programs with their next renewal: until then they would refuse a grip
             for unit in self._units:
-                unit.wait(lambda status: not latched_il_13(status.alarms), RENEWED_S)
+                unit.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)
         return answer
 
     def arm(self) -> Answer:
@@ -324,7 +324,9 @@ class EndEffector(Closing):
 
     def _link_changed(self, _source: str, _health: object) -> None:
         links = self.links.items()
-        faults = tuple([(name and f"Link {name}: ") + each for name, link in links for each in link.faults])
+        texts = [(name and f"Link {name}: ") + each for name, link in links for each in link.faults]
+        # a decoder gives its faults no other identity than their sentences
+        faults = tuple([Alarm("link.fault", text, {"text": text}) for text in texts])
         for unit in self._units:
             unit.see_link_faults(faults)
 

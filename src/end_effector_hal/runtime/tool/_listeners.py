@@ -13,7 +13,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import OVER
+from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -46,6 +46,7 @@ class Listening(Generic[T]):
         self._called_at: int | None = None
         self._lost = 0
         self._failing = self._over = ""
+        self._since = 0
         self._thread = threading.Thread(target=self._run, name=f"listener {self._who}", daemon=True)
         self._thread.start()
 
@@ -59,10 +60,11 @@ class Listening(Generic[T]):
             self._changed.notify_all()
 
     @property
-    def alarm(self) -> str:
-        """A sentence; empty: it works, and did so since the last acknowledgement."""
+    def alarm(self) -> Alarm | None:
+        """Its alarm; None: it works, and did so since the last acknowledgement."""
         self._look()
-        return self._failing or self._over
+        text, over = self._failing or self._over, not self._failing
+        return Alarm("listener.failed", self._who, {"text": text}, self._since, over) if text else None
 
     def acknowledge(self) -> None:
         """Forget an alarm that is over."""
@@ -80,6 +82,7 @@ class Listening(Generic[T]):
         since = self._called_at
         slow = since is not None and now_us() - since > SLOW_US
         if (slow or self._lost) and not self._failing:
+            self._since = now_us()
             self._failing = f"The listener {self._who} does not keep up with what it is called with."
             _log.error("%s", self._failing)
 
@@ -100,6 +103,7 @@ class Listening(Generic[T]):
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
             if not self._failing:
                 _log.error("the listener %s failed", self._who, exc_info=not isinstance(error, ReportedError))
+                self._since = now_us()
                 self._failing = f"The listener {self._who} failed: {error_text(error)}"
         else:
             self._worked()
@@ -114,7 +118,7 @@ class Listening(Generic[T]):
             lost, self._lost = self._lost, 0
         if self._failing:
             missed = f" {lost} were dropped." if lost else ""
-            self._over, self._failing = f"{OVER}{self._failing}{missed}", ""
+            self._over, self._failing = f"{self._failing}{missed}", ""
 
 
 class Audience:
@@ -144,8 +148,8 @@ class Audience:
             each.put(frame)
 
     @property
-    def alarms(self) -> tuple[str, ...]:
-        """What is wrong with them, in words."""
+    def alarms(self) -> tuple[Alarm, ...]:
+        """Those of all listeners."""
         return tuple(alarm for each in self._all if (alarm := each.alarm))
 
     @property

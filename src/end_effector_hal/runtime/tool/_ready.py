@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence, display_name
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence, display_name, distinct
 from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorHealth
 
@@ -67,9 +67,8 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
         yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07): a Drop releases once more"
     if not changer_ready(description, change):
         yield "its sensors do not show whether the tool is locked"
-    told = (description.sensors, *map(description.link_name, description.named_links))
-    said = [alarm for alarm in (*grip.alarms, *change.alarms) if not any(each in alarm for each in told)]
-    yield from (alarm.rstrip(".?") for alarm in dict.fromkeys(said))
+    alarms = distinct((*grip.alarms, *change.alarms))
+    yield from (str(alarm).rstrip(".?") for alarm in alarms if alarm.id != "link.down")
 
 
 def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:

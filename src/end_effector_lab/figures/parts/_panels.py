@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import BEGUN, AlarmRow, PressuresLog, RunInfo
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.vocabulary import LEAK, display_name
 from end_effector_lab.figures._labels import height_of, width_of
 from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, PROOFS, SUPPLY, THRESHOLDS
 
@@ -50,7 +50,8 @@ class Forecast:
     lost_kpa: float
 
 
-_LEAK = re.compile(r"Leak: (.+) falls by .* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
+_LEAK = re.compile(r".* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
+"""The numbers in the text of a leak."""
 
 
 class Compared(NamedTuple):
@@ -165,7 +166,7 @@ def panels_of(
             for word in THRESHOLDS:
                 if limit := _limit(info, owner, word):
                     panel.lines.setdefault((word, sign * limit), []).append(title)
-            panel.forecasts += _forecasts(title, colour, sign, alarms)
+            panel.forecasts += _forecasts(owner, colour, sign, alarms)
     return [panel for panel in (below, above, *others.values()) if panel.curves]
 
 
@@ -191,19 +192,20 @@ def _limit(info: RunInfo, actuator: str, word: str) -> float | None:
     return float(limit) if usable and limit is not None else None
 
 
-def _forecasts(title: str, colour: str, sign: int, alarms: Sequence[AlarmRow]) -> list[Forecast]:
+def _forecasts(actuator: str, colour: str, sign: int, alarms: Sequence[AlarmRow]) -> list[Forecast]:
     """Of the leaks of one actuator."""
-    found = ((row, _LEAK.fullmatch(row.text)) for row in alarms if row.event == BEGUN)
+    leaks = (row for row in alarms if (row.event, row.id, row.about) == (BEGUN, LEAK, actuator))
+    found = ((row, _LEAK.fullmatch(row.text)) for row in leaks)
     return [
         Forecast(
             colour,
             row.time_s,
+            sign * float(told[1]),
+            row.time_s + float(told[3]),
             sign * float(told[2]),
-            row.time_s + float(told[4]),
-            sign * float(told[3]),
         )
         for row, told in found
-        if told is not None and told[1] == title
+        if told is not None
     ]
 
 

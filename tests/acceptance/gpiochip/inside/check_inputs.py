@@ -233,7 +233,7 @@ def test_the_arbiter_reads_the_e_stop_and_refuses(tool: EndEffector, jaw: Jaw) -
     wait_until("it is locked", lambda: tool.lock().succeeded)
     assert tool.grip().succeeded
     jaw.show(STOP=False)
-    wait_until("it is latched", lambda: "IL-13: the emergency stop was opened." in tool.status.alarms)
+    wait_until("it is latched", lambda: "IL-13: the emergency stop was opened." in tool.status.alarm_texts)
     assert tool.status.ee == EndEffectorState.GRIPPED, "what is held stays held"
     assert not tool.reset().accepted
     jaw.show(STOP=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from types import SimpleNamespace
@@ -493,7 +493,7 @@ class Program:
         """What it said last."""
         if self.told is None:
             return "it has said nothing"
-        return f"{EndEffectorState(self.told.ee).name}: {self.told.reason} {' '.join(self.told.alarms)}"
+        return f"{EndEffectorState(self.told.ee).name}: {self.told.reason} {' '.join(self.told.alarm_texts)}"
 
     def begin(self) -> None:
         self._program._begin()
@@ -556,7 +556,7 @@ class Program:
     def _program_loses(self, error: Any) -> None:
         self._program._lose(error)
 
-    def _program_knows(self, faults: tuple[str, ...]) -> None:
+    def _program_knows(self, faults: Mapping[str, str]) -> None:
         self._world.shown()
         self._program._act(self._program._keep_faults(faults))
 

@@ -153,7 +153,7 @@ class Bits:
 
     @property
     def notices(self) -> tuple[str, ...]:
-        return self.senses.notices(self.at, held=False)
+        return tuple(map(str, self.senses.notices(self.at, held=False)))
 
 
 def test_contradicting_switches_are_unknown_at_once_and_an_alarm_when_it_lasts(
