@@ -305,7 +305,7 @@ class ArbiterClient:
             fields["drop"] = True
         if will is not None:
             fields["will"] = [step.as_json() for step in will]
-        return self._arbiter.send("set", fields)
+        return self._arbiter.request("set", fields)
 
     def _written(self, will: LastWill | None, failed: OSError | None) -> WriteResult:
         try:

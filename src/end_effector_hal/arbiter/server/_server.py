@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Protocol
 
 from end_effector_hal._closing import Closing
+from end_effector_hal.arbiter.protocol import write_message
 from end_effector_hal.arbiter.records import (
     FileStorage,
     Journal,
@@ -161,7 +162,7 @@ class ArbiterServer(Closing):
             elif isinstance(key.data, RemoteLines):
                 key.data.heard()
             elif key.data is None:
-                self._end(self._connections.accept(), "there are too many connections")
+                self._end(self._connections.admit(), "there are too many connections")
         self._read_inputs()
         for connection in self._connections.round(ready):
             self._answer(connection)
@@ -211,17 +212,17 @@ class ArbiterServer(Closing):
             return
         connection.receive()
         for _ in range(MESSAGES if connection.rank < 2 else MESSAGES // 4):
-            line = connection.next_message()
+            line = connection.next_line()
             if line is None:
                 break
             reply = self._requests.handle(connection, line)
             if connection.closed:
                 return
-            if reply is not None and not connection.send(reply):
+            if reply is not None and not connection.put(write_message(reply)):
                 self._drop(connection, "it does not read its replies")
                 return
         if connection.overlong:
-            connection.send(refusal(None, UsageError("this message is too long.")))
+            connection.put(write_message(refusal(None, UsageError("this message is too long."))))
             self._drop(connection, "its message was too long")
         elif connection.ended and not connection.waits:
             self._drop(connection, "its socket was closed")
@@ -238,7 +239,8 @@ class ArbiterServer(Closing):
     def _end(self, connections: Iterable[Connection], why: str) -> None:
         """Close them, and say why."""
         for connection in connections:
-            connection.send(refusal(None, ArbiterError(f"the line arbiter ends this connection: {why}.")))
+            error = ArbiterError(f"the line arbiter ends this connection: {why}.")
+            connection.put(write_message(refusal(None, error)))
             self._drop(connection, why)
 
     def _end_leases(self, at: int) -> None:
@@ -248,7 +250,7 @@ class ArbiterServer(Closing):
                 error = ArbiterError(
                     "the lease expired: this client did not renew it, its last will is executed."
                 )
-                connection.send(refusal(None, error))
+                connection.put(write_message(refusal(None, error)))
                 self._drop(connection, "its lease expired")
 
 

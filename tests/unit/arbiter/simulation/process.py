@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from end_effector_hal.arbiter.protocol import write_message
 from end_effector_hal.arbiter.records._journal import Journal, JournalEntry
 from end_effector_hal.arbiter.records._records import Records
 from end_effector_hal.arbiter.records._session_store import SessionStore
@@ -102,14 +103,14 @@ class ArbiterProcess:
             if connection is None:
                 return
             connection.receive()
-            while (line := connection.next_message()) is not None:
+            while (line := connection.next_line()) is not None:
                 self._world.message(line)
                 reply = self._requests.handle(connection, line)
                 self._world.hazard("before a reply")
                 if connection.closed:
                     return
                 if reply is not None:
-                    connection.send(reply)
+                    connection.put(write_message(reply))
                 self._world.hazard("after a reply")
             if connection.ended:
                 self._drop(connection, "its socket was closed")

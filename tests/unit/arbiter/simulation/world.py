@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from end_effector_hal.arbiter import ArbiterClient, Policy, Role
-from end_effector_hal.arbiter.client import _client, _conversation
+from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.protocol._message import write_message
 from end_effector_hal.arbiter.rules import FORMER
 from end_effector_hal.arbiter.server import _requests
@@ -24,6 +24,7 @@ from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires.rpc import _client as rpc_client
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.judge import Judge
 from tests.unit.arbiter.simulation.process import ArbiterProcess
@@ -581,7 +582,7 @@ def virtual_time(patch: Any) -> Iterator[Any]:
     )
     patch.setattr(_client, "make_token", lambda: f"{worlds[-1].random.getrandbits(128):032x}")
     patch.setattr(_program, "network_of", lambda _: network)
-    real = _conversation.socket
+    real = rpc_client.socket
     fake = SimpleNamespace(
         **{
             name: getattr(real, name)
@@ -589,5 +590,5 @@ def virtual_time(patch: Any) -> Iterator[Any]:
         }
     )
     fake.socket = lambda *_: NearEnd(worlds[-1])
-    patch.setattr(_conversation, "socket", fake)
+    patch.setattr(rpc_client, "socket", fake)
     yield worlds.append
