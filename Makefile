@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board mutants image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -66,7 +66,7 @@ test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library 
 	@$(APART) EEHAL_ROS2_PEER=$(CURDIR)/$(ROS2)-peer/bin/python $(ROS2)/bin/python -m pytest -q -p no:cacheprovider tests/acceptance/ros2/test_peer.py
 
 # What `make nightly` runs with thousands of examples
-AT_LENGTH := tests/unit/codecs tests/unit/figures/test_timeline.py tests/unit/figures/test_paper_figure.py tests/unit/timed_automata/explore tests/unit/timed_automata/compare tests/unit/verification/proof tests/unit/verification/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster tests/unit/bags/test_damage.py tests/unit/description/test_arbitrary.py tests/unit/timed_automata/execute/test_execution_any_input.py tests/unit/timed_automata/document/test_xml.py tests/unit/timed_automata/compiler/test_expressions.py tests/unit/timed_automata/simulate/test_simulate.py tests/unit/timed_automata/monitor/test_monitor.py tests/unit/kinds/conditions/test_judge.py tests/unit/recording/test_story.py
+AT_LENGTH := tests/unit/codecs tests/unit/figures/test_timeline.py tests/unit/figures/test_paper_figure.py tests/unit/timed_automata/explore tests/unit/timed_automata/inclusion tests/unit/verification/proof tests/unit/verification/mutants tests/unit/mutants tests/unit/arbiter/test_fuzz.py tests/unit/arbiter/test_death_template.py tests/unit/verification/deaths tests/acceptance/cluster tests/unit/bags/test_damage.py tests/unit/description/test_arbitrary.py tests/unit/timed_automata/execute/test_execution_any_input.py tests/unit/timed_automata/document/test_xml.py tests/unit/timed_automata/compiler/test_expressions.py tests/unit/timed_automata/simulate/test_simulate.py tests/unit/timed_automata/monitor/test_monitor.py tests/unit/kinds/conditions/test_judge.py tests/unit/recording/test_story.py
 
 nightly: setup ## at length: what CI leaves out, the proof on thousands of random networks, 8, 32 and 64 steps, the line arbiter fuzzed and simulated
 	@$(ROS_ENV) && EEHAL_NIGHTLY=1 pytest -q -n 2 $(SHARED) -m "nightly" $(AT_LENGTH:%=--ignore=%)
@@ -105,6 +105,9 @@ test-board: test-gpiochip ## by hand: the same on an emulated Verdin with its ow
 
 board: setup ## by hand: a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
 	@$(ROS_ENV) && python -m tools.board $(WITH)
+
+mutants: $(VENV)/.synced ## by hand: every small edit of the automata, and which requirement notices it (WITH='--sample 30': 2 minutes; all: an hour)
+	@$(BIN)/python -m tools.mutants $(WITH)
 
 # Another architecture than this machine's is emulated: it takes qemu-user and many minutes, once
 NATIVE := $(shell dpkg --print-architecture 2>/dev/null)

@@ -25,12 +25,9 @@ def mutants() -> str:
     for counts in record.outcomes.values():
         total.update(counts)
     rows = [(kind, *_cells(counts)) for kind, counts in record.outcomes.items()]
-    sample = "" if record.seed is None else f" --sample {record.judged} --seed {record.seed}"
-    command = f"eehal model mutants{sample} --record FILE"
     parts = [
         "## By kinds of edit",
-        f"{record.judged} of {record.of} mutants. `eehal model mutants --kept` prints this table; `{command}` judges "
-        f"{'them' if sample else 'all'} again.",
+        f"{record.judged} of {record.of} mutants. `make mutants` judges all again, in a checkout.",
         table(HEADS, [*rows, ("all", *_cells(total))]),
     ]
     if record.survivors:

@@ -32,7 +32,6 @@ CALLS: dict[str, tuple[str, ...]] = {
     "model check": (),
     "model fig5": (),
     "model show": ("--model", "lamp.xml"),
-    "model mutants": ("--kept",),
     "model simulate": ("--steps", "30"),
     "plot": ("nothing",),
     "reload": (str(profile_path()),),

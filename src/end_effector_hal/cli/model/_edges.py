@@ -1,4 +1,4 @@
-"""Which requirements need each edge of a template, as ``eehal model mutants`` has found."""
+"""Print which requirements need each edge of a template, by the record of the judged mutants."""
 
 from __future__ import annotations
 

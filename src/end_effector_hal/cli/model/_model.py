@@ -15,7 +15,6 @@ from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._edges import edge_needs, told_edges
 from end_effector_hal.cli.model._fig5 import fig5
-from end_effector_hal.cli.model._mutants import mutants
 from end_effector_hal.cli.model._simulate import simulate
 from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, REGISTERS, open_source
 from end_effector_hal.description import profile_path
@@ -31,7 +30,7 @@ def _template_names(context: click.Context) -> Iterable[str]:
 
 @click.group(name="model")
 def command() -> None:
-    """Look at the automata: simulate, draw, export for UPPAAL, check a file, ask what binds them."""
+    """Look at the automata: simulate, draw, export for UPPAAL, check a file."""
 
 
 @command.command(short_help="Draw each template as UPPAAL shows it.")
@@ -74,7 +73,7 @@ def show(
 
     Locations, edges and labels stand where the file says; the constants of the description that a template
     mentions are listed under its name.
-    With --edges: a requirement needs an edge when it was seen to fail of an edit of it (eehal model mutants). Of an
+    With --edges: a requirement needs an edge when it was seen to fail of an edit of it (make mutants). Of an
     edge that nobody has edited yet, or that is not one of the shipped automata, nothing is known.
     """
     draw, source = (
@@ -162,5 +161,4 @@ def export_network(
 
 command.add_command(check)
 command.add_command(fig5)
-command.add_command(mutants)
 command.add_command(simulate)

@@ -15,7 +15,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.verification.proof import Proof, prove
 from timed_automata import Network, load_network
-from timed_automata.compare import Inclusion, Interface, trace_inclusion
+from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
 
 FIG5_FILE = Path(__file__).with_name("fig5.xml")
 OBSERVED = ("ee", "command", "actuator", "valve")

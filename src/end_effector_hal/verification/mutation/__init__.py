@@ -1,11 +1,3 @@
-"""Whether the requirements bind the automata: systematic edits of what is executed, and which requirement notices."""
+"""The record of the judged mutants: which requirements need which edge of the automata."""
 
-from ._judge import Baseline, MutantOutcome, MutantVerdict, judge
-from ._judge_all import Baselines, judge_all
-from ._record import (
-    CHECKS,
-    MutationRecord,
-    kept_record,
-    mutation_record,
-    read_record,
-)
+from ._record import CHECKS, KEPT_FILE, EdgeNeeds, MutationRecord, edge_key, kept_record

@@ -12,8 +12,8 @@ from timed_automata.errors import ModelError, RangeError
 from timed_automata.explore.search import Search
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
-from timed_automata.mutate import mutants
 from timed_automata.network import remake_network
+from tools.mutants import mutants
 
 
 def small() -> Network:

@@ -12,7 +12,6 @@ from random import Random
 import pytest
 
 from end_effector_hal.verification.deaths import DEATHS_FILE
-from end_effector_hal.verification.mutation import Baseline, MutantOutcome, judge
 from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.arbiter.death_runs import model_text
 from tests.unit.arbiter.test_death_template import played
@@ -20,7 +19,7 @@ from timed_automata import Document, Network, load_document, make_network
 from timed_automata.explore.search import Search, without_collector
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
-from timed_automata.mutate import Mutant, mutants
+from tools.mutants import Baseline, Mutant, MutantOutcome, judge, mutants
 
 pytestmark = pytest.mark.thinned  # long
 

@@ -13,8 +13,8 @@ from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.fig5 import FIG5_FILE, compare_with_fig5, fig5_network, grips_as_fig5
 from end_effector_hal.verification.proof import prove
 from timed_automata import Network, load_network, make_network
-from timed_automata.compare import Inclusion
-from timed_automata.mutate import Mutant, mutants
+from timed_automata.inclusion import Inclusion
+from tools.mutants import Mutant, mutants
 
 pytestmark = pytest.mark.timeout(300)
 GRIP = ("Gripper", "Actuator")

@@ -22,7 +22,7 @@ from end_effector_hal.runtime import load_automata
 from tests.unit.verification.mutants.test_executors import EXECUTED, INTERFACE, play
 from timed_automata import Network, Observation, make_network
 from timed_automata.monitor import Monitor
-from timed_automata.mutate import Mutant, mutants
+from tools.mutants import Mutant, mutants
 
 HEADS = ("judged", "load error", "differs", "monitor", "neither")
 

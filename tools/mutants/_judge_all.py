@@ -1,4 +1,4 @@
-"""Many mutants, on all processors."""
+"""Judge many mutants, on all processors."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from itertools import zip_longest
 from multiprocessing import get_context
 from random import Random
 
-from end_effector_hal.verification.mutation._judge import Baseline, MutantOutcome, MutantVerdict, judge
-from end_effector_hal.verification.mutation._variants import variants
 from timed_automata import Network, make_network
 from timed_automata.language import parse_cache, parsing_with
-from timed_automata.mutate import Mutant, mutants
 from timed_automata.network import Given
+
+from ._edits import Mutant, mutants
+from ._judge import Baseline, MutantOutcome, MutantVerdict, judge
+from ._variants import variants
 
 _worker: tuple[Baselines, list[Mutant]]
 _DECIDED = MutantOutcome.CAUGHT, MutantOutcome.INVALID

@@ -18,15 +18,16 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
-from timed_automata.compare._edited import edited_places
-from timed_automata.compare._moves import ComparedMove, moves_of, place
-from timed_automata.compare._regions import same_union
 from timed_automata.compiler import Bound
 from timed_automata.errors import RangeError
 from timed_automata.explore.search import Search, without_collector
 from timed_automata.explore.states import DiscreteSpace, DiscreteState, Move, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import Limits, Zone, constrained, included, up
 from timed_automata.network import Network
+
+from ._edited import edited_places
+from ._moves import ComparedMove, moves_of, place
+from ._regions import same_union
 
 _MOST_PAIRS = 50_000
 _Place = tuple[tuple[int, ...], bytes]

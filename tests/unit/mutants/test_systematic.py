@@ -11,10 +11,9 @@ from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.verification.mutation import Baseline, Baselines, MutantOutcome, judge, judge_all
 from tests.support.nightly import NIGHTLY, first_of
 from timed_automata import make_network
-from timed_automata.mutate import mutants
+from tools.mutants import Baseline, Baselines, MutantOutcome, judge, judge_all, mutants
 
 EXECUTED = ("Gripper", "Actuator", "Changer", "Arming")
 SAMPLE, SEED = 300 if NIGHTLY else 30, 2026

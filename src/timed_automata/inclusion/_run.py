@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from timed_automata.compare._macro_steps import MacroStep
-from timed_automata.compare._zones import CommonZones
 from timed_automata.compiler import Bound
 from timed_automata.explore.search import Timing
 from timed_automata.explore.zones import Zone
+from timed_automata.inclusion._macro_steps import MacroStep
+from timed_automata.inclusion._zones import CommonZones
 from timed_automata.network import State
 
 
@@ -36,7 +36,7 @@ class ComparedNode:
 
 @dataclass(frozen=True, slots=True)
 class ComparedStep:
-    """Something that is seen of both networks.
+    """An observation that both networks share.
 
     Attributes:
         at: time in the model's unit.

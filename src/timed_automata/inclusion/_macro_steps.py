@@ -1,13 +1,13 @@
-"""What a network does at one instant: a first transition, then those out of committed locations."""
+"""Macro-steps: a first transition, then those out of committed locations, all at one instant."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from timed_automata.compare._interface import Side
 from timed_automata.compiler import Bound
 from timed_automata.document import fault
+from timed_automata.inclusion._interface import Side
 from timed_automata.network import Edge, Location, Semantics, State, Transition
 
 _LONGEST = 200  # transitions out of committed locations, one after the other
@@ -15,7 +15,7 @@ Seen = tuple[str, ...]
 
 
 class MacroStep(NamedTuple):
-    """All that happens at one instant, once it has begun.
+    """One macro-step: all that happens at one instant.
 
     Attributes:
         edges: that are taken, in order.
@@ -49,21 +49,21 @@ class _Way(NamedTuple):
 
 
 class MacroSteps:
-    """The macro-steps of one side, each state's worked out once."""
+    """The macro-steps of one side; those of a state are computed once."""
 
     def __init__(self, side: Side) -> None:
         self.side, self.semantics = side, Semantics(side.network, side.processes)
         self._known: dict[State, list[MacroStep]] = {}
 
     def of(self, state: State) -> list[MacroStep]:
-        """Those that a process that takes part begins."""
+        """The macro-steps that a process begins that takes part."""
         found = self._known.get(state)
         if found is None:
             found = self._known[state] = list(self._following(state, self.semantics.transitions(state)))
         return found
 
     def to(self, state: State, channel: int | None, writes: Mapping[int, int]) -> list[MacroStep]:
-        """Those that an input begins: values of variables, and what is sent on a channel."""
+        """The macro-steps that an input begins: values of variables, and what is sent on a channel."""
         begun: Iterable[Transition] = [Transition((), (), None)]
         if channel is not None:
             begun = self.semantics.received(state, channel)
@@ -111,7 +111,7 @@ class MacroSteps:
     def _after(
         self, way: _Way, transition: Transition, writes: Mapping[int, int] | None = None
     ) -> _Way | None:
-        """With one more transition; None: it is not possible there."""
+        """The macro-step with one more transition; None: it is not possible there."""
         bounds = self._still(way, [self._placed(bound) for bound in transition.bounds])
         if bounds is None:
             return None
@@ -135,7 +135,7 @@ class MacroSteps:
 
     @staticmethod
     def _still(way: _Way, more: Sequence[Bound]) -> tuple[Bound, ...] | None:
-        """What the clocks must satisfy at the beginning so that they satisfy more now; None: nothing will do."""
+        """The bounds at the beginning from which the clocks satisfy more now; None: there are none."""
         needed = list(way.bounds)
         for bound in more:
             if bound.clock not in way.resets:

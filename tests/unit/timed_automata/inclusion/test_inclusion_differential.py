@@ -18,8 +18,8 @@ import pytest
 from tests.support.nightly import NIGHTLY, examples
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import Network
-from timed_automata.compare import Inclusion, Interface, trace_inclusion
 from timed_automata.errors import ModelError
+from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 LARGEST = 3

@@ -17,15 +17,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from timed_automata.compare._interface import Interface, inputs, sides
-from timed_automata.compare._macro_steps import MacroStep, MacroSteps
-from timed_automata.compare._run import ComparedNode, ComparedStep, run_to
-from timed_automata.compare._zones import CommonZones
 from timed_automata.compiler import Bound
 from timed_automata.document import fault
 from timed_automata.errors import UsageError
 from timed_automata.explore.search import without_collector
 from timed_automata.explore.zones import Zone, included
+from timed_automata.inclusion._interface import Interface, inputs, sides
+from timed_automata.inclusion._macro_steps import MacroStep, MacroSteps
+from timed_automata.inclusion._run import ComparedNode, ComparedStep, run_to
+from timed_automata.inclusion._zones import CommonZones
 from timed_automata.network import Network, State
 
 
@@ -68,7 +68,7 @@ def trace_inclusion(implementation: Network, specification: Network, interface: 
 
 
 class _PartingError(Exception):
-    """They part here, somewhere in a zone."""
+    """The networks part here, somewhere in a zone."""
 
     def __init__(self, node: ComparedNode, zone: Zone, what: str) -> None:
         self.node, self.zone, self.what = node, zone, what
@@ -154,7 +154,7 @@ class _Product:
         what: str,
         *steps: MacroStep,
     ) -> None:
-        """A pair of states is entered; time passes as the implementation and the environment allow."""
+        """Enter a pair of states; time passes as the implementation and the environment allow."""
         grown = self._zones.within(self._zones.later(zone), self._invariant(ours, theirs))
         if grown is None:
             return
@@ -195,7 +195,7 @@ class _Product:
         )
 
     def _outputs_of(self, node: ComparedNode) -> None:
-        """What the implementation does by itself: the specification must do the same."""
+        """Take what the implementation does by itself: the specification must do the same."""
         every = [each for each in self._theirs.of(node.theirs) if not self._is_input(each)]
         for each in every:
             if not each.seen and self._zones.within(node.zone, each.bounds) is not None:
@@ -223,7 +223,7 @@ class _Product:
                 self._step(node, part, what, ours, each)
 
     def _inputs_of(self, node: ComparedNode) -> None:
-        """What the environment does: both must take it, and answer in the same way."""
+        """Take what the environment does: both must accept it, and answer in the same way."""
         groups: dict[object, list[MacroStep]] = defaultdict(list)
         for each in self._theirs.of(node.theirs):
             if self._is_input(each):
@@ -283,7 +283,7 @@ class _Product:
         return step.edges[0].process in self._environment
 
     def _heard(self, group: Sequence[MacroStep]) -> bool:
-        """Whether somebody but the environment receives it in the specification."""
+        """Whether a process other than the environment receives it in the specification."""
         return any(edge.process not in self._environment for each in group for edge in each.edges)
 
     def _name(self, step: MacroStep) -> str:

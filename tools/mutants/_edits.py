@@ -1,4 +1,4 @@
-"""All mutants of the templates of a file and of its global declarations, in the order of the file."""
+"""Yield all mutants of the templates of a file and of its global declarations, in the order of the file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ from timed_automata.language import (
     parse_synchronisation,
     parse_updates,
 )
-from timed_automata.mutate._text_edits import (
+
+from ._text_edits import (
     TextEdit,
     in_declarator,
     in_function,

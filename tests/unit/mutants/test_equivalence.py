@@ -14,11 +14,10 @@ from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions, Sampled
 from timed_automata import Network, make_network
-from timed_automata.compare import ReachedNetwork
-from timed_automata.compare._edited import edited_places
 from timed_automata.document import Text
 from timed_automata.errors import ModelError, RangeError
-from timed_automata.mutate import mutants
+from tools.mutants import ReachedNetwork, mutants
+from tools.mutants._edited import edited_places
 
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from timed_automata.compare._interface import Side
 from timed_automata.compiler import Bound
 from timed_automata.explore.zones import (
     AT_MOST_ZERO,
@@ -20,6 +19,7 @@ from timed_automata.explore.zones import (
     up,
     widening,
 )
+from timed_automata.inclusion._interface import Side
 from timed_automata.network import State
 
 
@@ -35,7 +35,7 @@ class CommonZones:
 
     @property
     def start(self) -> Zone:
-        """All clocks zero."""
+        """The zone in which all clocks are zero."""
         return (AT_MOST_ZERO,) * (self.n * self.n)
 
     def within(self, zone: Zone, bounds: Iterable[Bound]) -> Zone | None:
@@ -48,11 +48,11 @@ class CommonZones:
         return [piece for zone in zones for piece in subtract(zone, constraints, self.n)]
 
     def later(self, zone: Zone) -> Zone:
-        """After any time."""
+        """The zone after any time."""
         return up(zone, self.n)
 
     def set(self, zone: Zone, resets: Mapping[int, int]) -> Zone:
-        """With clocks set to values."""
+        """The zone with clocks set to values."""
         n, found = self.n, list(zone)
         for place, value in resets.items():
             for other in range(n):

@@ -1,4 +1,4 @@
-"""``eehal model mutants``: whether the requirements notice edits of the automata."""
+"""``python -m tools.mutants``: whether the requirements notice edits of the automata."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName, write_whole
-from end_effector_hal.cli._progress import Progress
-from end_effector_hal.cli.model._source import DESCRIPTION, Source, open_source
+from end_effector_hal.cli import PathName, Progress, print_document, write_whole
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import UsageError
-
-if TYPE_CHECKING:
-    from end_effector_hal.verification.mutation import MutantVerdict, MutationRecord
+from end_effector_hal.runtime import load_automata
+from end_effector_hal.verification.mutation import MutationRecord
+from tools import run
+from tools.mutants import MutantVerdict, judge_all, mutation_record, text_of
+from tools.mutants import mutants as mutants_of
 
 _SURVIVORS = 4
 
 
-@click.command(short_help="Edit the automata systematically: which requirement notices?")
-@DESCRIPTION
+@click.command()
+@click.argument("description", required=False, type=PathName())
 @click.option(
     "--sample",
     type=click.IntRange(1),
@@ -43,18 +44,14 @@ _SURVIVORS = 4
     type=PathName(),
     help="Also write what was found: the table, and which requirements need which edge.",
 )
-@click.option(
-    "--kept", is_flag=True, help="Judge nothing: print the table that comes with the shipped automata."
-)
 @click.option("--json", "as_json", is_flag=True, help="Print one object, with each mutant.")
-def mutants(
+def command(
     description: Path | None,
     sample: int | None,
     seed: int,
     template: str | None,
     jobs: int | None,
     record: Path | None,
-    kept: bool,
     as_json: bool,
 ) -> None:
     """Edit the automata systematically, one small edit at a time, and prove the requirements of each mutant.
@@ -65,21 +62,12 @@ def mutants(
     otherwise a requirement may be missing, and the exit code is 4.
     What the values of the description switch off, or do not show, is judged with those of other tools, too.
     """
-    if kept:
-        _print_kept(as_json=as_json)
-        return
-    from end_effector_hal.control import model_constants
-    from end_effector_hal.verification.mutation import judge_all, mutation_record
-    from timed_automata.mutate import mutants as mutants_of
-
-    source = open_source(description, None)
-    assert source.description is not None
-    executed = _executed(source, template)
+    tool = load_tool(description or profile_path())
+    network, constants = load_automata(tool), model_constants(tool)
+    executed = _executed(tool, template)
     judged: list[MutantVerdict] = []
     with Progress("Judging mutants", shown=not as_json) as progress:
-        found = judge_all(
-            source.network, model_constants(source.description), executed, sample=sample, seed=seed, jobs=jobs
-        )
+        found = judge_all(network, constants, executed, sample=sample, seed=seed, jobs=jobs)
         for each in found:
             judged.append(each)
             progress(f"Judging mutants: {len(judged)}")
@@ -87,18 +75,17 @@ def mutants(
                 progress.clear()
                 click.echo(f"{each.mutant.place}: survives: {each.mutant}")
     counts = Counter(str(each.outcome) for each in judged)
-    document = source.network.document
     found_all = mutation_record(
-        document,
+        network.document,
         judged,
-        of=sum(1 for _ in mutants_of(document, executed)),
+        of=sum(1 for _ in mutants_of(network.document, executed)),
         seed=None if sample is None else seed,
     )
     if record is not None:
-        write_whole(record, found_all.text().encode())
+        write_whole(record, text_of(found_all).encode())
     if as_json:
         mutants = [each.document() for each in judged]
-        print_document({"source": source.name, "seed": seed, "outcomes": counts, "mutants": mutants})
+        print_document({"source": str(tool.source), "seed": seed, "outcomes": counts, "mutants": mutants})
     else:
         for line in _table(found_all):
             click.echo(line)
@@ -106,31 +93,14 @@ def mutants(
         sys.exit(_SURVIVORS)
 
 
-def _executed(source: Source, template: str | None) -> tuple[str, ...]:
-    assert source.description is not None
-    automata = source.description.automata
-    executed = (*automata.grip, *automata.tool_change)
+def _executed(tool: Description, template: str | None) -> tuple[str, ...]:
+    executed = (*tool.automata.grip, *tool.automata.tool_change)
     if template is None:
         return executed
     if template not in executed:
         todo = f"There are: {', '.join(executed)}."
         raise UsageError(f"No program executes a template {template!r}.", todo=todo)
     return (template,)
-
-
-def _print_kept(*, as_json: bool) -> None:
-    from end_effector_hal.verification.mutation import kept_record
-
-    record = kept_record()
-    if as_json:
-        print_document(record.document())
-        return
-    drawn = "" if record.seed is None else f", drawn with --seed {record.seed}"
-    click.echo(f"{record.judged} of {record.of} mutants{drawn}:")
-    for line in _table(record):
-        click.echo(line)
-    for survivor in record.survivors:
-        click.echo(f"survives: {survivor}")
 
 
 def _table(record: MutationRecord) -> Iterator[str]:
@@ -145,3 +115,7 @@ def _table(record: MutationRecord) -> Iterator[str]:
         yield f"{kind:22}" + "".join(f"{counts.get(outcome, 0):>9}" for outcome in outcomes)
     yield "same: proven to change nothing that can happen. off: switched off, with the values of other tools too."
     yield "invalid: no model any more. open: too many states."
+
+
+if __name__ == "__main__":
+    run(command)

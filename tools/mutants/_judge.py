@@ -11,11 +11,12 @@ from typing import NamedTuple
 from end_effector_hal.errors import ModelError, RangeError, UsageError
 from end_effector_hal.verification.proof import Requirement, requirements_of
 from timed_automata import Network, make_network
-from timed_automata.compare import ReachedNetwork
 from timed_automata.explore import Explorer, Overview, ReactionBound, overview
 from timed_automata.explore.properties import Coverage
-from timed_automata.mutate import Mutant
 from timed_automata.network import Given, remake_network
+
+from ._edits import Mutant
+from ._equivalence import ReachedNetwork
 
 _MORE = 10  # times the states of the file as it is; a mutant that has more is not searched further
 _FEW = 100  # pairs of states that differ: so many are compared before the requirements are asked

@@ -9,7 +9,7 @@ import pytest
 from tests.unit.timed_automata.explore.models import Template, document
 from timed_automata import make_network, read_document
 from timed_automata.errors import ModelError, UsageError
-from timed_automata.mutate import Mutant, mutants
+from tools.mutants import Mutant, mutants
 
 DOOR = Template(
     "Door",

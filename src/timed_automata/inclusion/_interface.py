@@ -1,4 +1,4 @@
-"""What of two networks is compared: which processes take part, what goes in, and what is seen."""
+"""The interface of a comparison: the processes that take part, their inputs and what is observed."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def inputs(implementation: Side, specification: Side) -> list[tuple[int, int]]:
 
 
 def _clocks(processes: Iterable[Process]) -> set[int]:
-    """Those that are tested."""
+    """The clocks that are tested."""
     conditions = [
         condition
         for process in processes

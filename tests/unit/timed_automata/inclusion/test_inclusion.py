@@ -6,9 +6,9 @@ import pytest
 
 from tests.unit.timed_automata.explore.models import Template, network
 from timed_automata import Network
-from timed_automata.compare import Inclusion, Interface, trace_inclusion
 from timed_automata.errors import ModelError, UsageError
 from timed_automata.explore import Explorer
+from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
 
 DECLARATIONS = "int[0, 9] shown; bool dim; broadcast chan go, done, late, more; chan push;"
 USER = Template(
