@@ -6,9 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.verification.bus import BUS_FILE
-from end_effector_hal.verification.coils import COILS_FILE
-from end_effector_hal.verification.deaths import DEATHS_FILE
+from end_effector_hal.verification.lemmas import BUS_FILE, COILS_FILE, DEATHS_FILE
 from end_effector_lab.figures import draw_template
 from timed_automata import load_document
 

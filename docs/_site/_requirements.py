@@ -9,9 +9,7 @@ from pathlib import Path
 
 from end_effector_hal.control import network_of
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.verification.bus import BUS_FILE
-from end_effector_hal.verification.coils import COILS_FILE
-from end_effector_hal.verification.deaths import DEATHS_FILE
+from end_effector_hal.verification.lemmas import BUS_FILE, COILS_FILE, DEATHS_FILE
 from end_effector_hal.verification.proof import Requirement, requirements_of
 from timed_automata import load_network
 from timed_automata.monitor import Monitor

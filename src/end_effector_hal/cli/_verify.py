@@ -113,7 +113,7 @@ def command(
     """
     from end_effector_hal.description import profile_path
     from end_effector_hal.recording import check_replaceable, content_hash
-    from end_effector_hal.verification.coils import prove_tool
+    from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import prove
 
     if sweeps:

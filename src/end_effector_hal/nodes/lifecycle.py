@@ -25,7 +25,7 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
         description: the tool.
         prove_now: prove it where no verdict is kept, which takes seconds.
     """
-    from end_effector_hal.verification.coils import prove_tool
+    from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import keep_verdict, kept_verdict, proof_verdict
 
     verdict = kept_verdict(description)

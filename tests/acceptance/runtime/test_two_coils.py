@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.description import Description, load
 from end_effector_hal.runtime import EndEffector
-from end_effector_hal.verification.coils import COILS_FILE, coil_constants
+from end_effector_hal.verification.lemmas import COILS_FILE, coil_constants
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import ChipLog, read_chip

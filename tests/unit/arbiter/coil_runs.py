@@ -12,7 +12,7 @@ from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
 from end_effector_hal.arbiter.rules import ArbiterState, Session, read_arbiter_state
-from end_effector_hal.verification.coils import COILS_FILE
+from end_effector_hal.verification.lemmas import COILS_FILE
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.seen import SeenStep, seen
 from timed_automata import make_network, read_document

@@ -12,7 +12,7 @@ from typing import Any
 
 from end_effector_hal.arbiter import Policy
 from end_effector_hal.arbiter.protocol import write_message
-from end_effector_hal.verification.deaths import DEATHS_FILE
+from end_effector_hal.verification.lemmas import DEATHS_FILE
 from tests.support.seen import SeenStep, seen
 from tests.unit.arbiter.simulation.disk import SimulatedDisk
 from tests.unit.arbiter.simulation.process import ArbiterProcess

@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import event_lines, network_of
-from end_effector_hal.verification.coils import prove_tool
+from end_effector_hal.verification.lemmas import prove_tool
 from end_effector_hal.vocabulary import EndEffectorState
 from tests.support.nightly import first_of
 from tests.unit.virtual.test_tool import GRIPPED, STAND_BY, ready, until

@@ -14,7 +14,7 @@ from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._source import DESCRIPTION, open_source
 
 if TYPE_CHECKING:
-    from end_effector_hal.verification.fig5 import Fig5Report
+    from end_effector_hal.verification.lemmas import Fig5Report
 
 _DOES_NOT_HOLD = 4
 
@@ -29,7 +29,7 @@ def fig5(description: Path | None, as_json: bool) -> None:
     description. In its world the tool is locked, commands are grip and drop, and feedback comes while an actuator is
     active, or never, stays, and is gone in time. The exit code is 4 if something does not hold.
     """
-    from end_effector_hal.verification.fig5 import compare_with_fig5
+    from end_effector_hal.verification.lemmas import compare_with_fig5
 
     source = open_source(description, None)
     assert source.description is not None
@@ -54,7 +54,7 @@ def _document(report: Fig5Report) -> dict[str, object]:
 
 
 def _lines(name: str, report: Fig5Report) -> Iterator[str]:
-    from end_effector_hal.verification.fig5 import OBSERVED
+    from end_effector_hal.verification.lemmas import OBSERVED
 
     findings, inclusion = report.proof.findings, report.inclusion
     holding = sum(finding.holds for finding in findings)

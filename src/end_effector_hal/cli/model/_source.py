@@ -111,7 +111,7 @@ def open_source(
 
 
 def _coils_of(description: Description, output: str) -> Source:
-    from end_effector_hal.verification.coils import coil_networks
+    from end_effector_hal.verification.lemmas import coil_networks
 
     networks = coil_networks(description)
     if output not in networks:
@@ -124,7 +124,7 @@ def _coils_of(description: Description, output: str) -> Source:
 
 
 def _registers_of(description: Description, actuator: str) -> Source:
-    from end_effector_hal.verification.bus import bus_networks
+    from end_effector_hal.verification.lemmas import bus_networks
 
     networks = bus_networks(description)
     if actuator not in networks:
@@ -135,7 +135,7 @@ def _registers_of(description: Description, actuator: str) -> Source:
 
 
 def _deaths_of(description: Description) -> Source:
-    from end_effector_hal.verification.deaths import death_network
+    from end_effector_hal.verification.lemmas import death_network
 
     network = death_network(description)
     return Source(f"{description.source}: deaths", network, None, _told(network))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.verification.coils import COILS_FILE
+from end_effector_hal.verification.lemmas import COILS_FILE
 from tests.unit.verification.mutants.conftest import Shipped
 from tests.unit.verification.mutants.mutants import Mutant, first_of_each
 

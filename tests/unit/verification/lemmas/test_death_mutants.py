@@ -11,7 +11,7 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.verification.deaths import DEATHS_FILE
+from end_effector_hal.verification.lemmas import DEATHS_FILE
 from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.arbiter.death_runs import model_text
 from tests.unit.arbiter.test_death_template import played

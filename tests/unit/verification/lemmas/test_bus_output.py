@@ -12,12 +12,12 @@ from click.testing import CliRunner
 from end_effector_hal.cli._verify import command as verify
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.stanza import RegisterOutput
-from end_effector_hal.verification.bus import BUS_FILE
+from end_effector_hal.verification.lemmas import BUS_FILE
 from end_effector_hal.verification.proof import prove
 from end_effector_hal.wires.bus._output import BusOutput
 from tests.support.nightly import first_of
 from tests.unit.figures.layout_faults import layout_faults
-from tests.unit.verification.bus.output_runs import ACTIVATED, APART, PLAIN, model_text, random_output_run
+from tests.unit.verification.lemmas.output_runs import ACTIVATED, APART, PLAIN, model_text, random_output_run
 from tests.unit.verification.mutants.conftest import Shipped
 from tests.unit.verification.mutants.mutants import Mutant
 from timed_automata import load_document, load_network, make_network, read_document

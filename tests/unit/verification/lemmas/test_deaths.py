@@ -16,7 +16,7 @@ from end_effector_hal.control import model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import RunInfo
-from end_effector_hal.verification.deaths import DEATHS_FILE, death_network
+from end_effector_hal.verification.lemmas import DEATHS_FILE, death_network
 from end_effector_hal.verification.proof import (
     Finding,
     counterexample_run,

@@ -7,7 +7,7 @@ import random
 
 from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import Activation, Handshake, RegisterOutput
-from end_effector_hal.verification.bus import BUS_FILE, output_constants
+from end_effector_hal.verification.lemmas import BUS_FILE, output_constants
 from end_effector_hal.wires.bus import BusOutputs
 from tests.support.seen import SeenStep, seen
 from timed_automata import make_network, read_document

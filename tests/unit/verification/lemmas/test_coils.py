@@ -14,7 +14,7 @@ from end_effector_hal.cli._verify import command as verify
 from end_effector_hal.cli.model._model import command as model
 from end_effector_hal.description import load
 from end_effector_hal.errors import UsageError
-from end_effector_hal.verification.coils import COILS_FILE, coil_constants
+from end_effector_hal.verification.lemmas import COILS_FILE, coil_constants
 from end_effector_hal.verification.proof import Proof, prove
 from tests.support.nightly import first_of
 from tests.unit.figures.layout_faults import layout_faults
