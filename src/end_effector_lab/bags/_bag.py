@@ -85,6 +85,10 @@ class Bag:
         except OSError as error:
             raise UsageError(f"Cannot be read: {error.strerror or error}.", where=str(self._path)) from None
         except Exception as error:  # noqa: BLE001 the library raises anything for bytes that are no records
+            if "Profile is not" in str(error):
+                raise UsageError(
+                    "This is an MCAP file, but not a bag of ROS 2.", where=str(self._path), todo=_WHAT
+                ) from None
             raise self._damaged(reason_of(error)) from None
 
     def _damaged(self, reason: str) -> UsageError:

@@ -61,8 +61,8 @@ def without_words(patch: pytest.MonkeyPatch) -> None:
 def with_a_drop_at_every_doubt(patch: pytest.MonkeyPatch) -> None:
     status = StatusBuilder.status
 
-    def dropping(self: StatusBuilder, at: int) -> Status:
-        told = status(self, at)
+    def dropping(self: StatusBuilder, at: int, *events: object) -> Status:
+        told = status(self, at, *events)
         return told if all(told.evidence) else replace(told, outputs=(False,) * 3)
 
     patch.setattr(StatusBuilder, "status", dropping)

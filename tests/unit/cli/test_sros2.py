@@ -84,7 +84,7 @@ def test_a_tool_without_a_changer(verdin: Description) -> None:
 
 @pytest.mark.parametrize("namespace", ["a//b", "9x", "/a b", "a/&lt;", "ä"])
 def test_what_is_no_namespace(verdin: Description, namespace: str) -> None:
-    with pytest.raises(UsageError, match="is no namespace"):
+    with pytest.raises(UsageError, match="is not a namespace"):
         security_policy(verdin, namespace=namespace)
 
 

@@ -97,9 +97,9 @@ class GripProgram(Program):
             air, names = self._description.blow_off_lines, self._description.sequence
             blown = tuple(each for each in completed.blowing if air[names[each]] in written.activated)
             events = tuple(
-                each
-                for each in completed.events
-                if each.kind is not EventKind.BLOWN_OFF or each.actuator in blown
+                event
+                for event in completed.events
+                if event.kind is not EventKind.BLOWN_OFF or event.actuator in blown
             )
             completed = replace(completed, blowing=blown, events=events)
         if adoption.lost:  # as last known; what was never known is in doubt active

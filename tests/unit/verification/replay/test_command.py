@@ -63,7 +63,7 @@ def test_another_tool_decides_otherwise(folder: Path, tmp_path: Path) -> None:
 
 def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x.mcap").write_text("nothing")
-    for place, what in ((tmp_path / "x.mcap", "no MCAP file"), (tmp_path / "none", "no trace here")):
+    for place, what in ((tmp_path / "x.mcap", "not an MCAP file"), (tmp_path / "none", "no trace here")):
         result = run(place)
         assert result.exit_code != 0
         assert getattr(result.exception, "exit_code", None) == 2

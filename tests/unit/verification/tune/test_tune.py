@@ -200,7 +200,7 @@ def test_one_of_many_that_cannot_be_read_is_left_out(nominal: Path, tmp_path: Pa
     content = json.loads(command(tmp_path / "runs", "--json").stdout)
     assert content["grips"] == 1
     (note,) = [each for each in content["notes"] if "left out" in each]
-    assert "no MCAP file" in note
+    assert "not an MCAP file" in note
     assert isinstance(command(tmp_path / "runs" / "a").exception, UsageError)
 
 
