@@ -122,8 +122,8 @@ def test_a_fault_that_a_slow_disk_gives_back_late_is_there_until_its_program_is_
         assert faults(world) == {"journal"}
         answers.touch()
         wait_until("the fault", lambda: "sensor_fault" in faults(world))
-        with ArbiterClient(world.socket, "reset") as arbiter:
-            assert arbiter.reset() == {
+        with ArbiterClient(world.socket, "reset") as client:
+            assert client.reset() == {
                 "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."
             }
         status = fed(program, lambda status: status.changer == ChangerState.FAULT, unlocked=False)
