@@ -33,7 +33,7 @@ def refused(*arguments):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("end_effector.launch.py",), "No tool is named: exactly one is driven"),
+        (("end_effector.launch.py",), "No tool is named: exactly one tool is needed"),
         (("end_effector.launch.py", "description:=no_such.yaml"), "there is no such file"),
         (("several.launch.py", "tools:=left"), "are no tools"),
         (("several.launch.py", "tools:=a=x.yaml a=y.yaml"), "two tools in one namespace"),
@@ -239,7 +239,7 @@ def test_a_managed_tool_is_proven_configured_activated_and_held(tmp_path):
         (tool,) = re.findall(r"simulated: (\S+)", said())
         chip = Path(tool).with_name("chip")
         assert not change(CONFIGURE)
-        client.until("the reason", lambda: "Nothing is known of a proof of verdin_gripper" in said())
+        client.until("the reason", lambda: "No proof is stored of verdin_gripper" in said())
         verify = ("ros2", "run", "end_effector_hal", "eehal", "verify", tool)
         subprocess.run(
             verify, env={**os.environ, **state}, capture_output=True, timeout=LONGEST_S, check=True
