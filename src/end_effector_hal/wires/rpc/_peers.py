@@ -1,4 +1,4 @@
-"""Connections of which none waits, and all those of one listener."""
+"""Non-blocking connections, and the set of those of one listener."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Peer:
 
     @property
     def overlong(self) -> bool:
-        """Whether more came than any line is long."""
+        """Whether it sent a line that is too long."""
         return not self.waits and len(self._rest) > self._longest
 
     @property
@@ -126,7 +126,7 @@ class Peers(Generic[P]):
         return len(self._open)
 
     def accept(self) -> P | None:
-        """Accept a client; None: nobody waits, or it was turned away."""
+        """Accept a client; None: no client waits, or it was refused."""
         if (sock := self._listener.accept()) is None:
             return None
         try:
@@ -140,7 +140,7 @@ class Peers(Generic[P]):
         return peer
 
     def put(self, peer: P, data: bytes) -> bool:
-        """Send data to one that may have gone; False: it had to be dropped, because it does not keep up."""
+        """Send data to one that may have gone; False: it was dropped, because it has gone or reads too slowly."""
         return peer not in self._open or self._watch(peer, peer.put(data))
 
     def send(self, peer: P) -> bool:

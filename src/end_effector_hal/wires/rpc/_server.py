@@ -24,12 +24,14 @@ from ._peers import Peer, Peers
 _log = logging.getLogger("end_effector_hal.wires")
 SECOND_US = 1_000_000
 AGAIN_S = 0.1
+WARN_EVERY_US = 10_000_000
+"""Clients that come again fill no log."""
 END_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class ClientLimits:
-    """What a server allows its clients."""
+    """The limits of a server's clients."""
 
     clients: int = 16
     line: int = 1_000
@@ -52,7 +54,7 @@ class _Client(Peer):
         self._second = self._lines = 0
 
     def count_line(self, at: int) -> int:
-        """Lines in this second, this one included."""
+        """Return the number of lines in this second, including this one."""
         if at - self._second >= SECOND_US:
             self._second, self._lines = at, 0
         self._lines += 1
@@ -89,6 +91,7 @@ class Server:
         self._path, self._limits, self._greets = path, limits, greets
         self._request, self._handle = request, handle
         self._ended = self._served = False
+        self._warned: int | None = None  # µs, when the last slow client was reported
         self._requests: queue.SimpleQueue[tuple[_Client, RpcRequest] | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[tuple[_Client, bytes]] = queue.SimpleQueue()
         self._threads: list[threading.Thread] = []
@@ -103,7 +106,7 @@ class Server:
         self._selector.register(self._wake_read, selectors.EVENT_READ, self)
 
     def __len__(self) -> int:
-        """How many clients there are."""
+        """The number of clients."""
         return len(self._clients)
 
     def fileno(self) -> int:
@@ -139,7 +142,7 @@ class Server:
             self._wake.send(b"x")
 
     def poll(self, wait_s: float | None = 0) -> None:
-        """Do what is to be done within this time (None: wait for something), and send the answers that are ready."""
+        """Serve for at most this time (None: until something happens), and send the answers that are ready."""
         for key, events in self._selector.select(wait_s):
             if isinstance(key.data, _Client):
                 self._serve(key.data, events)
@@ -158,19 +161,19 @@ class Server:
         return any(not client.follows for client in self._clients)
 
     def begin(self, data: bytes) -> None:
-        """Send this to all newcomers; they follow from now on."""
+        """Send data to all newcomers; from now on they get all records."""
         for client in self._clients:
             if not client.follows:
                 client.follows = True
                 self._put(client, data)
 
     def lose_all(self) -> None:
-        """Make newcomers of all clients."""
+        """Treat all clients as newcomers again."""
         for client in self._clients:
             client.follows = False
 
     def send(self, data: bytes) -> None:
-        """Send this to all clients that follow."""
+        """Send data to all clients but newcomers."""
         for client in self._clients:
             if client.follows:
                 self._put(client, data)
@@ -250,8 +253,11 @@ class Server:
         self._put(client, answer_line(number, Reply(False, refused)))
 
     def _put(self, client: _Client, data: bytes) -> None:
-        if not self._clients.put(client, data):
-            _log.warning("a client of %s does not keep up: it is dropped", self._path)
+        if self._clients.put(client, data) or client.behind <= self._limits.backlog:
+            return  # sent, or the client has gone
+        if self._warned is None or now_us() - self._warned >= WARN_EVERY_US:
+            self._warned = now_us()
+            _log.warning("a client of %s reads too slowly: it was disconnected", self._path)
 
     def _execute(self) -> None:
         while (entry := self._requests.get()) is not None:
