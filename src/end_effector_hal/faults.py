@@ -22,7 +22,7 @@ from end_effector_hal.wires.rpc import RpcRequest
 NOMINAL = "nominal"
 """The scenario in which nothing is wrong."""
 MOST_TEXT = 300
-"""Letters of a scenario."""
+"""The largest number of letters of a scenario."""
 LONGEST = 2_000
 """Bytes of a message to the testbench: any scenario fits, however it is escaped."""
 
@@ -67,7 +67,7 @@ class FaultOffer:
 
 @dataclass(frozen=True, slots=True)
 class TestbenchHeader:
-    """Which tool is simulated: its name, the hash of its description, and what can go wrong with it."""
+    """The simulated tool: its name, the hash of its description, and its possible faults."""
 
     __test__ = False  # no test class for pytest
 
@@ -78,7 +78,7 @@ class TestbenchHeader:
 
 @dataclass(frozen=True, slots=True)
 class TestbenchScenario:
-    """What is wrong now, as text."""
+    """The scenario that plays now, as text."""
 
     __test__ = False
 
@@ -90,7 +90,7 @@ TESTBENCH_RECORDS: dict[str, type] = {"header": TestbenchHeader, "scenario": Tes
 
 @dataclass(frozen=True, slots=True)
 class FaultRequest(RpcRequest):
-    """Whether a scenario could be played, or to play it."""
+    """A request to check a scenario, or to play it."""
 
     word: Literal["check", "choose"]
     scenario: Annotated[str, Field(max_length=MOST_TEXT)]

@@ -16,7 +16,7 @@ from timed_automata import Change, Step
 
 
 class EventKind(StrEnum):
-    """What an event is about."""
+    """The kinds of events."""
 
     COMMAND_ACCEPTED = "command accepted"
     ATTEMPT_BEGAN = "attempt began"
@@ -35,7 +35,7 @@ class EventKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ToolEvent:
-    """One thing that a step of the automata meant.
+    """One event of a step of the automata.
 
     Attributes:
         at: µs, when the step was taken.
@@ -85,13 +85,13 @@ EDGES: Mapping[tuple[str, str, str], tuple[EventKind, ...]] = {
 }
 """From an edge of `Gripper` or `Changer` to its events: its source, its target and its channel; empty: it has none."""
 FAILURES = (_K.TIMED_OUT, _K.CLOSED_ON_NOTHING, _K.NOT_GONE, _K.NOT_PROVEN)
-"""What was waited for and did not come."""
+"""Events that mean that a time-out has passed."""
 _ATTEMPTS = (_K.ATTEMPT_BEGAN, _K.CONFIRMED, _K.TIMED_OUT, _K.CLOSED_ON_NOTHING)
 _CAUSES = {int(each): each for each in Cause}  # a lookup costs less than a conversion
 
 
 class EventReader:
-    """Reads the events of one program off its steps, in the order in which they are taken.
+    """Derive the events of one program from its steps, given in their order.
 
     Args:
         variables: of the automata before the first step; default: those of the start.
@@ -111,7 +111,7 @@ class EventReader:
             setattr(self, self._NAMES[name], (variables or {})[name])
 
     def of(self, step: Step, at: int) -> tuple[ToolEvent, ...]:
-        """The events of one more step, which was taken at ``at`` µs."""
+        """Return the events of the next step, taken at ``at`` µs."""
         before = self._attempt
         found: list[ToolEvent] = []
         changed: list[Change] = []

@@ -55,7 +55,7 @@ class ToolLink:
         await asyncio.gather(*(link.run() for link in self._links.values()))
 
     async def command(self, word: str, actuator: str = "") -> Answer:
-        """Ask for a command of `PROGRAM_WORDS`, ``reset`` or ``stop``; an answer in any case."""
+        """Request a command of `PROGRAM_WORDS`, ``reset`` or ``stop``; always return an answer."""
         if word == "stop":
             return await self._at_the_arbiter("stop", partial(stop, self._description))
         if word == "reset":
@@ -66,7 +66,7 @@ class ToolLink:
         return Answer(*await self._links[program_of(word)].request(command=word, actuator=actuator))
 
     async def _reset(self) -> Answer:
-        """As `EndEffector.reset`: the tool changer, then what the programs and the line arbiter have latched."""
+        """Reset as `EndEffector.reset` does: the tool changer, then the latched faults of programs and line arbiter."""
         answers = []
         status = self._view.status()
         if status is not None and status.changer_fault:
@@ -101,7 +101,7 @@ class ToolLink:
 
 
 class _Acknowledged:
-    """The gripping program was asked before."""
+    """The gripping program was asked first."""
 
     def acknowledge(self) -> None:
         pass
@@ -131,7 +131,7 @@ class TestbenchLink:
         """Follow the testbench until it is cancelled."""
 
     async def ask(self, word: str, scenario: str) -> Answer:
-        """Whether it could play a scenario (``check``), or play it (``choose``); an answer in any case."""
+        """Check a scenario (``check``) or play it (``choose``); always return an answer."""
         return Answer(*await self._client.request(word=word, scenario=scenario))
 
     def _take(self, kind: str, at: int, content: TestbenchHeader | TestbenchScenario | None) -> None:

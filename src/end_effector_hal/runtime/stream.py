@@ -38,15 +38,15 @@ from end_effector_hal.wires.rpc import Reply, RpcRequest, Server, ask, record_li
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 2_000
-"""Records that wait for the thread of the stream."""
+"""The largest number of records that wait for the thread of the stream."""
 LOOK_S = 0.1
-"""How often it looks for records while somebody reads, as often as a page shows them: each look costs the program."""
+"""The interval between two looks for records while a client reads: that of the page, because each look costs time."""
 ALIVE_US = 400_000
 AT_ONCE = 65_536
-"""Bytes that are sent together; more would look as if a reader were behind."""
+"""The largest number of bytes sent at once; with more a fast reader would count as slow."""
 TOO_LATE = "The command came too late and was not executed."
 MAINTENANCE_WORDS = ("activate", "deactivate")
-"""Of one actuator (IL-12)."""
+"""Commands for one actuator (IL-12)."""
 RELOAD, GO_ON = "reload", "go-on"
 RELOAD_WORDS = (RELOAD, GO_ON)
 """Of either program: whether it can take over its description as the file is now; if so, nothing is activated for 30 s,
@@ -73,12 +73,12 @@ def program_socket(description: Description, program: str) -> Path:
 
 
 def program_of(word: str) -> str:
-    """The program that takes a command."""
+    """Return the program that executes a command."""
     return next(name for name, words in PROGRAM_WORDS.items() if word in words)
 
 
 def ask_program(path: Path, program: str, command: str) -> Answer:
-    """Ask for a command and wait for the answer; one that is not decided, if none came."""
+    """Request a command and wait for the answer; without one, return an undecided answer."""
     return Answer(*ask(path, f"The {program} program", command=command))
 
 
@@ -102,7 +102,7 @@ class RecordStream:
     ) -> None:
         self._path, self._beside, self._header, self._words = path, beside, header, frozenset(words)
         self.wants_state = False
-        """Somebody waits for a state: `begin` is to be called."""
+        """A client waits for a state: call `begin`."""
         self._active = False
         self._batches: queue.SimpleQueue[tuple[bool, Sequence[Entry]]] = queue.SimpleQueue()
         self._put_count = self._sent_count = 0  # each counted by one side only
@@ -110,7 +110,7 @@ class RecordStream:
         self._server: Server | None = None
 
     def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
-        """Make the socket, and begin; raises nothing.
+        """Make the socket and start; raise nothing.
 
         Args:
             command: asks the program, in a thread that may wait.
@@ -135,7 +135,7 @@ class RecordStream:
             self._server = server
 
     def put(self, batch: Sequence[Entry]) -> None:
-        """Have records sent; returns at once."""
+        """Queue records for all clients; return at once."""
         if not self._active or not batch:
             return
         if self._put_count - self._sent_count + len(batch) > MOST_WAITING:
@@ -146,7 +146,7 @@ class RecordStream:
         self._batches.put((False, batch))
 
     def begin(self, first: Sequence[Entry]) -> None:
-        """Go on from here, with these records after the header; returns at once."""
+        """Start the waiting clients with these records, after the header; return at once."""
         self.wants_state, self._active = False, True
         self._batches.put((True, first))
 

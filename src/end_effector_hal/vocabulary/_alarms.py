@@ -118,7 +118,7 @@ ALARMS: Mapping[str, AlarmText] = {
     "node.unknown_sender": _warning("{text}"),
     UNKNOWN_ALARM: _warning("{text}"),
 }
-"""Every alarm by its id."""
+"""The texts of all alarms, by id."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +174,7 @@ class Alarm:
         return ALARMS.get(self.id, ALARMS[UNKNOWN_ALARM])
 
     def as_json(self) -> dict[str, object]:
-        """What a program reads of it."""
+        """The alarm as JSON."""
         names = {"id": self.id, "about": self.about, "severity": self.severity}
         return names | {"text": self.text, "over": self.over}
 
@@ -186,7 +186,7 @@ Change = Literal["begun", "over", "ended"]
 
 
 def alarm_changes(before: Iterable[Alarm], now: Iterable[Alarm]) -> Iterator[tuple[Alarm, Change]]:
-    """What has ended, then what has begun, is over or has another text now; each alarm by its identity."""
+    """Return the alarms that ended, then those that began, are over or changed their text, compared by identity."""
     old = {each.key: each for each in before}
     new = {each.key: each for each in now}
     yield from ((each, "ended") for key, each in old.items() if key not in new)
@@ -196,7 +196,7 @@ def alarm_changes(before: Iterable[Alarm], now: Iterable[Alarm]) -> Iterator[tup
 
 
 def distinct(alarms: Iterable[Alarm]) -> tuple[Alarm, ...]:
-    """Each alarm once, where several report the same: the first, or the first that is not over."""
+    """Return every alarm once: the first report of it, or the first that is not over."""
     found: dict[tuple[str, str], Alarm] = {}
     for each in alarms:
         known = found.setdefault(each.key, each)
@@ -206,7 +206,7 @@ def distinct(alarms: Iterable[Alarm]) -> tuple[Alarm, ...]:
 
 
 def with_since(alarms: Iterable[Alarm], before: Sequence[Alarm], at: int) -> tuple[Alarm, ...]:
-    """Alarms with the time of their beginning: that of the same alarm before, else ``at`` µs."""
+    """Give alarms the time of their beginning: that of the same alarm before, else ``at`` µs."""
     since = {each.key: each.since for each in before}
     return tuple(
         [each if each.since >= 0 else replace(each, since=since.get(each.key, at)) for each in alarms]
@@ -214,7 +214,7 @@ def with_since(alarms: Iterable[Alarm], before: Sequence[Alarm], at: int) -> tup
 
 
 def received_alarms(texts: Sequence[str], names: Sequence[str] = ()) -> tuple[Alarm, ...]:
-    """Alarms of a message, with the sentences that came; lengths, numbers and ids are distrusted."""
+    """Read the alarms of a message with their sentences; lengths, numbers and ids are bounded."""
     return tuple(
         [
             _received(text or "", name or "")

@@ -204,7 +204,7 @@ class ResultsFolder:
         except (ValueError, RecursionError):
             found_mark = None
         if not isinstance(found_mark, dict):
-            raise UsageError(f"This is no mark of a {layout.noun}.", where=str(path), todo=ELSEWHERE)
+            raise UsageError(f"This is not a mark of a {layout.noun}.", where=str(path), todo=ELSEWHERE)
         for key, value in self._mark.items():
             if found_mark.get(key) != value:
                 raise UsageError(
@@ -235,7 +235,7 @@ def _is_there(path: Path, is_kind: Callable[[int], bool], kind: str) -> bool:
             f"It cannot be reached: {error.strerror}.", where=str(path), todo=ELSEWHERE
         ) from None
     if not is_kind(mode):
-        raise UsageError(f"This is no {kind}.", where=str(path), todo=f"Move it away. {ELSEWHERE}")
+        raise UsageError(f"This is not a {kind}.", where=str(path), todo=f"Move it away. {ELSEWHERE}")
     return True
 
 

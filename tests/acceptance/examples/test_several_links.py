@@ -60,7 +60,7 @@ def test_one_link_falls_silent_while_held_and_comes_back(world: World) -> None:
         assert tool.grip().succeeded
         world.choose("silent-after:jaws:0")
         down = f"The sensor link jaws ({jaws}) is down."
-        wait_until("it is told", lambda: down in tool.status.alarm_texts)
+        wait_until("the alarm", lambda: down in tool.status.alarm_texts)
         assert not alarms(tool, "sensor link cups")
         assert tool.status.ee is EndEffectorState.GRIPPED
         assert all(tool.status.outputs)
@@ -99,7 +99,7 @@ def test_a_port_that_is_unplugged_comes_back_while_the_other_goes_on(tmp_path: P
             wait_until("it is judged", lambda: tool.status.evidence[1] is Evidence.CONFIRMED)
             assert tool.status.evidence[0] is Evidence.UNKNOWN
             assert tool.status.ee is EndEffectorState.GRIPPED
-            wait_until("it is told", lambda: alarms(tool, "sensor link cups"))
+            wait_until("the alarm", lambda: alarms(tool, "sensor link cups"))
             assert not alarms(tool, "sensor link jaws")
 
 

@@ -94,7 +94,7 @@ def test_a_switch_that_opens_while_a_part_is_held_is_a_lost_grip_at_once(six_cup
         assert tool.grip().succeeded
         tool.subscribe(seen.append)
         six_cups.choose("shows:cup_5:0")
-        wait_until("it is told", lambda: tool.status.ee is EndEffectorState.GRIP_ERROR)
+        wait_until("the alarm", lambda: tool.status.ee is EndEffectorState.GRIP_ERROR)
         assert all(tool.status.outputs)  # nothing but a Drop releases it
         six_cups.choose("nominal")
         assert tool.drop().succeeded
@@ -123,7 +123,7 @@ def test_an_analog_file_that_is_gone_holds_what_is_held_and_refuses_a_grip(diy_v
         wait_until("it is read", lambda: tool.status.evidence[0] is Evidence.CONFIRMED)
         assert tool.drop().succeeded
         diy_vacuum.choose("invalid:cup")
-        wait_until("it is told", lambda: shows(tool, "No valid reading of cup"))
+        wait_until("the alarm", lambda: shows(tool, "No valid reading of cup"))
         assert isinstance(tool.begin(Command.GRIP), Refused)
 
 

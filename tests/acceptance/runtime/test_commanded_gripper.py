@@ -179,7 +179,7 @@ def test_a_cut_cable_while_it_holds_is_told_and_changes_nothing(gripper: Rig) ->
     with gripper.gripping() as tool:
         told = len(gripper.device.written)
         gripper.cable.cut = True
-        wait_until("it is told", lambda: tool.status.alarm_texts)
+        wait_until("the alarm", lambda: tool.status.alarm_texts)
         assert tool.status.ee == EndEffectorState.GRIPPED
         gripper.cable.cut = False
         wait_until("it is over", lambda: all(each.startswith("Over:") for each in tool.status.alarm_texts))
@@ -197,7 +197,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         told = len(gripper.device.written)
         gripper.device.fault = 0xC
         wait_until(
-            "it is told", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarm_texts
+            "the alarm", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarm_texts
         )
         assert tool.status.ee == EndEffectorState.GRIPPED
         wait_until("its sensors prove nothing", lambda: tool.status.evidence[0] is Evidence.UNKNOWN)
@@ -213,7 +213,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         refused = tool.begin(Command.GRIP)
         assert "IL-07: Over: Gripper fault: internal fault; ask Robotiq. Reset it first." in str(refused)
         assert tool.reset().accepted
-        wait_until("nothing is told", lambda: not tool.status.alarm_texts)
+        wait_until("no alarm", lambda: not tool.status.alarm_texts)
         wait_until("a grip", lambda: tool.grip().succeeded)
 
 
@@ -246,7 +246,7 @@ def test_a_fault_that_an_activation_clears_is_cleared_by_the_next_grip_and_never
         told = len(gripper.device.written)
         gripper.device.fault = 0xE
         alarm = "Gripper fault: overcurrent; the next grip activates it again."
-        wait_until("it is told", lambda: alarm in tool.status.alarm_texts)
+        wait_until("the alarm", lambda: alarm in tool.status.alarm_texts)
         assert len(gripper.device.written) == told
         wait_until("a grip", lambda: tool.grip().succeeded)
         assert gripper.device.written[told:][:2] == [(0, 0, 0), (0x0100, 0, 0)]

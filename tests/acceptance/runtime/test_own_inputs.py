@@ -114,7 +114,7 @@ def test_programs_see_the_same_and_see_it_again_after_the_arbiter_was_killed(
         wait_until("a grip", lambda: tool.grip().succeeded)
         with ArbiterClient(world.socket, "test") as observer:
             os.kill(observer.status()["pid"], signal.SIGKILL)
-        wait_until("it is told", lambda: "the line arbiter" in str(tool.inputs))
+        wait_until("the alarm", lambda: "the line arbiter" in str(tool.inputs))
         assert active(world, JAW)
         again = world.children.start(
             "again", [*EEHAL, "arbiter", str(world.description_path)], log=tmp_path / "again.log"

@@ -116,7 +116,7 @@ def test_one_that_dies_is_told_and_the_other_is_read_and_commanded_on(rig: Rig) 
         tool.wait_ready(READY_S)
         wait_until("a grip", lambda: tool.grip().succeeded)
         left.cut = True
-        wait_until("it is told", lambda: any("left" in alarm for alarm in tool.status.alarm_texts))
+        wait_until("the alarm", lambda: any("left" in alarm for alarm in tool.status.alarm_texts))
         assert tool.status.ee == EndEffectorState.GRIPPED
         frames = tool.links["right"].frames
         wait_until("the other is read", lambda: tool.links["right"].frames > frames + 10)

@@ -55,7 +55,7 @@ def test_a_request() -> None:
     ],
 )
 def test_what_is_no_request_is_said_with_its_place(wrong: bytes, place: str) -> None:
-    with pytest.raises(UsageError, match=f"This is no valid request: {place}: "):
+    with pytest.raises(UsageError, match=f"This is not a valid request: {place}: "):
         read_fault_request(wrong)
 
 
@@ -64,7 +64,7 @@ def test_what_is_no_request_is_said_with_its_place(wrong: bytes, place: str) -> 
 )
 def test_whatever_comes_is_refused_in_a_sentence(content: bytes | str) -> None:
     line = content.encode() if isinstance(content, str) else content
-    with pytest.raises(UsageError, match="This is no valid request: "):
+    with pytest.raises(UsageError, match="This is not a valid request: "):
         read_fault_request(line)
 
 

@@ -359,7 +359,7 @@ def test_a_page_of_a_folder_of_runs_says_what_to_name(grip: Path, tmp_path: Path
     ):
         ran = CliRunner().invoke(eehal, [each.replace("runs", str(tmp_path / "runs")) for each in words])
         assert isinstance(ran.exception, UsageError)
-        assert "This is no recording, it holds 1 of them." in str(ran.exception), words
+        assert "This folder is not a recording: it contains 1 of them." in str(ran.exception), words
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def test_another_mark_is_refused_and_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"[]", b"\xff", b"[" * 50_000, b"{", b" " * 200_000])
 def test_a_mark_that_is_none_is_refused(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "survey.json").write_bytes(content)
-    with pytest.raises(UsageError, match=r"no mark of a survey|more than"):
+    with pytest.raises(UsageError, match=r"not a mark of a survey|more than"):
         opened(tmp_path)
     assert (tmp_path / "survey.json").read_bytes() == content
 
@@ -126,7 +126,7 @@ def test_a_folder_or_a_link_in_place_of_a_file_is_refused_before_the_work(name: 
     for make in (Path.mkdir, lambda path: path.symlink_to(precious)):
         (folder / name).unlink(missing_ok=True)
         make(folder / name)
-        with pytest.raises(UsageError, match=r"This is no file\."):
+        with pytest.raises(UsageError, match=r"This is not a file\."):
             opened(folder)
         (folder / name).rmdir() if make is Path.mkdir else (folder / name).unlink()
     assert precious.read_text() == "precious"

@@ -168,7 +168,7 @@ def test_a_command_is_answered_and_one_that_is_late_or_unknown_is_not_executed(s
     assert "Check the clock" in reader.ask(id=4, command="grip", until_us=now_us() + 60_000_000)["reason"]
     assert "no such command" in reader.ask(id=5, command="fly", until_us=soon)["reason"]
     for malformed in ({}, {"id": "1", "command": "grip", "until_us": soon}, {"id": 1, "command": ["grip"]}):
-        assert "This is no valid request: " in reader.ask(**malformed)["reason"]
+        assert "This is not a valid request: " in reader.ask(**malformed)["reason"]
     assert served.asked == ["grip", "cancel"]
     reader.close()
 

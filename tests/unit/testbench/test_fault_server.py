@@ -138,7 +138,7 @@ def test_what_is_no_request_gets_a_sentence_and_the_connection_goes_on(served: S
         page.sock.sendall(wrong + b"\n")
         answer = page.until("answer-to")
         assert (answer["id"], answer["accepted"]) == (None, False)
-        assert answer["reason"].startswith("This is no valid request: ")
+        assert answer["reason"].startswith("This is not a valid request: ")
     assert page.ask(scenario="no-tool") == (True, "")
 
 

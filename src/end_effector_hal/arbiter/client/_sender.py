@@ -99,5 +99,5 @@ class PredicateSender:
     def _failed(self, error: OSError) -> None:
         if self._socket is not None and str(error) != self._refused:
             self._refused = str(error)
-            _log.warning("what the sensors prove cannot be sent to the line arbiter: %s", error)
+            _log.warning("the sensor report cannot be sent to the line arbiter: %s", error)
         self.close()

@@ -56,7 +56,7 @@ def _checked(reader: Any) -> Callable[..., Any]:
     return found
 
 
-_BAG_READERS: Plugins[Callable[..., Any]] = Plugins(GROUP, "reader of bags", {}, _checked, make=False)
+_BAG_READERS: Plugins[Callable[..., Any]] = Plugins(GROUP, "bag reader", {}, _checked, make=False)
 
 
 def is_recording(path: Path) -> bool:
@@ -106,7 +106,7 @@ def _open(path: Path, description: Path | None) -> RecordingFiles | RecordedTabl
         if path.suffix == TRACE and path.is_file() and description is not None:
             return _bag(path, description)
         if runs := runs_in(path):
-            what = f"This is no recording, it holds {len(runs)} of them."
+            what = f"This folder is not a recording: it contains {len(runs)} of them."
             todo = f"Name one of them ({runs[0]}), or write all into one file: `eehal report {path}`."
             raise UsageError(what, where=str(path), todo=todo) from None
         if path.suffix == TRACE:

@@ -107,7 +107,7 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
             time_s, event, id_, about, text = fields
             row = AlarmRow(line.seconds(time_s, rows[-1].time_s if rows else 0.0), event, text, id_, about)
         except (ValueError, UsageError, csv.Error):
-            raise line.fault(f"This is no row of {','.join(COLUMNS)}.") from None
+            raise line.fault(f"This is not a row of {','.join(COLUMNS)}.") from None
         repeated = line.path != first and event != ENDED and row.key in standing
         if not repeated:  # a segment begins with what stands then
             rows.append(row)

@@ -128,7 +128,7 @@ class Adoption:
                 self.outputs.alarm = unknown(error)
         if not self.outputs.lost:
             return self._filtered([*statuses, self.now(at)])
-        # before it is told nothing is held: the will that holds must have arrived, or the arbiter may still unwind
+        # nothing is reported as held before the arbiter has the will that holds: until then it may unwind
         return self._filtered(statuses, lambda status: published.held or not status.held)
 
     def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:

@@ -1,4 +1,4 @@
-"""A client that waits for what it asks."""
+"""A client whose calls block until the answer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LONGEST_LINE = 4_000_000
 """Bytes of a line of a server."""
 READ_BYTES = 262_144
 ANSWER_S = 10.0
-"""How long `ask` waits: a description is loaded and checked meanwhile."""
+"""The longest wait of `ask`: the program may load and check a description."""
 
 
 class Client:
@@ -34,7 +34,7 @@ class Client:
 
     @property
     def connected(self) -> bool:
-        """Whether it is connected, as far as the last call showed."""
+        """Whether the connection was open at the last call."""
         return self._socket is not None
 
     def connect(self, timeout_s: float | None = None) -> None:
@@ -54,7 +54,7 @@ class Client:
         self._socket.settimeout(None)
 
     def fileno(self) -> int:
-        """For select, and to read what comes without this class."""
+        """The socket's descriptor, for select."""
         assert self._socket
         return self._socket.fileno()
 
@@ -81,7 +81,7 @@ class Client:
         return line
 
     def abort(self) -> None:
-        """Have `receive` fail in the thread that waits there."""
+        """Make `receive` fail in the thread that waits in it."""
         if (sock := self._socket) is not None:
             with suppress(OSError):
                 sock.shutdown(socket.SHUT_RDWR)

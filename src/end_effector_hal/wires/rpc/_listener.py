@@ -48,7 +48,7 @@ class Listener:
         return self._socket.fileno()
 
     def accept(self) -> socket.socket | None:
-        """Accept a client; None: nobody waits, or it was turned away."""
+        """Accept a client; None: no client waits, or it was refused."""
         try:
             sock, _ = self._socket.accept()
         except BlockingIOError:

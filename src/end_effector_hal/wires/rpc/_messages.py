@@ -36,12 +36,12 @@ class Reply(NamedTuple):
 
 @cache
 def adapter_of(message: type[Any]) -> TypeAdapter[Any]:
-    """The checks of a type of messages."""
+    """The validator of a message type."""
     return TypeAdapter(message)
 
 
 def read_message(message: type[T], line: bytes, what: str) -> T:
-    """Read a line that must be of this type.
+    """Read a line as a message of this type.
 
     Raises:
         UsageError: it is not; names ``what`` and the field that is wrong.
@@ -51,7 +51,7 @@ def read_message(message: type[T], line: bytes, what: str) -> T:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "message"
-        raise UsageError(f"This is no valid {what}: {place}: {first['msg']}.") from None
+        raise UsageError(f"This is not a valid {what}: {place}: {first['msg']}.") from None
     return found
 
 

@@ -132,7 +132,7 @@ def test_a_chip_that_goes_and_comes_back_is_read_again(chip: SimulatedChip, tmp_
         chip.pull(A, False)
         wait_until("the switch closes", lambda: frames[-1].values == {"part": True})
         chip.unplug()
-        wait_until("it is told", lambda: bool(reader.health.error))
+        wait_until("the alarm", lambda: bool(reader.health.error))
         with SimulatedChip([A], "again"):
             wait_until("it is read again", lambda: not reader.health.error)
             wait_until("as it stands there", lambda: frames[-1].values == {"part": False})

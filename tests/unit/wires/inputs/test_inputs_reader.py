@@ -129,10 +129,10 @@ def test_an_analog_channel_that_cannot_be_read_is_invalid_and_the_others_go_on(b
         board.convert("garbage")
         frame = board.comes(lambda frame: "cup" in frame.values and frame.values["cup"] is None)
         assert frame.values["switch"] is False
-        wait_until("it is told", lambda: "cup cannot be read" in reader.health.error)
+        wait_until("the alarm", lambda: "cup cannot be read" in reader.health.error)
         board.convert("1100")
         board.comes(lambda frame: frame.values.get("cup") == -45_000)
-        wait_until("it is told", lambda: not reader.health.error)
+        wait_until("the alarm", lambda: not reader.health.error)
     assert [bool(health.error) for health in board.told] == [True, False]
 
 
@@ -141,12 +141,12 @@ def test_a_chip_that_vanishes_comes_back_by_itself(board: Board) -> None:
         board.comes(lambda frame: "switch" in frame.values)
         kept = board.chip.with_name("kept")
         board.chip.rename(kept)
-        wait_until("it is told", lambda: "the virtual chip has gone" in reader.health.error)
+        wait_until("the alarm", lambda: "the virtual chip has gone" in reader.health.error)
         frame = board.comes(lambda frame: True)
         assert set(frame.values) == {"cup"}  # not refreshed: stale by time
         kept.rename(board.chip)
         board.comes(lambda frame: "switch" in frame.values)
-        wait_until("it is told", lambda: not reader.health.error)
+        wait_until("the alarm", lambda: not reader.health.error)
         assert reader.health.opened == 2
         board.pins.drive({"B": True})
         board.comes(lambda frame: frame.values.get("part") is True)
@@ -252,7 +252,7 @@ def test_a_chip_whose_driver_fails_is_claimed_again(board: Board, kernel: InputK
     with on_kernel(board, kernel, 10) as reader:
         board.comes(lambda frame: "switch" in frame.values)
         kernel.chip_of("A").gone = True
-        wait_until("it is told", lambda: "do not work any more" in reader.health.error)
+        wait_until("the alarm", lambda: "do not work any more" in reader.health.error)
         kernel.chip_of("A").gone = False
         board.comes(lambda frame: "switch" in frame.values)
         assert reader.health.opened == 2
