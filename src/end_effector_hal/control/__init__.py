@@ -1,11 +1,10 @@
 """What the tool decides with: the executed automata and their words; sans-IO."""
 
 from ._constants import model_constants
-from ._controller import PROGRAMS, Controller
+from ._controller import PROGRAMS, Controller, ControllerSnapshot
 from ._events import FAILURES, EventKind, EventReader, ToolEvent, restart_events
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
-from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status, StepReport, told_to_grip
 from .words import (
     event_lines,

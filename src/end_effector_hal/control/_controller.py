@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
@@ -12,10 +13,27 @@ from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, re
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
-from ._snapshot import ControllerSnapshot
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
 from .words import blocking, no_maintenance, refusal
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerSnapshot:
+    """Enough for another controller of the same description to decide the same from here on.
+
+    Attributes:
+        at: µs, the latest time that the controller was told.
+        status: as it is then, with outputs, evidence, deadline and alarms.
+        execution: locations, variables and clocks of the automata.
+        memory: of the detectors, the hold monitor and the status: last readings with their times, streaks, alarms.
+    """
+
+    at: int
+    status: Status
+    execution: ExecutionSnapshot
+    memory: Mapping[str, Any]
+
 
 FIRST_FRAME_US = 5_000_000
 """What was found active waits so long for the link before it counts as unproven: who reads it may start later."""

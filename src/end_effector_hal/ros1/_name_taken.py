@@ -1,17 +1,45 @@
-"""Whether a node's name is free: of two nodes with one name, the master ends the one that registered first."""
+"""Check the names that a program of ROS 1 is started with: the tool's, and the node's, because of two nodes
+with one name the master ends the first.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import rosgraph
 import rospy
 
+from end_effector_hal.description import tool_path
 from end_effector_hal.errors import RosError, UsageError
-from end_effector_hal.nodes.interface import Parameter
+from end_effector_hal.nodes.interface import DESCRIPTION, PROFILE, Parameter
 
-from ._tool_named import tool_named
 from .master import NoSuchMethod, ask_master, ask_node
+
+HOW = "_description:=FILE or _profile:=NAME"
+
+
+def tool_named(argv: Sequence[str], parameter: Callable[[Parameter], str]) -> Path:
+    """The description that the arguments name, else the private parameters.
+
+    What an earlier start left on the parameter server does not count besides arguments.
+
+    Args:
+        argv: of the program; ``_description:=`` and ``_profile:=`` name a tool, empty ones none.
+        parameter: gives a private parameter, empty if it is not set.
+
+    Raises:
+        UsageError: neither or both are given, or no profile has that name.
+    """
+    given = [_argument(argv, each) for each in (DESCRIPTION, PROFILE)]
+    if given == [None, None]:
+        given = [parameter(DESCRIPTION), parameter(PROFILE)]
+    return tool_path(given[0] or "", given[1] or "", how=HOW)
+
+
+def _argument(argv: Sequence[str], parameter: Parameter) -> str | None:
+    key = f"_{parameter.name}:="
+    return next((each.removeprefix(key).strip() for each in argv if each.startswith(key)), None)
 
 
 def node_name(name: str) -> str:

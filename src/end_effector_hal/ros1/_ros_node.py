@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import time
 from collections.abc import Callable, Sequence
@@ -28,9 +29,7 @@ from end_effector_hal.nodes.transport import (
 )
 from end_effector_hal.wires import now_us
 
-from ._name_taken import node_name, private_parameter, refuse_taken_name
-from ._rosout import write_line
-from ._tool_named import tool_named
+from ._name_taken import node_name, private_parameter, refuse_taken_name, tool_named
 from .actions import action_client, action_server
 from .connections import (
     CommandService,
@@ -45,6 +44,20 @@ from .connections import (
     service_class,
 )
 from .master import MasterWatch
+
+_LEVELS = (
+    (logging.ERROR, rospy.logerr),
+    (logging.WARNING, rospy.logwarn),
+    (logging.INFO, rospy.loginfo),
+    (logging.DEBUG, rospy.logdebug),
+)
+
+
+def write_line(level: int, text: str) -> None:
+    """Write a text at a level of `logging`, with the name of this node: the console shows none."""
+    log = next((log for least, log in _LEVELS if level >= least), rospy.logdebug)
+    log("%s", f"{rospy.get_name()}: {text}")
+
 
 LAST_MESSAGES_S = 0.05
 """For the last messages to leave the queues."""

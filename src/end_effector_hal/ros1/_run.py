@@ -49,7 +49,7 @@ def _run_arbiter(argv: Sequence[str]) -> None:
     from end_effector_hal.arbitration import run_arbiter
     from end_effector_hal.codecs import load_tool
 
-    from ._tool_named import tool_named
+    from ._name_taken import tool_named
 
     run_arbiter(load_tool(tool_named(argv, lambda _: "")))
 

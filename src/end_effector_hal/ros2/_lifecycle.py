@@ -30,10 +30,8 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.wires import now_us
 
 from ._node_group import NodeGroup
-from ._parameters import declared
 from ._process import Process
-from ._ros_node import HOW, RclpyNode
-from ._rosout import writer_of
+from ._ros_node import HOW, RclpyNode, declared, writer_of
 
 _OWN_NAME = re.compile(r"__(node|name):=")
 _LOOK_S = 0.05

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Any
 
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.node import Node
 from rclpy.task import Future
 
 from end_effector_hal.control import Answer
@@ -35,8 +38,6 @@ from end_effector_hal.nodes.transport import (
 from end_effector_hal.wires import now_us
 
 from ._node_group import NodeGroup
-from ._parameters import declared
-from ._rosout import writer_of
 from .actions import RclpyActionClient, RclpyActionServer
 from .connections import (
     LocalService,
@@ -51,6 +52,30 @@ from .connections import (
     service_class,
     writer_quality,
 )
+
+
+def writer_of(node: Node) -> Callable[[int, str], None]:
+    """A function that writes a text at a level of `logging`."""
+    # each place of the code may log at one level only
+    logger = node.get_logger()
+
+    def write(level: int, text: str) -> None:
+        if level >= logging.ERROR:
+            logger.error(text)
+        elif level >= logging.WARNING:
+            logger.warning(text)
+        else:
+            logger.info(text)
+
+    return write
+
+
+def declared(node: Node, parameter: Parameter, default: str = "") -> str:
+    """Declare a parameter; its value."""
+    descriptor = ParameterDescriptor(description=parameter.about, read_only=True, dynamic_typing=True)
+    value = node.declare_parameter(parameter.name, default, descriptor).value
+    return "" if value is None else str(value)
+
 
 HOW = "--ros-args -p description:=FILE or -p profile:=NAME"
 CALL_S = 5.0

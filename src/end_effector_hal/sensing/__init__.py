@@ -17,10 +17,9 @@ from ._predicates import (
     predicates_fitted,
     proven_by_arbiter,
 )
-from ._readings import Readings
+from ._readings import Readings, ToolPlace, tool_place
 from ._sensor_set import SENT_INVALID, SensorSet, why_invalid
 from ._sensor_state import SensorState
-from ._stand import ToolPlace, tool_place
 
 __all__ = [
     "E_STOP_CLOSED",

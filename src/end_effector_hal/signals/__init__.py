@@ -1,12 +1,11 @@
 """What comes in from the wires, before anybody judges it: frames, streaks, trends, stamps; pure."""
 
 from ._frame import Frame, Kind, Value
-from ._lengthen import lengthen, streaks_of
 from ._measure import GAUGE_PRESSURE, Measure, MeasuredReadings
 from ._memory import INLINE, PART, clone, memory_of, recall, same_memory
 from ._readings import ChannelReadings, PassingReadings
 from ._stamps import StampGate
-from ._streak import Streak
+from ._streak import Streak, lengthen, streaks_of
 from ._trend import Trend
 
 __all__ = [

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
+
+from ._memory import Remembers, parts_of
 
 
 class Streak:
@@ -30,3 +33,19 @@ class Streak:
     def lasted(self, at: int, us: int) -> bool:
         """Whether it has held without a break for at least so many µs."""
         return self.samples > 0 and at - self._since >= us
+
+
+def streaks_of(thing: Remembers) -> Iterator[Streak]:
+    """All that an object counts with."""
+    for part in parts_of(thing):
+        if type(part) is Streak:
+            yield part
+        else:
+            yield from streaks_of(part)
+
+
+def lengthen(streaks: Iterable[Streak], samples: int) -> None:
+    """Have each of them that runs count so many samples more."""
+    for streak in streaks:
+        if streak.samples:
+            streak.samples += samples

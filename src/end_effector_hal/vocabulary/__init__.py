@@ -16,9 +16,19 @@ from ._alarms import (
     received_alarms,
     with_since,
 )
-from ._last_will import LEASE_US, SETTLE_US, LastWill, LastWillStep, read_last_will
+from ._last_will import (
+    LEASE_US,
+    LONGEST_MESSAGE,
+    MOST_ACTUATORS,
+    MOST_CHANNELS,
+    MOST_LINES,
+    MOST_PREDICATES,
+    SETTLE_US,
+    LastWill,
+    LastWillStep,
+    read_last_will,
+)
 from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
-from ._limits import LONGEST_MESSAGE, MOST_ACTUATORS, MOST_CHANNELS, MOST_LINES, MOST_PREDICATES
 from ._tables import (
     ACTIVE,
     INACTIVE,

@@ -1,4 +1,4 @@
-"""The last will of a client: what the line arbiter does when the client dies."""
+"""The limits of a tool, and the last will of a client: what the line arbiter does when the client dies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,17 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
 
-from ._limits import MOST_LINES
+MOST_ACTUATORS = 64
+"""Of a tool; and as many plain outputs."""
+MOST_LINES = 2 * MOST_ACTUATORS
+"""That one program writes, in one message: each actuator, and what blows its part off."""
+MOST_CHANNELS = 4 * MOST_ACTUATORS + 6
+"""Of a tool: three switches and an alarm for each actuator, four bits of the tool changer, supply and e-stop."""
+MOST_PREDICATES = 2 * MOST_CHANNELS + 4
+"""In one message: two for each channel with alarms, and four of the tool changer and the e-stop."""
+LONGEST_MESSAGE = 1 << 18
+"""Bytes: a ``set`` of MOST_LINES names of 64 characters with its last will, each character escaped, is shorter."""
+
 
 LONGEST_US = 600_000_000
 LEASE_US = 1_000_000

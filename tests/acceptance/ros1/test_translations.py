@@ -13,8 +13,7 @@ import pytest
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.nodes.hal_main._margins import Margins
-from end_effector_hal.nodes.hal_main._positions import Positions
+from end_effector_hal.nodes.hal_main._aggregate import Margins, Positions
 from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CommandMessage,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.nodes.hal_main._silence import Silence
+from end_effector_hal.nodes.hal_main._aggregate import Silence
 
 
 def test_a_node_that_was_never_heard_has_gone() -> None:

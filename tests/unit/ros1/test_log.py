@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("rospy")
 
 from end_effector_hal.nodes.process import BURST, PacedLog
-from end_effector_hal.ros1._rosout import write_line
+from end_effector_hal.ros1._ros_node import write_line
 
 
 class Rosout:
@@ -33,7 +33,7 @@ class Rosout:
 def rosout(monkeypatch: pytest.MonkeyPatch) -> Rosout:
     rosout = Rosout()
     levels = ((logging.WARNING, rosout), (logging.INFO, rosout))
-    monkeypatch.setattr("end_effector_hal.ros1._rosout._LEVELS", levels)
+    monkeypatch.setattr("end_effector_hal.ros1._ros_node._LEVELS", levels)
     return rosout
 
 

@@ -13,7 +13,7 @@ import pytest
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.kinds import get_kind
-from end_effector_hal.nodes.hal_main._margins import Margins
+from end_effector_hal.nodes.hal_main._aggregate import Margins
 from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.vocabulary import EndEffectorState, Evidence

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -13,13 +13,41 @@ from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName, refuse_inputs, the_folder, write_whole
 from end_effector_hal.cli._progress import Progress
 from end_effector_hal.cli.model._check import check
-from end_effector_hal.cli.model._edges import edge_needs, told_edges
 from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._simulate import simulate
 from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, REGISTERS, open_source
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
+
+
+def edge_needs(template: Template) -> list[dict[str, object]]:
+    """For each edge, in the order of the file: its ends, how many edits were judged, and who has noticed how many."""
+    from end_effector_hal.verification.mutation import kept_record
+
+    names = {each.id: each.name.text.content.strip() if each.name else each.id for each in template.locations}
+    found: list[dict[str, object]] = []
+    for number, edge in enumerate(template.edges):
+        needs = kept_record().of_edge(template, number)
+        found.append({
+            "edge": f"{names[edge.source]} -> {names[edge.target]}",
+            "place": edge.place.where(0),
+            "edits": needs.edits if needs else 0,
+            "needed_by": dict(needs.needed_by) if needs else {},
+        })  # fmt: skip
+    return found
+
+
+def told_edges(template: Template) -> Iterator[str]:
+    """A line for each edge."""
+    for number, each in enumerate(edge_needs(template), start=1):
+        needed_by = each["needed_by"]
+        assert isinstance(needed_by, dict)
+        if not each["edits"]:
+            yield f"  {number}. {each['edge']}: no edit of it was judged"
+        else:
+            by = ", ".join(needed_by) or "no requirement"
+            yield f"  {number}. {each['edge']}: needed by {by} (edits judged: {each['edits']})"
 
 
 def _template_names(context: click.Context) -> Iterable[str]:

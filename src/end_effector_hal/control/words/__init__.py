@@ -1,7 +1,6 @@
 """What was decided, in words. Nothing is decided here."""
 
 from ._changer_reasons import explain_changer, loose
-from ._e_stop import unread_e_stop
 from ._event_lines import event_lines, event_text, refused, transition, unanswered
 from ._reasons import blocking, explain, held_words, left_active, no_maintenance, refusal
-from ._words import word_of
+from ._words import unread_e_stop, word_of

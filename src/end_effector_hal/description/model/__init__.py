@@ -21,5 +21,4 @@ from ._channels import (
     type_bits,
 )
 from ._description import Description, camel_case, socket_path
-from ._plain_output import PlainOutput
-from ._stanzas import EStop, Freshness, Link, ToolChanger
+from ._stanzas import EStop, Freshness, Link, PlainOutput, ToolChanger

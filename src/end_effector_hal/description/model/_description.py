@@ -32,7 +32,6 @@ from end_effector_hal.kinds.stanza import (
 
 from ._channels import Channel, Channels, Inputs
 from ._durations import BlowOffTimes, Durations, blow_off_of, durations
-from ._plain_output import PlainOutput
 from ._stanzas import (
     Automata,
     Bounds,
@@ -42,6 +41,7 @@ from ._stanzas import (
     Lines,
     Link,
     MaintenanceSettings,
+    PlainOutput,
     ToolChanger,
 )
 

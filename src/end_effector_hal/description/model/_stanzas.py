@@ -1,4 +1,6 @@
-"""The stanzas beside those of the actuators: other devices, the wires, what is watched, refused and proved."""
+"""The stanzas beside those of the actuators: other devices, plain outputs, the wires, what is watched,
+refused and proved.
+"""
 
 from __future__ import annotations
 
@@ -218,4 +220,15 @@ class Automata(Part):
             "kept",
         ),
         description="variables that the executed processes share with the rest",
+    )
+
+
+class PlainOutput(Part):
+    """Switched whenever somebody asks, but for an open e-stop (IL-13). No step of a grip, never evidence."""
+
+    line: LineName = Field(description="name of the GPIO line; active means on")
+    service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")
+    on_death: Literal["deactivate", "keep"] = Field(
+        default="deactivate",
+        description="what the line arbiter does when the process that switches it ends or dies",
     )

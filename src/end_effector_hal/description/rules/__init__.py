@@ -1,10 +1,9 @@
 """What no single value shows: rules between stanzas, and between a description and its codec."""
 
-from ._limits import limit_faults
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults
 from ._shared import shared_faults
-from ._stanzas import rule_faults
+from ._stanzas import limit_faults, rule_faults
 from .evidence import (
     BIT,
     CodecChannels,

@@ -1,4 +1,4 @@
-"""Rules between stanzas: the sequence, names, endings, files."""
+"""Rules between stanzas: the sequence, names, endings, files, and the size of a tool."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from end_effector_hal.description._fault import Fault, Keys, closest, did_you_mean
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.kinds import get_kind
+from end_effector_hal.vocabulary import MOST_ACTUATORS, MOST_CHANNELS
 
 # Columns of states.csv, and the tool changer's place among the devices.
 RESERVED = ("time_s", "end_effector", "command", "tool_changer")
@@ -189,3 +190,15 @@ def _files(facts: Facts) -> Iterator[Fault]:
     if path_wanted and not facts.get("lines", "path"):
         place, expected = facts.places.value("lines", "backend"), "path: the file that is the virtual chip"
         yield Fault.at(place, "EE-206", "key 'path' is missing in 'lines'", expected=expected)
+
+
+MOST = {"actuators": MOST_ACTUATORS, "outputs": MOST_ACTUATORS, "channels": MOST_CHANNELS}
+
+
+def limit_faults(facts: Facts) -> Iterator[Fault]:
+    """Stanzas with more names than a tool may have."""
+    for stanza, most in MOST.items():
+        names = facts.names(stanza) if isinstance(facts.get(stanza), dict) else []
+        if len(names) > most:
+            place, what = facts.places.key(stanza), f"too many {stanza}"
+            yield Fault.at(place, "EE-208", what, found=str(len(names)), expected=f"at most {most}")

@@ -1,6 +1,5 @@
 """What the stanzas of a description are made of: a frozen base, values with units, endings, the air of a tool."""
 
-from ._blow_off import BlowOff
 from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import (
     ChangerEndings,
@@ -27,7 +26,7 @@ from ._part import (
     named,
 )
 from ._registers import Activation, Handshake, RegisterOutput
-from ._tool import Actuator, Hold, Opposite, Supply
+from ._tool import Actuator, BlowOff, Hold, Opposite, Supply
 
 __all__ = [
     "NO_CHANNEL",

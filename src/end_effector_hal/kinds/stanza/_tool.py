@@ -1,4 +1,4 @@
-"""What every tool has: its actuators, whatever their kind, its compressed air, and the watch over a held part."""
+"""What every tool has: its actuators, their blow-offs, its compressed air, and the watch over a held part."""
 
 from __future__ import annotations
 
@@ -124,4 +124,25 @@ class Hold(Part):
     )
     lift_needs: Literal["confirmed", "secure"] = Field(
         default="confirmed", description="secure: lift_allowed also waits for secure_kpa; else a warning only"
+    )
+
+
+class BlowOff(Part):
+    """Compressed air that pushes a part off, never active together with what holds it (IL-08).
+
+    With `duration_s` a release blows: after the gap for so long, and goes on after another one.
+    """
+
+    line: LineName = Field(description="name of the GPIO line; active means blowing")
+    gap_s: Seconds = Field(
+        default=0.05,
+        description="IL-08: between the end of suction, or of what else holds, and blowing, and back",
+    )
+    duration_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
+        default=None,
+        description="a release blows for so long; null: nothing drives it, the line arbiter guards it",
+    )
+    until_gone: bool = Field(
+        default=False,
+        description="it ends earlier, as soon as the feedback is gone, and does not begin if it is; with duration_s",
     )

@@ -1,15 +1,19 @@
-"""From the messages of the nodes to one state of the end-effector."""
+"""Build one state of the end-effector from the messages of the nodes: statuses, positions, margins, and the
+silence of a node.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from enum import IntEnum
 from math import nan
 
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of
-from end_effector_hal.nodes.interface import GRIP, STARTING_S, TOOL_CHANGE, actuator_joints
-from end_effector_hal.nodes.transport import StateMessage, StatusMessage
+from end_effector_hal.kinds import fault_of, kind_of
+from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.nodes.interface import GONE_AFTER_S, GRIP, STARTING_S, TOOL_CHANGE, actuator_joints
+from end_effector_hal.nodes.transport import AMBIENT_PA, StateMessage, StatusMessage
 from end_effector_hal.vocabulary import (
     Alarm,
     Cause,
@@ -21,9 +25,85 @@ from end_effector_hal.vocabulary import (
     received_alarms,
 )
 
-from ._margins import Margins
-from ._positions import Positions
-from ._silence import Silence
+
+class Silence:
+    """The time of the last report of each node; one that has never reported is silent. Times in µs, monotonic."""
+
+    def __init__(self, nodes: Iterable[str]) -> None:
+        self._reported_us: dict[str, int | None] = dict.fromkeys(nodes)
+
+    def reported(self, node: str, at_us: int) -> None:
+        """The node has just reported."""
+        self._reported_us[node] = at_us
+
+    def has_reported(self, node: str) -> bool:
+        """Whether the node has ever reported."""
+        return self._reported_us[node] is not None
+
+    def silent(self, now_us: int) -> tuple[str, ...]:
+        """Names of the nodes whose last report is older than a second."""
+        limit = GONE_AFTER_S * 1e6
+        return tuple(name for name, at in self._reported_us.items() if at is None or now_us - at > limit)
+
+
+class Positions:
+    """The latest position of each part; one that is not repeated is UNKNOWN. Times in µs, monotonic.
+
+    Args:
+        places: the enumeration of each part; 0 is UNKNOWN in all of them.
+    """
+
+    def __init__(self, places: Mapping[str, type[IntEnum]]) -> None:
+        self._places = places
+        self._latest: dict[str, tuple[int, int]] = {}
+
+    def store(self, name: str, position: int, at_us: int) -> None:
+        """A position was received at ``at_us``."""
+        self._latest[name] = (position, at_us)
+
+    def place(self, name: str, now_us: int) -> IntEnum:
+        """Where a part stands; UNKNOWN when that was not received for a second."""
+        position, at_us = self._latest.get(name, (0, 0))
+        places = {place.value: place for place in self._places[name]}
+        return places.get(position if now_us - at_us <= GONE_AFTER_S * 1e6 else 0, places[0])
+
+    def names(self, now_us: int) -> dict[str, str]:
+        """The names of all positions that were ever received."""
+        return {name: self.place(name, now_us).name for name in self._latest}
+
+
+class Margins:
+    """The margin of each actuator in Pa, from the absolute pressures of the channels."""
+
+    def __init__(self, description: Description) -> None:
+        self._description = description
+        self._supply = description.supply
+        self._absolute: dict[str, float] = {}
+
+    def store(self, channel: str, absolute_pa: float) -> None:
+        """A reading was received; NaN: invalid."""
+        self._absolute[channel] = absolute_pa
+
+    def values(self, stale: Collection[str] | None) -> list[float]:
+        """In the order of the sequence, NaN where nothing is known; ``stale``: channels, None: all."""
+        return [self._margin(part, stale) for _, part in self._description.ordered]
+
+    @property
+    def alarms(self) -> tuple[Alarm, ...]:
+        """One for each kind of a plug-in whose margins are not known because it has failed."""
+        kinds = {part.kind: kind_of(part) for _, part in self._description.ordered}
+        found = ((name, fault_of(kind)) for name, kind in kinds.items())
+        return tuple(Alarm("kind.failed", name, {"why": fault}) for name, fault in found if fault)
+
+    def _margin(self, part: Actuator, stale: Collection[str] | None) -> float:
+        supply_pa = self._supply.pressure_pa(self._gauge(self._supply.channel, stale))
+        return kind_of(part).margin_pa(part, self._gauge(part.channel, stale), supply_pa)
+
+    def _gauge(self, channel: str, stale: Collection[str] | None) -> float:
+        if stale is None or channel in stale:
+            return math.nan
+        return self._absolute.get(channel, math.nan) - AMBIENT_PA
+
 
 CHANGER, STAND = "tool_changer", "tool_stand"
 

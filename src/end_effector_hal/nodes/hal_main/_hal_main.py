@@ -34,12 +34,9 @@ from end_effector_hal.sensing import ToolPlace
 from end_effector_hal.vocabulary import Command, EndEffectorState, received_alarms
 from end_effector_hal.wires import now_us
 
-from ._aggregate import CHANGER, STAND, Aggregate
+from ._aggregate import CHANGER, STAND, Aggregate, Margins, Positions, Silence
 from ._goal_types import goal_types
-from ._margins import Margins
-from ._positions import Positions
 from ._served_goals import ServedGoals
-from ._silence import Silence
 
 _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 

@@ -1,9 +1,6 @@
 """What a process of nodes needs in either generation of ROS: periodic callbacks, a log that never waits, its end."""
 
-from ._guarded import guarded
-from ._leave_within import leave_within
 from ._paced_log import BURST, PER_S, Allowance, PacedLog, node_log
-from ._process_end import ProcessEnd
+from ._process_end import ProcessEnd, guarded, leave_within
 from ._ros_class import has_ros_class, ros_class
-from ._starters import Starters
-from ._ticker import Ticker
+from ._starters import Starters, Ticker

@@ -1,15 +1,57 @@
-"""The end of a process of nodes: once, because the work is done, or with an error."""
+"""How a process of nodes ends: once, in bounded time, and with one sentence for an error."""
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
 import os
+import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 
 from end_effector_hal.errors import ReportedError
+
+SIGEV_THREAD = 2
+
+
+class _SigEvent(ctypes.Structure):
+    """Of timer_create(2)."""
+
+    _fields_ = (
+        ("value", ctypes.c_void_p),
+        ("signo", ctypes.c_int),
+        ("notify", ctypes.c_int),
+        ("function", ctypes.c_void_p),
+        ("attributes", ctypes.c_void_p),
+        ("reserved", ctypes.c_char * 32),
+    )
+
+
+class _Spec(ctypes.Structure):
+    """Of timer_settime(2): seconds and nanoseconds; it fires once."""
+
+    _fields_ = tuple((name, ctypes.c_long) for name in ("interval_s", "interval_ns", "value_s", "value_ns"))
+
+
+def leave_within(seconds: int, code: int) -> None:
+    """Leave the process with an exit code after so many seconds, if it has not ended by itself.
+
+    The C library does it, in a thread of its own: a library that hangs may keep the interpreter's lock.
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    if not hasattr(libc, "timer_create"):  # before glibc 2.34: then nothing bounds it
+        return
+    event = _SigEvent(
+        value=code, notify=SIGEV_THREAD, function=ctypes.cast(libc._exit, ctypes.c_void_p).value
+    )
+    timer = ctypes.c_void_p()
+    made = libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer))
+    if made == 0:
+        libc.timer_settime(timer, 0, ctypes.byref(_Spec(value_s=seconds)), None)
+
 
 LOOK_S = 0.5
 STDERR = 2
@@ -75,3 +117,14 @@ class ProcessEnd:
     def _leave_by_force(self, error: ReportedError) -> None:
         time.sleep(self._longest_s)
         os._exit(error.exit_code)
+
+
+def guarded(name: str, body: Callable[[], int | None]) -> int:
+    """Call ``body`` and return the exit code; ``name`` stands before the sentence of an error."""
+    try:
+        return int(body() or 0)
+    except ReportedError as error:
+        print(f"{name}: {error}", file=sys.stderr)  # noqa: T201 there is no logger before a node is up
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 130

@@ -1,7 +1,15 @@
 """What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
 
 from ._commander import Commander
-from ._frames import AMBIENT_PA, Frames, SharedFrames, absolute_pa, frame_from_message, frame_to_message
+from ._frames import (
+    AMBIENT_PA,
+    Frames,
+    SharedFrames,
+    StampCheck,
+    absolute_pa,
+    frame_from_message,
+    frame_to_message,
+)
 from ._messages import (
     CommandMessage,
     CylinderPositionMessage,
@@ -21,7 +29,13 @@ from ._messages import (
     StatusMessage,
     StepMessage,
 )
-from ._places import ChangerPlace, CylinderPlace
-from ._stamp_check import StampCheck
-from ._transport import ActionClient, ActionServer, ClientGoal, CommandClient, NodeTransport
+from ._transport import (
+    ActionClient,
+    ActionServer,
+    ChangerPlace,
+    ClientGoal,
+    CommandClient,
+    CylinderPlace,
+    NodeTransport,
+)
 from ._unknown_senders import UnknownSenders

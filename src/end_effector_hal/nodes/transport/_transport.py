@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Any, Protocol
 
 from end_effector_hal.control import Answer
@@ -37,6 +38,25 @@ from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
 
 from ._frames import Frames
 from ._unknown_senders import UnknownSenders
+
+
+class CylinderPlace(IntEnum):
+    """Where a cylinder stands (``CylinderPosition``)."""
+
+    UNKNOWN = 0
+    RETRACTED = 1
+    BETWEEN = 2
+    EXTENDED = 3
+
+
+class ChangerPlace(IntEnum):
+    """Where the tool changer stands (``ToolChangerPosition``)."""
+
+    UNKNOWN = 0
+    LOCKED = 1
+    UNLOCKED = 2
+    BETWEEN = 3
+    CONTRADICTORY = 4
 
 
 class CommandClient(Protocol):

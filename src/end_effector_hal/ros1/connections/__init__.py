@@ -3,6 +3,5 @@
 from ._command_service import CommandService
 from ._direct_send import send_directly
 from ._known_publishers import KnownPublishers, caller_of, nodes_of
-from ._messages import MessageMaker, answer_of, response_maker
+from ._messages import MessageMaker, answer_of, message_class, response_maker, service_class
 from ._publish import publisher
-from ._types import message_class, service_class

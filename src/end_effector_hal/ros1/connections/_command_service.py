@@ -8,7 +8,7 @@ from end_effector_hal.control import Answer
 from end_effector_hal.nodes.interface import Service
 
 from ._known_publishers import nodes_of
-from ._types import service_class
+from ._messages import service_class
 
 _NOT_REACHED = (rospy.ServiceException, rospy.ROSException, rospy.exceptions.TransportException, OSError)
 

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import rospy
 
 from end_effector_hal.control import Answer
+from end_effector_hal.nodes.process import ros_class
 from end_effector_hal.nodes.transport import MessageHeader
 
-from ._types import message_class
+_TODO = "Run ros/build.sh, then . build/catkin/devel/setup.sh"
+
+message_class = partial(ros_class, kind="msg", todo=_TODO)
+service_class = partial(ros_class, kind="srv", todo=_TODO)
+
 
 _RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
 """Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""

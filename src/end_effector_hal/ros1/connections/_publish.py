@@ -3,15 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import Any
 
 import rospy
 
 from end_effector_hal.nodes.interface import Topic
+from end_effector_hal.vocabulary import printable
 
-from ._encodable import encodable
-from ._messages import MessageMaker
-from ._types import message_class
+from ._messages import MessageMaker, message_class
+
+MOST = 5_000
+
+
+def encodable(value: Any) -> Any:
+    """A copy of a message, a list or a text in which every text can be written as UTF-8."""
+    if isinstance(value, str):
+        return value if _is_utf8(value) else printable(value, MOST)
+    if isinstance(value, list | tuple):
+        return [encodable(each) for each in value]
+    if not hasattr(value, "__slots__") or not hasattr(value, "serialize"):
+        return value
+    made = copy(value)
+    for name in value.__slots__:
+        setattr(made, name, encodable(getattr(value, name)))
+    return made
+
+
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def publisher(topic: Topic, is_ending: Callable[[], bool]) -> Callable[[Any], None]:

@@ -2,7 +2,15 @@
 
 from ._command_service import LocalService, RclpyCommandService
 from ._local_bus import LocalBus
-from ._messages import RclpyMessageMaker, answer_of, response_maker
+from ._messages import (
+    RclpyMessageMaker,
+    action_class,
+    answer_of,
+    has_action_class,
+    message_class,
+    reader_quality,
+    response_maker,
+    service_class,
+    writer_quality,
+)
 from ._publishers_in_graph import PublishersInGraph
-from ._quality import reader_quality, writer_quality
-from ._types import action_class, has_action_class, message_class, service_class

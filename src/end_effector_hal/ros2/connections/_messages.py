@@ -4,16 +4,50 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock, ClockType
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from end_effector_hal.control import Answer
+from end_effector_hal.nodes.interface import Topic
+from end_effector_hal.nodes.process import has_ros_class, ros_class
 from end_effector_hal.nodes.transport import MessageHeader
 from end_effector_hal.vocabulary import printable
 
-from ._types import message_class
+
+def writer_quality(topic: Topic) -> QoSProfile:
+    """Of a publisher: reliable, so that it serves every subscriber; a latched topic keeps the last message only.
+
+    A late subscriber of a deeper one would get the last of its messages one after the other, and see the oldest first.
+    """
+    return _quality(topic, 1 if topic.latched else topic.queue)
+
+
+def reader_quality(topic: Topic) -> QoSProfile:
+    """Of a subscriber of this package."""
+    return _quality(topic, topic.queue)
+
+
+def _quality(topic: Topic, depth: int) -> QoSProfile:
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=durability,
+    )
+
+
+_TODO = "Build the workspace with colcon and source its install/setup.bash; in the checkout: make ros2."
+
+message_class = partial(ros_class, kind="msg", todo=_TODO)
+service_class = partial(ros_class, kind="srv", todo=_TODO)
+has_action_class = partial(has_ros_class, kind="action")
+action_class = partial(ros_class, kind="action", todo=_TODO)
+
 
 _RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
 """Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""

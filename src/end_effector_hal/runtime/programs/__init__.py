@@ -1,8 +1,7 @@
 """Controllers in real time: each program with its thread, its jobs, its statuses and its connection to the arbiter."""
 
-from ._changer_program import ChangerProgram
+from ._changer_program import ChangerProgram, longest_release_s, release_is_decided
 from ._grip_program import GripProgram
 from ._inline_worker import InlineWorker
 from ._open_program import open_program
 from ._program import Program
-from ._release_proof import longest_release_s, release_is_decided

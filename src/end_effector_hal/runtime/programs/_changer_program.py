@@ -7,20 +7,44 @@ from dataclasses import replace
 from typing import ClassVar, Protocol
 
 from end_effector_hal.control import Answer, Status
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.errors import WireError
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.runtime.outputs import RESTARTED, RETRY_US, ChangerOutputs, LineWriter, OutputMapping
 from end_effector_hal.sensing import FrameJudge
-from end_effector_hal.vocabulary import Alarm
+from end_effector_hal.vocabulary import Alarm, EndEffectorState
 from end_effector_hal.wires import now_us
 
 from ._inline_worker import InlineWorker
-from ._latest_status import Listener
+from ._latest_status import LatestStatus, Listener
 from ._program import Program
-from ._release_proof import await_release
 from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import SerialWorker
+
+FALL_S = 0.5
+"""What a vacuum that has just been told gone takes to fall below what IL-01 asks for, at the longest."""
+LAG_S = 0.15
+"""What shows the end of a release may be under way to this program for so long."""
+_MAY_RELEASE = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
+
+
+def await_release(latest: LatestStatus, changer: ToolChanger) -> None:
+    """Wait until the release is proven or cannot be, for no longer than the fall and the proof take.
+
+    Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
+    """
+    latest.wait(release_is_decided, longest_release_s(changer))
+
+
+def longest_release_s(changer: ToolChanger) -> float:
+    """Seconds that an unlock waits at the longest."""
+    return LAG_S + FALL_S + changer.vented_s
+
+
+def release_is_decided(status: Status) -> bool:
+    """Whether the release is proven, or cannot be."""
+    return status.vented or status.ee not in _MAY_RELEASE
+
 
 CAME_LATE = (
     "A sensor fault of the tool changer was latched before the start, and the disk of the line arbiter has given it "

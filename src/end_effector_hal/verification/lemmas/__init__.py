@@ -1,6 +1,5 @@
 """The small proofs beside that of a tool: outputs on a bus, outputs of two coils, deaths at any instant, and Fig. 5."""
 
-from ._bus_output import BUS_FILE, bus_networks, output_constants
 from ._coils import COILS_FILE, coil_constants, coil_networks, prove_tool
-from ._deaths import DEATHS_FILE, death_network
 from ._fig5 import FIG5_FILE, OBSERVED, Fig5Report, compare_with_fig5, fig5_network, grips_as_fig5
+from ._networks import BUS_FILE, DEATHS_FILE, bus_networks, death_network, output_constants

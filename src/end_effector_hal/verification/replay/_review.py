@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,48 @@ from end_effector_hal.description import Description, load
 from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import OBSERVED, STATE
-from timed_automata import Step
+from timed_automata import Network, Step
 from timed_automata.monitor import Monitor, Objection
 
 from ._chain import Chain, SegmentEnd
 from ._header import header_objections
 from ._load import ProgramTrace
-from ._places import EdgePlaces
 from ._replay import Replay, replay
+
+
+class EdgePlaces:
+    """Holds the recorded places of edges against the file.
+
+    Args:
+        network: of the file in the trace.
+    """
+
+    def __init__(self, network: Network) -> None:
+        self._edges = {process.name: process.edges for process in network.processes}
+        self._path: str | None = None
+
+    def step(self, step: Step) -> Iterator[Objection]:
+        """The path is that of the machine that recorded it: it must be the same in all steps."""
+        for taken in step.edges:
+            edges = self._edges.get(taken.process, ())
+            if not 0 <= taken.index < len(edges):
+                continue  # the monitor says so
+            path, place = _parted(taken.where)
+            _, there = _parted(edges[taken.index].span.where)
+            self._path = path if self._path is None else self._path
+            who = f"{taken.process} {taken.source} → {taken.target}"
+            if place != there:
+                what = f"{who} is recorded as standing at {place}, and stands at {there}."
+                yield Objection(step.at, "no run", what)
+            elif path != self._path:
+                what = f"{who} is recorded as standing in {path!r}, and others in {self._path!r}."
+                yield Objection(step.at, "no run", what)
+
+
+def _parted(where: str) -> tuple[str, str]:
+    """The path, and ``line:column``."""
+    path, line, column = (["", "", *where.rsplit(":", 2)])[-3:]
+    return path, f"{line}:{column}"
 
 
 @dataclass(frozen=True, slots=True)
