@@ -17,8 +17,7 @@ from typing import Any
 from figures import Figures, figures
 from usage import Meter, Usage
 
-from end_effector_hal.arbiter import ArbiterClient, PredicateSender
-from end_effector_hal.arbitration import output_lines, program_lines
+from end_effector_hal.arbiter import ArbiterClient, PredicateSender, output_lines, program_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
@@ -29,7 +28,7 @@ ARBITER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.arbiter import serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]

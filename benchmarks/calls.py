@@ -23,8 +23,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
-from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
-from end_effector_hal.arbitration import PredicatePublisher, arbiter_policy
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, PredicatePublisher, arbiter_policy
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path, socket_path
 from end_effector_hal.runtime import ChangerProgram, GripProgram, open_program

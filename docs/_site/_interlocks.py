@@ -17,7 +17,7 @@ from ._markdown import ROOT, link, plain, strings, table, tests_with
 
 SOURCE = ROOT / "src" / "end_effector_hal"
 PLACES = {
-    "the line arbiter": ("arbiter", "arbitration"),
+    "the line arbiter": ("arbiter",),
     "the programs": ("runtime",),
     "`eehal check`": ("description/rules",),
 }

@@ -1,5 +1,8 @@
 """The line arbiter: the one process that owns the output lines, its interlocks, its journal and the last wills."""
 
+from ._predicate_publisher import PredicatePublisher
+from ._process import connect_arbiter, run_arbiter
+from ._tool_policy import OUTPUTS, SENSOR_FAULT, arbiter_policy, output_lines, program_lines, wired_lines
 from .client import ArbiterClient, PredicateSender
 from .records import recorded_left_behind
 from .rules import DROP_FIRST, Driven, DrivenLine, Exclusion, LineArbiter, Need, Policy, Role, SecondCoil

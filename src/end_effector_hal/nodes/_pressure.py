@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from end_effector_hal.arbitration import PredicatePublisher
+from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame, Value

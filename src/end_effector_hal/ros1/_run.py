@@ -46,7 +46,7 @@ def _run_node(program: str, argv: Sequence[str]) -> int:
 
 def _run_arbiter(argv: Sequence[str]) -> None:
     """As ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
-    from end_effector_hal.arbitration import run_arbiter
+    from end_effector_hal.arbiter import run_arbiter
     from end_effector_hal.codecs import load_tool
 
     from ._name_taken import tool_named

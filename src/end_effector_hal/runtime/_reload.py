@@ -12,8 +12,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-from end_effector_hal.arbiter import Policy, recorded_left_behind
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import Policy, arbiter_policy, recorded_left_behind
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, socket_path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from end_effector_hal.arbitration import SENSOR_FAULT
+from end_effector_hal.arbiter import SENSOR_FAULT
 from end_effector_hal.control import Answer
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 from end_effector_lab.virtual import VirtualTool

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from end_effector_hal.arbitration import PredicatePublisher, arbiter_policy
+from end_effector_hal.arbiter import PredicatePublisher, arbiter_policy
 from end_effector_hal.description import Description
 from end_effector_hal.wires.lines import ComposedLines
 

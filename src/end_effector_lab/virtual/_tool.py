@@ -8,7 +8,7 @@ from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
-from end_effector_hal.arbitration import PredicatePublisher, program_lines, wired_lines
+from end_effector_hal.arbiter import PredicatePublisher, program_lines, wired_lines
 from end_effector_hal.control import Answer, Status, told_to_grip
 from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description

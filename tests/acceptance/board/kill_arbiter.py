@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbitration import output_lines
+from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import load, profile_path
 from tests.acceptance.gpiochip.inside.owned import Arbiter
 

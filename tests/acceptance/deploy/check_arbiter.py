@@ -8,8 +8,7 @@ import sys
 import time
 from itertools import pairwise
 
-from end_effector_hal.arbiter import ArbiterClient, PredicateSender
-from end_effector_hal.arbitration import program_lines
+from end_effector_hal.arbiter import ArbiterClient, PredicateSender, program_lines
 from end_effector_hal.description import load
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.wires import now_us

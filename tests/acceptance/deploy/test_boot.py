@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbitration import output_lines, program_lines
+from end_effector_hal.arbiter import output_lines, program_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import VirtualChip
 from tests.support.places import DEPLOY

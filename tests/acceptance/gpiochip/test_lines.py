@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from queue import Queue
 
-from end_effector_hal.arbitration import output_lines
+from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import Description
 from tests.acceptance.gpiochip.guest import HERE, run_guest
 from tests.acceptance.gpiochip.machines import Machine

@@ -9,8 +9,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from end_effector_hal.arbiter import ArbiterClient, ArbiterServer
-from end_effector_hal.arbitration import PredicatePublisher, arbiter_policy, output_lines
+from end_effector_hal.arbiter import (
+    ArbiterClient,
+    ArbiterServer,
+    PredicatePublisher,
+    arbiter_policy,
+    output_lines,
+)
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.control.goals import CHANNELS
 from end_effector_hal.description import Description, EStop, load, profile_path

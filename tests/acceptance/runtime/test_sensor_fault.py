@@ -29,7 +29,7 @@ from pathlib import Path
 from end_effector_hal.arbiter import serve
 from end_effector_hal.arbiter.records import FileStorage
 from end_effector_hal.description import load
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.wires.lines import VirtualLines
 description, chip, socket, journal, answers = sys.argv[1:]
 

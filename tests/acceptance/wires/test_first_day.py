@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbitration import output_lines
+from end_effector_hal.arbiter import output_lines
 from end_effector_hal.codecs import get_codec, load_tool
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.arbiter import LineArbiter
+from end_effector_hal.arbiter import LineArbiter, arbiter_policy
+from end_effector_hal.arbiter._tool_policy import written_lines
 from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_message, read_request, write_message
-from end_effector_hal.arbitration import arbiter_policy
-from end_effector_hal.arbitration._policy import written_lines
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.check import _check
 from end_effector_hal.codecs import load_tool

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import LineArbiter, Policy, arbiter_policy
 from end_effector_hal.description import Description, load, profile_path
 from tests.support.blown import TOP_AIR, blown
 from tests.support.declared import declared

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.control import GripLastWill, ending_in_words, event_lines, model_constants, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.verification.proof import prove

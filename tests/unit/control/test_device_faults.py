@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status, network_of
 from end_effector_hal.description import Description, examine_text

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.description import Description, load, profile_path
 from tests.support.places import DEPLOY
 

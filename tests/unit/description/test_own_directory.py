@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbitration import run_arbiter
+from end_effector_hal.arbiter import run_arbiter
 from end_effector_hal.description import _paths, load, profile_path, run_directory
 from end_effector_hal.errors import ReportedError
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.arbitration import PredicatePublisher
+from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, examine_text, load, profile_path

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.arbitration import output_lines
+from end_effector_hal.arbiter import output_lines
 from end_effector_hal.cli.doctor._lines import look_at_lines
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import load, profile_path

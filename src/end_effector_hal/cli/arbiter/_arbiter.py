@@ -40,7 +40,7 @@ def command(
     executes its last will. The lines keep their level when the arbiter ends. Latched faults are kept in a journal,
     and last wills in the session record beside the socket, for the next arbiter.
     """
-    from end_effector_hal.arbitration import run_arbiter
+    from end_effector_hal.arbiter import run_arbiter
 
     path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
     run_arbiter(load_tool(path), socket, journal, group)

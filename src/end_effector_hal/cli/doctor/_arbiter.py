@@ -23,8 +23,7 @@ _say = CheckedPart("arbiter")
 
 def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckResults:
     """Reads levels, status and records, writes nothing; ``lines`` are all output lines of the tool."""
-    from end_effector_hal.arbiter import DROP_FIRST, ArbiterClient, recorded_left_behind
-    from end_effector_hal.arbitration import arbiter_policy
+    from end_effector_hal.arbiter import DROP_FIRST, ArbiterClient, arbiter_policy, recorded_left_behind
 
     try:
         path = socket_path(description)

@@ -109,7 +109,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
         "ros": look_at_ros,
     }
     if description is not None:
-        from end_effector_hal.arbitration import output_lines, wired_lines
+        from end_effector_hal.arbiter import output_lines, wired_lines
 
         from ._arbiter import look_at_arbiter
         from ._inputs import look_at_inputs

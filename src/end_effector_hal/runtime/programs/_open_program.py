@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from end_effector_hal.arbitration import connect_arbiter
+from end_effector_hal.arbiter import connect_arbiter
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer, Recorder, open_recorder, open_stream

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any, Protocol
 
-from end_effector_hal.arbitration import SENSOR_FAULT
+from end_effector_hal.arbiter import SENSOR_FAULT
 from end_effector_hal.control import Status
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.vocabulary import ChangerFault

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from end_effector_hal._closing import Closing
-from end_effector_hal.arbitration import PredicatePublisher
+from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer, Status, ToolEvent, ending_in_words, told_to_grip
 from end_effector_hal.control.goals import tool_status

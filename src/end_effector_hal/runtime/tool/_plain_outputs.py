@@ -6,7 +6,7 @@ import logging
 from collections.abc import Mapping
 
 from end_effector_hal._closing import Closing
-from end_effector_hal.arbitration import OUTPUTS, connect_arbiter
+from end_effector_hal.arbiter import OUTPUTS, connect_arbiter
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError

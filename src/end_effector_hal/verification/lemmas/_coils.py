@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.description import Description
 from end_effector_hal.verification.proof import Finding, Progress, Proof, prove
 from timed_automata import Network, load_network

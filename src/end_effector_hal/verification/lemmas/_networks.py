@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.arbitration import arbiter_policy
+from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.description import Description
 from end_effector_hal.kinds.stanza import RegisterOutput
 from timed_automata import Network, load_network

@@ -11,12 +11,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from end_effector_hal.arbiter import ArbiterClient, Policy, Role
+from end_effector_hal.arbiter import ArbiterClient, Policy, Role, arbiter_policy, program_lines
 from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.protocol._message import write_message
 from end_effector_hal.arbiter.rules import FORMER
 from end_effector_hal.arbiter.server import _requests
-from end_effector_hal.arbitration import arbiter_policy, program_lines
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError, UsageError

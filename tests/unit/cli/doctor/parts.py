@@ -11,8 +11,7 @@ from pathlib import Path
 
 from click.testing import CliRunner, Result
 
-from end_effector_hal.arbiter import ArbiterServer
-from end_effector_hal.arbitration import arbiter_policy, output_lines
+from end_effector_hal.arbiter import ArbiterServer, arbiter_policy, output_lines
 from end_effector_hal.cli.doctor import _doctor
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import load, profile_path

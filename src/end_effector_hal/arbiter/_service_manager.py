@@ -17,7 +17,7 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 class ServiceManager(Closing):
-    """Notifies it that the program is ready, and regularly that it lives.
+    """Notify the service manager that the program is ready, and regularly that it lives.
 
     Args:
         environ: with ``NOTIFY_SOCKET``, ``WATCHDOG_USEC``, ``WATCHDOG_PID``, ``LISTEN_PID``, ``LISTEN_FDS`` and
@@ -33,7 +33,7 @@ class ServiceManager(Closing):
         self._thread: threading.Thread | None = None
 
     def ready(self, status: str, alive: Callable[[], object]) -> None:
-        """The program serves from now on.
+        """Notify that the program serves, and start the watchdog.
 
         Args:
             status: a sentence, shown by ``systemctl status``.
@@ -46,7 +46,7 @@ class ServiceManager(Closing):
             self._thread.start()
 
     def stored_descriptors(self) -> dict[str, int]:
-        """Descriptors that the program before this one had stored, by name; from now on the caller closes them."""
+        """Return the descriptors that the previous program stored, by name; the caller closes them."""
         stored, self._stored = self._stored, {}
         return stored
 
@@ -81,12 +81,12 @@ class ServiceManager(Closing):
                 manager.connect(self._address)
                 manager.sendmsg([message.encode()], rights)
         except OSError as error:
-            # this must not disturb the tool
+            # an error here must not disturb the tool
             _log.warning("the service manager cannot be notified: %s", error)
 
 
 def _stored_descriptors(environ: Mapping[str, str]) -> dict[str, int]:
-    """Descriptors from 3 on, if they are meant for this process; none without a name."""
+    """Return the named descriptors from 3 on, if systemd passed them to this process."""
     count, pid = environ.get("LISTEN_FDS", ""), environ.get("LISTEN_PID", "")
     if pid != str(os.getpid()) or not count.isdigit():
         return {}
@@ -105,7 +105,7 @@ def _stored_descriptors(environ: Mapping[str, str]) -> dict[str, int]:
 
 
 def _watchdog_s(environ: Mapping[str, str]) -> float:
-    """How often a sign of life is expected; 0: never, or not of this process."""
+    """Return the period of the watchdog; 0: there is none for this process."""
     period, pid = environ.get("WATCHDOG_USEC", ""), environ.get("WATCHDOG_PID", "")
     mine = not pid or pid == str(os.getpid())
     return int(period) / 1e6 if mine and period.isdigit() else 0.0

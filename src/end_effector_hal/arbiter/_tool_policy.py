@@ -1,10 +1,10 @@
-"""The output lines of a tool: which program writes them, and what the arbiter enforces."""
+"""The output lines of a tool: the program that writes each line, and the interlocks that the arbiter enforces."""
 
 from __future__ import annotations
 
 from zlib import crc32
 
-from end_effector_hal.arbiter import Exclusion, Need, Policy, Role, SecondCoil
+from end_effector_hal.arbiter.rules import Exclusion, Need, Policy, Role, SecondCoil
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
@@ -39,7 +39,7 @@ IL_13 = Need(
 
 
 def arbiter_policy(description: Description) -> Policy:
-    """The output interlocks of a tool."""
+    """Return the output interlocks of a tool."""
     changer = description.tool_changer
     labels = {actuator.line: name for name, actuator in description.ordered}
     labels |= {
@@ -68,7 +68,7 @@ def arbiter_policy(description: Description) -> Policy:
 
 
 def _role(description: Description, line: str, label: str) -> Role:
-    """What a line drives, how, and on which chip or bus: all that an arbiter with another description must know."""
+    """Describe what a line drives, how, and on which chip or bus, for an arbiter with another description."""
     kinds = {part.line: f" ({part.kind})" for part in description.actuators.values()}
     words, coil = label + kinds.get(line, ""), description.opposites.get(line)
     if coil:
@@ -83,14 +83,14 @@ def _role(description: Description, line: str, label: str) -> Role:
 
 
 def _longest(description: Description) -> dict[str, int]:
-    """How long an unlock (IL-03) and a blow-off last at the most, whatever the program does that began it."""
+    """Return the longest unlock (IL-03) and blow-off; the arbiter ends them even if the program does not."""
     changer = description.tool_changer
     longest = {each.line: each.most_ms * 1000 for each in description.blow_offs.values()}
     return longest | ({changer.line: to_us(changer.unlock_max_s)} if changer and not changer.latching else {})
 
 
 def _exclusions(description: Description) -> list[Exclusion]:
-    """Unlock and what Grip writes (IL-01, IL-05), an actuator and what opposes it (IL-08)."""
+    """Return the lines that exclude each other: unlock and gripping (IL-01, IL-05), opposed outputs (IL-08)."""
     changer, gripping = description.tool_changer, written_lines(description, "grip")
     never: list[Exclusion] = []
     if changer and description.interlocks.il_01:
@@ -102,7 +102,7 @@ def _exclusions(description: Description) -> list[Exclusion]:
 
 
 def _needs(description: Description, line: str) -> list[Need]:
-    """What the sensors must prove before a line is activated; a sensor that is not fitted is not asked for."""
+    """Return what the fitted sensors must prove before a line is activated."""
     fitted = predicates_fitted(description, carrier_of(description))
     locks = description.interlocks
     unlocks = line in program_lines(description, "tool_change")
@@ -119,33 +119,33 @@ def _needs(description: Description, line: str) -> list[Need]:
 
 
 def _no_fault(predicate: str) -> Need:
-    """That a device has no fault, by the channel that would show it (IL-07)."""
+    """Require that a device has no fault, by the channel that shows the fault (IL-07)."""
     channel = predicate.removeprefix(NO_FAULT).removeprefix(NO_LATCHED_FAULT)
     latched = f"{channel} has shown a fault" if predicate.startswith(NO_LATCHED_FAULT) else ""
     return Need(predicate, "IL-07", f"{channel} shows no fault", f"{channel} shows a fault", latched)
 
 
 def output_lines(description: Description) -> tuple[str, ...]:
-    """Every output line: actuators in sequence order, the tool changer, what opposes an actuator, the plain ones."""
+    """Return every output line: actuators in sequence order, the tool changer, blow-offs, plain outputs."""
     changer, gripping = description.tool_changer, program_lines(description, "grip")
     plain = program_lines(description, OUTPUTS)
     return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values(), *plain)
 
 
 def wired_lines(description: Description) -> tuple[str, ...]:
-    """Every output line of the board: the outputs, and the second coils of those that have two."""
+    """Return every output line of the board: the outputs and their second coils."""
     lines = (line for line in output_lines(description) if line not in description.register_outputs)
     return (*lines, *(each.line for each in description.opposites.values()))
 
 
 def written_lines(description: Description, program: str) -> tuple[str, ...]:
-    """All lines that one program writes: its outputs, and what Grip blows parts off with."""
+    """Return all lines that one program writes: its outputs, and for Grip the blow-offs."""
     blown = description.blow_offs.values() if program == "grip" else ()
     return (*program_lines(description, program), *(each.line for each in blown))
 
 
 def program_lines(description: Description, program: str) -> tuple[str, ...]:
-    """The outputs of one program: those that hold, or unlock, or neither."""
+    """Return the outputs of one program: gripping, unlocking or plain ones."""
     if program == OUTPUTS:
         return tuple(each.line for each in description.outputs.values())
     if program == "grip":

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbitration import PredicatePublisher, _predicate_publisher
+from end_effector_hal.arbiter import PredicatePublisher, _predicate_publisher
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.signals import Frame
 

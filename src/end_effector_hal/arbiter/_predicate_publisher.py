@@ -1,4 +1,4 @@
-"""The process that reads the sensor link sends what it proves to the line arbiter."""
+"""Send to the line arbiter the predicates that the sensors prove."""
 
 from __future__ import annotations
 
@@ -6,43 +6,43 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from end_effector_hal.arbiter import PredicateSender
+from end_effector_hal.arbiter.client import PredicateSender
 from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
-from ._policy import arbiter_policy
+from ._tool_policy import arbiter_policy
 
 REPEAT_US = 50_000
-"""The arbiter gets them at least so often; it forgets them after 150 ms."""
+"""The longest time between two messages to the arbiter, which forgets predicates after 150 ms."""
 
 
 class Sender(Protocol):
-    """Takes what is proven to the arbiter."""
+    """A connection that carries predicates to the arbiter."""
 
     def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
-        """Whether it got there."""
+        """Return whether the arbiter received them."""
 
     def close(self) -> None:
-        """End."""
+        """End the connection."""
 
 
 class PredicatePublisher:
-    """Frames in, predicates to the line arbiter: on change at once, else every 50 ms.
+    """Turn frames into predicates and send them to the line arbiter: changes at once, the rest every 50 ms.
 
-    Frames are passed on through `frame`: then the arbiter has each before any command that follows
-    from it. What is only repeated comes after them: no line waits for it. A link that is slower than that is repeated
-    by a thread, for as long as its readings are fresh.
+    `frame` passes every frame on after the arbiter has received the changes, so that the arbiter has them before any
+    command that follows from the frame. Repetitions are sent after the frame, so that no line waits for them. For a
+    link that is slower than 50 ms a thread repeats the predicates while the readings are fresh.
 
     Args:
         description: the tool; its arbiter need not run yet.
-        carrier: of its channels; default: what the description says.
+        carrier: the carrier of its channels; default: the one in the description.
         clock: µs.
-        judge: shared with those in this process who get the same frames.
+        judge: shared with the other readers of the same frames in this process.
         sender: to the arbiter; None: over its socket.
-        own: whether it sends what the arbiter proves by itself, or what it does not; default: where it has a sender.
+        own: True: send the predicates that the arbiter proves itself; False: the others; default: True with a sender.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class PredicatePublisher:
         own = sender is not None if own is None else own
         self._needed = needed & policy.proven if own else needed - policy.proven
         self.repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
-        """Whether its link is so slow that what is proven has to be repeated between two frames."""
+        """Whether the link is so slow that predicates must be repeated between two frames."""
         self._clock = clock
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -72,24 +72,24 @@ class PredicatePublisher:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread for a slow link."""
         if self.repeats:
             self._thread = threading.Thread(target=self._repeat, name="predicates", daemon=True)
             self._thread.start()
 
     def frame(self, frame: Frame, pass_on: Callable[[Frame], None] = lambda _: None) -> None:
-        """One frame of the link; never blocks.
+        """Process one frame of the link; never blocks.
 
         Args:
-            frame: as it came.
-            pass_on: called with it once the arbiter was told what it changes.
+            frame: as it arrived.
+            pass_on: called with the frame after its changes were sent to the arbiter.
         """
         proven: Mapping[str, bool] = {}
         at = frame.at
         if self._needed:
             with self._lock:
                 proven = self._needed_of(self._predicates.frame(frame, self._clock()))
-                # the arbiter ignores what is older than what it knows: a late frame is news all the same
+                # the arbiter ignores predicates older than its own: give a late frame the newest time
                 at = max(frame.at, self._predicates.at)
                 if proven and proven != self._sent:
                     self._send(proven, at)
@@ -100,14 +100,14 @@ class PredicatePublisher:
                 self._send(proven, at)
 
     def pass_over(self) -> None:
-        """Frames that change nothing have come; see `FrameJudge.pass_over`."""
+        """Repeat the predicates after frames without a change; see `FrameJudge.pass_over`."""
         with self._lock:
             proven, at = self._needed_of(self._predicates.holding), self._predicates.at
             if proven and at >= self._due:
                 self._send(proven, at)
 
     def repeat(self) -> None:
-        """Say again what is still proven; called every `REPEAT_US` where it ``repeats``."""
+        """Repeat the predicates that still hold; called every `REPEAT_US` if ``repeats``."""
         with self._lock:
             at = self._clock()
             proven = self._needed_of(self._predicates.advance(at))
@@ -115,7 +115,7 @@ class PredicatePublisher:
                 self._send(proven, at)
 
     def close(self) -> None:
-        """Send nothing any more; the sender ends with it."""
+        """Stop sending and close the sender."""
         self._ended.set()
         if self._thread and self._thread.ident is not None:
             self._thread.join()

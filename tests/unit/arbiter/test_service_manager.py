@@ -15,10 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
-from end_effector_hal.arbitration import output_lines
-from end_effector_hal.arbitration._process import _Probe
-from end_effector_hal.arbitration._service_manager import ServiceManager
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy, output_lines
+from end_effector_hal.arbiter._process import _Probe
+from end_effector_hal.arbiter._service_manager import ServiceManager
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError, LineBusyError
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
