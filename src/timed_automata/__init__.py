@@ -1,6 +1,7 @@
-"""Networks of timed automata from UPPAAL files: read, executed and written back here, and used by the rooms.
+"""Networks of timed automata from UPPAAL files: this package reads, executes and writes them; the rooms use it.
 
-Faults of a file: ``timed_automata.check``; runs: ``simulate``; proofs: ``explore``; judging what happened: ``monitor``.
+Subpackages: ``timed_automata.check`` finds the faults of a file, ``simulate`` produces runs, ``explore`` proves
+properties, and ``monitor`` judges recorded events.
 """
 
 from .document import (

@@ -1,26 +1,26 @@
-"""How large a UPPAAL file may be: more is refused with a sentence, before it costs time or memory."""
+"""Limits on the size of a UPPAAL file; a larger file is refused with a message before it costs time or memory."""
 
 from __future__ import annotations
 
 FILE_BYTES = 500_000
 XML_DEPTH = 16
-"""Elements within each other."""
+"""Largest nesting depth of XML elements."""
 XML_ELEMENTS = 20_000
 TEXT_CHARACTERS = 65_536
-"""Of one declaration or label."""
+"""Largest length of one declaration or label, characters."""
 NESTING = 500
-"""Brackets within each other, signs before one operand, or operators beside each other."""
+"""Largest number of nested brackets, of signs before one operand, or of operators in a row."""
 DIGITS = 10
-"""Of a number; UPPAAL computes with 32 bits."""
+"""Largest number of digits of a number; UPPAAL computes with 32 bits."""
 LONGEST_BITS = 64
-"""Of a number that is computed from others before anything runs."""
+"""Largest size of a constant that is computed from other constants, bits."""
 REPEATS = 10_000
-"""Values that quantifiers and loops within each other run through together, those of called functions included."""
+"""Largest number of values that nested quantifiers and loops run through, including those of called functions."""
 SELECTED = 10_000
-"""Combinations of selected values of one edge."""
+"""Largest number of combinations of selected values of one edge."""
 ELEMENTS = 100_000
-"""Scalars and elements of all arrays that are declared, together."""
+"""Largest number of declared scalars and array elements in total."""
 PROCESSES = 1_000
-"""On the system line."""
+"""Largest number of processes on the system line."""
 PARTS = 50_000
-"""Locations and edges of all processes together, an edge for each value that it selects."""
+"""Largest number of locations and edges of all processes; an edge counts once for each value that it selects."""

@@ -1,4 +1,4 @@
-"""The errors of the automata: what happened, where, and what to do; each with a stable code and an exit code."""
+"""Errors of the automata: what happened, where, and what to do. Every error has a stable code and an exit code."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One fault, as every command prints it; ``line`` and ``column`` are 0 where there are none."""
+    """One fault in the form that every command prints; ``line`` and ``column`` are 0 if the fault has no position."""
 
     code: str
     file: str
@@ -18,7 +18,7 @@ class Diagnostic:
 
     @classmethod
     def at(cls, code: str, where: str, message: str) -> Diagnostic:
-        """A fault at ``file:line:column``, or at whatever else ``where`` names."""
+        """Return a fault at ``file:line:column``, or at another place that ``where`` names."""
         file, *numbers = where.rsplit(":", 2)
         if len(numbers) == 2 and all(each.isdigit() for each in numbers):
             return cls(code, file, int(numbers[0]), int(numbers[1]), message)
@@ -29,12 +29,12 @@ class Diagnostic:
         return f"{place}: {self.message} [{self.code}]" if place else f"{self.message} [{self.code}]"
 
     def as_json(self) -> dict[str, object]:
-        """For ``--json``."""
+        """Return the fault as a dictionary for ``--json``."""
         return asdict(self)
 
 
 class ReportedError(Exception):
-    """Anything that is refused or failed: what happened, where, and what to do.
+    """Base class of all refusals and failures: what happened, where, and what to do.
 
     Args:
         what: one sentence that says what happened.
@@ -56,18 +56,18 @@ class ReportedError(Exception):
 
     @property
     def sentence(self) -> str:
-        """The whole text for a person: it begins upper case, if it begins with a word and not with a place."""
+        """The whole message for a person; it begins with a capital letter unless it begins with a place."""
         text, placed = str(self), any(each.file for each in self.diagnostics)
         return text if placed or not re.match(r"[a-z]+ ", text) else text[0].upper() + text[1:]
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """What it says, fault by fault."""
+        """The faults of this error as a tuple."""
         return (Diagnostic.at(self.code, self.where, f"{self.what} {self.todo}".strip()),)
 
 
 class UsageError(ReportedError, ValueError):
-    """A command was given something that it cannot use."""
+    """A command received an argument or input that it cannot use."""
 
     code = "EE-100"
     exit_code = 2
@@ -81,13 +81,13 @@ class ModelError(ReportedError, ValueError):
 
 
 class RangeError(ModelError):
-    """An assignment, an index or a division left its range while the network ran: the model is wrong."""
+    """An assignment, an index or a division left its range while the network ran: the model has a fault."""
 
     code = "EE-301"
 
 
 class StoppedError(ReportedError):
-    """An exploration was stopped before its end, by what it tells its progress to: what it was asked is not decided."""
+    """An exploration was stopped by its progress callback before its end; its question is not decided."""
 
     code = "EE-302"
     exit_code = 4

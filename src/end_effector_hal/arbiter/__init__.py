@@ -1,4 +1,4 @@
-"""The line arbiter: the one process that owns the output lines, its interlocks, its journal and the last wills."""
+"""The line arbiter: the one process that owns the output lines, their interlocks, its journal and the last wills."""
 
 from ._predicate_publisher import PredicatePublisher
 from ._process import connect_arbiter, run_arbiter

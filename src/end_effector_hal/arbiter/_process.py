@@ -1,4 +1,4 @@
-"""The line arbiter of a tool: its process, and the connections of the programs to it."""
+"""The line arbiter of a tool: its process, and the programs' connections to it."""
 
 from __future__ import annotations
 
@@ -52,18 +52,18 @@ def run_arbiter(
     journal: Path | None = None,
     group: str | None = None,
 ) -> None:
-    """Run the line arbiter of a tool until SIGTERM or SIGINT; prints when it is ready.
+    """Run the line arbiter of a tool until SIGTERM or SIGINT; print a line when it is ready.
 
-    A service manager is notified as well (sd_notify): that the arbiter is ready, and that it lives as long as it
-    gets an answer over its own socket. The manager stores the claim of the lines while this process is replaced, so
-    that no other process can claim them.
+    A service manager is notified (sd_notify) when the arbiter is ready, and that it is alive as long as it answers
+    over its own socket. The manager stores the claim of the lines while this process is replaced, so that no other
+    process can claim them.
 
     Args:
         description: the tool.
-        socket: path to serve; default: that of the description.
-        journal: folder of the journal; default: that of the service manager (``$STATE_DIRECTORY``), else that of the
-            socket.
-        group: its members may command the lines; default: the group of this process.
+        socket: path of the socket; default: from the description.
+        journal: folder of the journal; default: the folder of the service manager (``$STATE_DIRECTORY``), else that of
+            the socket.
+        group: the group whose members may command the lines; default: the group of this process.
 
     Raises:
         WireError: the lines or the socket cannot be used.

@@ -51,7 +51,9 @@ class ServiceManager(Closing):
         return stored
 
     def store(self, descriptors: Mapping[str, int]) -> None:
-        """Have the manager store copies while this program is replaced (FDSTORE), in the place of older ones."""
+        """Store copies of descriptors in the manager while this program is replaced (FDSTORE); they replace older
+        ones.
+        """
         for name, fd in descriptors.items():
             self._notify(f"FDSTOREREMOVE=1\nFDNAME={name}")
             self._notify(f"FDSTORE=1\nFDNAME={name}", fd)

@@ -23,9 +23,9 @@ from end_effector_hal.vocabulary import printable, to_us
 
 LONGEST_LAST_WILL_US = 10_000_000
 OUTPUTS = "outputs"
-"""The client that writes the plain outputs."""
+"""Name of the client that writes the plain outputs."""
 SENSOR_FAULT = "sensor_fault"
-"""The name under which the line arbiter latches the sensor fault of the tool changer (IL-04)."""
+"""Name under which the line arbiter latches the sensor fault of the tool changer (IL-04)."""
 IL_01 = Need(
     NOTHING_GRIPPED, "IL-01", "nothing is gripped", "the sensors do not prove that nothing is gripped"
 )

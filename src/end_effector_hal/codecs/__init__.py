@@ -1,7 +1,7 @@
-"""Codecs: how frames stand on a wire. One is found by its name with `get_codec`.
+"""Codecs: the formats of frames on a wire. `get_codec` returns one by its name.
 
-A codec of your own is one class (see `Codec`; `PolledCodec` where the device has to be asked), an entry point in
-the group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` or `PolledCodecConformance` of
+A codec of your own is one class (see `Codec`; `PolledCodec` if the device has to be polled), an entry point in the
+group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` or `PolledCodecConformance` of
 `end_effector_hal.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.codecs.modbus`.
 """
 

@@ -1,4 +1,4 @@
-"""What the answers of a codec may be, which may be somebody else's: frames, counters, and how much is kept."""
+"""Checks of the results of a codec, which may be third-party code: frames, counters, and memory."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from end_effector_hal.codecs._codec import Decoder
 from end_effector_hal.signals import Frame, Kind
 
 MOST_KINDS = 64
-"""Kinds of errors that a decoder may count."""
+"""Most kinds of errors that a decoder may count."""
 
 
 @dataclass(frozen=True, slots=True)
 class Counters:
-    """Since the start; see `Decoder`."""
+    """Counters since the start; see `Decoder`."""
 
     bytes: int = 0
     frames: int = 0
@@ -24,7 +24,7 @@ class Counters:
     errors: Mapping[str, int] = field(default_factory=dict)
 
     def plus(self, other: Counters) -> Counters:
-        """The sum with those of a decoder that came before."""
+        """Return the sum with the counters of an earlier decoder."""
         kinds = {**self.errors, **other.errors}
         errors = {kind: self.errors.get(kind, 0) + other.errors.get(kind, 0) for kind in kinds}
         return Counters(
@@ -37,7 +37,7 @@ class Counters:
 
 
 def counters_of(decoder: Decoder) -> Counters | None:
-    """A snapshot; None: they are no counters."""
+    """Return a snapshot of a decoder's counters; None: they are not valid."""
     numbers = (decoder.bytes, decoder.frames, decoder.lost, decoder.reboots)
     errors = dict(decoder.errors)
     named = all(type(kind) is str and kind.isprintable() and len(kind) <= 40 for kind in errors)
@@ -55,13 +55,13 @@ _MANY = (list, tuple, set, frozenset, deque)
 
 
 def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -> str:
-    """What is wrong with a frame, as the end of a sentence; empty: nothing.
+    """Return the fault of a frame, as the end of a sentence; empty: it has none.
 
     Args:
-        frame: as it was returned.
-        kinds: of the codec's channels.
-        last: µs, stamp of the frame before it.
-        now: µs.
+        frame: the object that the decoder returned.
+        kinds: the kinds of the codec's channels.
+        last: stamp of the previous frame, µs.
+        now: the time now, µs.
     """
     if type(frame) is not Frame:
         return "something else than frames"
@@ -87,7 +87,7 @@ def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -
 
 
 def weight(decoder: object, codec: object = None) -> int:
-    """Bytes and elements in the attributes of a decoder and of its own objects, without those of its codec."""
+    """Return the number of bytes and elements that a decoder and its objects keep, without those of its codec."""
     return sum(map(_weight, _parts(decoder, {id(codec), id(decoder)}, depth=3)))
 
 

@@ -1,4 +1,4 @@
-"""What brings the channels of a tool: the codecs of its links, the inputs of its board, or both."""
+"""The sources of a tool's channels: the codecs of its links, the inputs of its board, or both."""
 
 from __future__ import annotations
 
@@ -16,27 +16,28 @@ if TYPE_CHECKING:
     from end_effector_hal.description import Description, Link
 
 SEVERAL = "the wiring"
-"""For a sentence: what brings the channels of several links, or of links and inputs of the board."""
+"""Name, for messages, of several links, or of links and inputs of the board together."""
 INPUTS = "the board"
-"""For a sentence: what brings the inputs of the board."""
+"""Name of the board's inputs, for messages."""
 PERIOD_MS = 20
 
 
 class FrameSource(NamedTuple):
-    """What comes in one frame, and how often; a link and the inputs of a board are two.
+    """One source of frames: the channels in each of its frames, and its period. A link and the inputs of a board are
+    two sources.
 
-    ``link``: its name under `links`; None: the inputs of the board, or the only one.
+    ``link``: its name under `links`; None: the inputs of the board, or the only link.
     """
 
     channels: frozenset[str]
     period_us: int
     link: str | None = None
     sequence: tuple[int, int] = (16, 32)
-    """Bits of its sequence number, and of its clock."""
+    """Width of its sequence number and of its clock, bits."""
 
 
 def sources_of(carrier: Carrier) -> tuple[FrameSource, ...]:
-    """Those that a carrier has as ``sources``; a codec is one."""
+    """Return the ``sources`` of a carrier; a codec is one source."""
     found: tuple[FrameSource, ...] = getattr(carrier, "sources", ())
     return found or (
         FrameSource(frozenset(carrier.channels), carrier.period_us, None, sequence_bits(carrier)),
@@ -44,14 +45,14 @@ def sources_of(carrier: Carrier) -> tuple[FrameSource, ...]:
 
 
 def period_of(carrier: Carrier, channel: str) -> int:
-    """µs between two readings of a channel, nominally."""
+    """Return the nominal time between two readings of a channel, µs."""
     found = (source.period_us for source in sources_of(carrier) if channel in source.channels)
     return next(found, carrier.period_us)
 
 
 @dataclass(frozen=True)
 class BoardInputs:
-    """What the digital and analog inputs of a board carry."""
+    """The carrier of a board's digital and analog inputs."""
 
     channels: Mapping[str, Kind]
     period_us: int
@@ -61,7 +62,7 @@ class BoardInputs:
 
 @dataclass(frozen=True)
 class SeveralSources:
-    """Links and the inputs of the board together."""
+    """The carrier of several links, or of links and the inputs of the board."""
 
     name: str
     channels: Mapping[str, Kind]
@@ -73,17 +74,18 @@ class SeveralSources:
 
 
 def codec_of(description: Description, name: str | None = None) -> Codec:
-    """The codec of a link: the one that it names, or the one that it declares with `frame`.
+    """Return the codec of a link: the one that it names, or the one that it declares with `frame`.
 
-    Its channels have the names that the description gives them. A codec that is named brings those that have none
-    there under its own, unless there are several links.
+    Its channels have the names that the description gives them. If there is only one link, channels of a named codec
+    that the description does not rename keep their own names; if there are several links, such channels are left out.
 
     Args:
         description: the tool.
-        name: of the link; None: the first one.
+        name: name of the link; None: the first one.
 
     Raises:
-        UsageError: there is no link, no such codec, or it has no such channel; with its place there.
+        UsageError: there is no link, no such codec, or the codec lacks a channel; the error has the place in the
+            description.
     """
     links = description.links
     if not links:
@@ -109,9 +111,9 @@ def codec_of(description: Description, name: str | None = None) -> Codec:
     if unknown := names.keys() - codec.channels.keys():
         mine = names[min(unknown)]
         raise UsageError(
-            f"{codec.name} carries no {min(unknown)!r}.",
+            f"{codec.name} has no channel {min(unknown)!r}.",
             where=description.where("channels", mine, "codec", "channel"),
-            todo=f"It carries {', '.join(codec.channels)}.",
+            todo=f"It has {', '.join(codec.channels)}.",
         )
     if len(links) == 1:
         names = {its: names.get(its, its) for its in codec.channels}
@@ -119,12 +121,12 @@ def codec_of(description: Description, name: str | None = None) -> Codec:
 
 
 def line_of(link: Link, codec: Codec) -> tuple[int, str, int]:
-    """Baud rate, parity and stop bits of a link: those that it gives, or those of its codec."""
+    """Return baud rate, parity and stop bits of a link: its own, or those of its codec."""
     return link.baudrate or codec.baudrate, link.parity or parity_of(codec), link.stopbits or 1
 
 
 def board_inputs(description: Description) -> BoardInputs | None:
-    """What comes from the inputs of the board; None: nothing does."""
+    """Return the carrier of the board's inputs; None: the tool has none."""
     found = {name: each for name, each in description.channels.items() if each.on_board}
     if not found:
         return None
@@ -136,7 +138,7 @@ def board_inputs(description: Description) -> BoardInputs | None:
 
 
 def carrier_of(description: Description) -> Carrier:
-    """What brings the channels of a description; raises UsageError with its place there."""
+    """Return the carrier of all channels of a description; raises UsageError with the place in the description."""
     inputs = board_inputs(description)
     if not description.links and inputs is not None:
         return inputs

@@ -1,4 +1,4 @@
-"""The codec: how frames stand on a wire. Pure: bytes in, frames out, no I/O, no clock."""
+"""The interfaces of codecs: formats of frames on a wire. Pure: bytes in, frames out, no I/O, no clock."""
 
 from __future__ import annotations
 
@@ -10,83 +10,83 @@ from end_effector_hal.signals import Frame, Kind, Value
 
 
 class Decoder(Protocol):
-    """Finds frames in a stream of bytes; remembers a part of a frame, bounded in size."""
+    """Finds frames in a stream of bytes; keeps an unfinished frame, bounded in size."""
 
     @property
     def bytes(self) -> int:
-        """All bytes fed."""
+        """Number of bytes fed."""
         ...
 
     @property
     def frames(self) -> int:
-        """Frames returned."""
+        """Number of frames returned."""
         ...
 
     @property
     def errors(self) -> Mapping[str, int]:
-        """What was thrown away, by the names of ``docs/reference/channels.md``; ``noise`` in bytes."""
+        """Counts of discarded data, by the names in ``docs/reference/channels.md``; ``noise`` counts bytes."""
         ...
 
     @property
     def lost(self) -> int:
-        """Frames missing by their sequence numbers."""
+        """Number of frames that are missing according to the sequence numbers."""
         ...
 
     @property
     def reboots(self) -> int:
-        """Jumps back of the sequence number or of the device's clock."""
+        """Number of backward jumps of the sequence number or of the device's clock."""
         ...
 
     def feed(self, data: builtins.bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``, in order; never raises, whatever the bytes.
+        """Return the frames that end in ``data``, in order; never raises, for any bytes.
 
         Args:
-            data: what was read, in pieces of any size.
-            at: µs, when it was read; becomes the ``at`` of the frames.
+            data: the bytes read, in pieces of any size.
+            at: time of the read, µs; becomes the ``at`` of the frames.
         """
         ...
 
 
 class Carrier(Protocol):
-    """What a detector needs to know of where its readings come from; every `Codec` is one.
+    """The properties of a source of readings that a detector needs; every `Codec` is a carrier.
 
-    It may have more: ``resolution_pa``, ``seq_bits``, ``clock_bits`` and ``sources``, see `sources_of`.
+    It may also have ``resolution_pa``, ``seq_bits``, ``clock_bits`` and ``sources``, see `sources_of`.
     """
 
     @property
     def name(self) -> str:
-        """For a sentence."""
+        """The name for messages."""
         ...
 
     @property
     def channels(self) -> Mapping[str, Kind]:
-        """What it carries."""
+        """The kinds of its channels, by name."""
         ...
 
     @property
     def period_us(self) -> int:
-        """Nominal time between two frames; of several sources, the longest."""
+        """Nominal time between two frames, µs; the longest one if there are several sources."""
         ...
 
 
 class Codec(Carrier, Protocol):
     """A wire format. A channel that is not in ``channels`` is not fitted.
 
-    It may have more: ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`,
-    `resolution_of`, `sequence_of`.
+    It may also have ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`, `resolution_of`,
+    `sequence_of`.
     """
 
     @property
     def baudrate(self) -> int:
-        """Of the line, unless a description gives another; 8 bits, 1 stop bit, parity as `parity_of` says."""
+        """Baud rate, unless a description gives another; 8 bits, 1 stop bit, parity: see `parity_of`."""
         ...
 
     def decoder(self) -> Decoder:
-        """A new one, for one stream."""
+        """Return a new decoder for one stream."""
         ...
 
     def encode(self, frame: Frame) -> bytes:
-        """The bytes of a frame; a channel that is missing or None is sent as invalid where the format can.
+        """Return the bytes of a frame; a channel that is missing or None is sent as invalid if the format allows it.
 
         Raises:
             UsageError: a value does not fit the format.
@@ -95,30 +95,30 @@ class Codec(Carrier, Protocol):
 
 
 def parity_of(codec: Codec) -> str:
-    """``N``, ``E`` or ``O``: what the codec has as ``parity``; one without it is sent without."""
+    """Return the codec's ``parity``: ``N``, ``E`` or ``O``; ``N`` if it has none."""
     return str(getattr(codec, "parity", "N"))
 
 
 def resolution_of(codec: object) -> float:
-    """Pa of the smallest step of a pressure: what the codec has as ``resolution_pa``, else 1."""
+    """Return the codec's ``resolution_pa``, the smallest step of a pressure in Pa; 1 if it has none."""
     return float(getattr(codec, "resolution_pa", 1))
 
 
 FINE_PA = 50
-"""A codec that counts in larger steps does not show the noise of a sensor: no value is called frozen."""
+"""Largest step of a codec that still shows the noise of a sensor, Pa; with larger steps no value counts as frozen."""
 
 
 def shows_noise(codec: object) -> bool:
-    """Whether it counts finely enough to tell a frozen sensor from a living one."""
+    """Return whether the codec's resolution is fine enough to distinguish a frozen sensor from a working one."""
     return resolution_of(codec) <= FINE_PA
 
 
 class Polled(NamedTuple):
-    """What a call of `PolledDecoder.poll` leaves to do.
+    """The result of `PolledDecoder.poll`.
 
     Attributes:
-        data: a request, to be sent now; b"": none yet.
-        frames: those that ended because an answer did not come.
+        data: a request to send now; b"": none yet.
+        frames: frames that ended because an answer is missing.
     """
 
     data: bytes = b""
@@ -126,62 +126,62 @@ class Polled(NamedTuple):
 
 
 class PolledDecoder(Decoder, Protocol):
-    """A decoder that asks. Sans-IO: the reader of the port calls `poll` at ``due`` and sends what it returns."""
+    """A decoder that makes requests. Sans-IO: the reader of the port calls `poll` at ``due`` and sends the result."""
 
     @property
     def due(self) -> int:
-        """µs at which `poll` is to be called next: for the next request, or because an answer is overdue."""
+        """Time of the next call of `poll`, µs: the next request is due, or an answer is overdue."""
         ...
 
     def poll(self, at: int) -> Polled:
-        """Time has come to ``at`` (µs); before ``due`` it does nothing."""
+        """Process the passing of time up to ``at`` (µs); has no effect before ``due``."""
         ...
 
 
 class Device(Protocol):
-    """The other end of a polled link, for a testbench."""
+    """The simulated device of a polled link, for a testbench."""
 
     def answer(self, data: bytes, values: Mapping[str, Value]) -> bytes:
-        """The answers to the requests that end in ``data``, in order; None is answered as invalid.
+        """Return the answers to the requests that end in ``data``, in order; None is answered as invalid.
 
-        Never raises, whatever the bytes; what is no request, or not for this device, is not answered.
+        Never raises, for any bytes; data that is not a request to this device gets no answer.
         """
         ...
 
 
 class PolledCodec(Codec, Protocol):
-    """A codec whose `decoder` is a `PolledDecoder`; its `encode` gives all the answers of one cycle."""
+    """A codec whose `decoder` returns a `PolledDecoder`; its `encode` returns all answers of one cycle."""
 
     def decoder(self) -> PolledDecoder:
-        """A new one, for one stream."""
+        """Return a new decoder for one stream."""
         ...
 
     def device(self) -> Device:
-        """A new one, for one stream."""
+        """Return a new simulated device for one stream."""
         ...
 
 
 def is_polled(codec: Codec) -> TypeGuard[PolledCodec]:
-    """Whether a codec has to ask."""
+    """Return whether the codec is polled: its decoder makes requests."""
     return hasattr(codec, "device")
 
 
 def asks(decoder: Decoder) -> TypeGuard[PolledDecoder]:
-    """Whether a decoder is that of a polled codec."""
+    """Return whether the decoder is one of a polled codec."""
     return hasattr(decoder, "poll")
 
 
 class Sequence:
-    """Judges the sequence numbers and the device's clock of one stream; both wrap around.
+    """Checks the sequence numbers and the device clock of one stream; both wrap around.
 
-    A jump back by less than half of the range (of the number or of the clock) is a reboot of the device.
+    A backward jump by less than half of the range (of the number or of the clock) is a reboot of the device.
 
     Args:
-        seq_bits, clock_bits: their width.
+        seq_bits, clock_bits: width of the number and of the clock.
     """
 
     MEMORY: ClassVar = {"lost": int, "reboots": int, "_last": tuple[int, int] | None}
-    """What changes while frames come, for a recording that begins in the middle."""
+    """The attributes that change while frames arrive, for a recording that begins in the middle."""
 
     def __init__(self, *, seq_bits: int, clock_bits: int) -> None:
         self.lost = 0
@@ -190,7 +190,7 @@ class Sequence:
         self._last: tuple[int, int] | None = None
 
     def is_new(self, seq: int, device_ms: int) -> bool:
-        """Whether this frame is to be delivered; a repeated number is not."""
+        """Return whether this frame is to be delivered; False for a repeated number."""
         last, self._last = self._last, (seq, device_ms)
         if last is None:
             return True
@@ -207,10 +207,12 @@ class Sequence:
 
 
 def sequence_bits(codec: object) -> tuple[int, int]:
-    """Of its sequence number and its clock: 16 and 32, unless it has other ``seq_bits`` and ``clock_bits``."""
+    """Return the widths of the codec's sequence number and clock: ``seq_bits`` and ``clock_bits``, default
+    16 and 32.
+    """
     return getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
 
 
 def sequence_of(seq_bits: int, clock_bits: int) -> Sequence:
-    """A new one, for frames with numbers of this width."""
+    """Return a new `Sequence` for numbers of this width."""
     return Sequence(seq_bits=seq_bits, clock_bits=clock_bits)

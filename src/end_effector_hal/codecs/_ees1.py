@@ -1,4 +1,4 @@
-"""What ``ees1-ascii`` and ``ees1-cobs`` have in common: the channels of EES1, the order of its bits, its decoder."""
+"""The common parts of ``ees1-ascii`` and ``ees1-cobs``: the channels of EES1, the order of its bits, its decoder."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Ees1Codec:
     baudrate = 115_200
 
     def _pressure(self, name: str, pascal: int, highest: int = HIGHEST_PA) -> int:
-        """In whole Pa; raises UsageError if the format cannot carry it."""
+        """Return the pressure in whole Pa; raises UsageError if the format cannot encode it."""
         if not LOWEST_PA <= pascal <= highest:
             raise UsageError(
                 f"the pressure {name} = {pascal} Pa does not fit {self.name}",
@@ -43,20 +43,20 @@ class Ees1Codec:
         return int(pascal)
 
     def _head(self, frame: Frame) -> tuple[int, int]:
-        """Sequence number and clock, which wrap around; None counts as 0."""
+        """Return sequence number and clock, which wrap around; None counts as 0."""
         return (frame.seq or 0) % (1 << SEQ_BITS), (frame.device_ms or 0) % (1 << CLOCK_BITS)
 
     def _din(self, frame: Frame) -> int:
-        """The bits as one byte; a missing bit is false."""
+        """Return the bits as one byte; a missing bit is false."""
         return sum(1 << bit for bit, name in enumerate(BITS) if frame.values.get(name))
 
 
 class Ees1Decoder:
-    """Counters of one stream; the format itself is the subclass's.
+    """The counters of one stream; subclasses implement the format.
 
     Attributes:
-        bytes, frames: taken in and given out.
-        errors: what was thrown away, by reason.
+        bytes, frames: number of bytes fed and of frames returned.
+        errors: counts of discarded data, by reason.
     """
 
     def __init__(self) -> None:
@@ -68,18 +68,18 @@ class Ees1Decoder:
 
     @property
     def lost(self) -> int:
-        """Frames missing by their sequence numbers."""
+        """Number of frames that are missing according to the sequence numbers."""
         return self._sequence.lost
 
     @property
     def reboots(self) -> int:
-        """Jumps back of the device."""
+        """Number of reboots of the device, detected by backward jumps."""
         return self._sequence.reboots
 
     def _frame(
         self, at: int, seq: int, clock: int, pressures: Iterable[int | None], din: int
     ) -> Frame | None:
-        """The frame of what was decoded; None, and counted, for one that came before."""
+        """Return the decoded frame; None: its sequence number is repeated (it is counted as duplicate)."""
         if not self._sequence.is_new(seq, clock):
             self.errors["duplicate"] += 1
             return None
@@ -90,7 +90,7 @@ class Ees1Decoder:
         return Frame(at, seq, clock, values)
 
     def _possible(self, pascal: int | None) -> int | None:
-        """A pressure; None, and counted, where it is outside of what any sensor can mean."""
+        """Return the pressure; None if it is outside the range of any sensor (it is counted)."""
         if pascal is None or LOWEST_PA <= pascal <= HIGHEST_PA:
             return pascal
         self.errors["range"] += 1

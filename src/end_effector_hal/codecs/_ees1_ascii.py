@@ -1,7 +1,7 @@
-"""``ees1-ascii``: the default format; a line of text with a CRC, readable in any terminal.
+r"""``ees1-ascii``: the default format; a line of text with a CRC, readable in any terminal.
 
-``$EES1,<seq>,<t_ms>,<bottom>,<cylinder>,<top>,<supply>,<din hex2>,<status hex2>*<crc hex4>\\r\\n``,
-CRC-16/CCITT-FALSE over what stands between ``$`` and ``*``; pressures are integer Pa gauge, an empty field is
+``$EES1,<seq>,<t_ms>,<bottom>,<cylinder>,<top>,<supply>,<din hex2>,<status hex2>*<crc hex4>\r\n``,
+CRC-16/CCITT-FALSE over the characters between ``$`` and ``*``; pressures are integer Pa gauge, an empty field is
 invalid.
 """
 
@@ -27,11 +27,11 @@ class Ees1Ascii(Ees1Codec):
     name = "ees1-ascii"
 
     def decoder(self) -> Decoder:
-        """A new decoder."""
+        """Return a new decoder."""
         return Ees1AsciiDecoder()
 
     def encode(self, frame: Frame) -> bytes:
-        """One line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
+        """Return one line; ``seq`` and ``device_ms`` wrap around, None counts as 0, a missing bit as false."""
         fields = [self._text(name, frame.values.get(name)) for name in PRESSURES]
         status = sum(1 << bit for bit, text in enumerate(fields) if not text)
         seq, clock = self._head(frame)
@@ -43,10 +43,10 @@ class Ees1Ascii(Ees1Codec):
 
 
 class Ees1AsciiDecoder(Ees1Decoder):
-    """Keeps at most one unfinished line (96 bytes); every ``$`` starts a new frame, so that noise costs none."""
+    """Keeps at most one unfinished line (96 bytes); every ``$`` starts a new frame, so noise destroys none."""
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         self.bytes += len(data)
         *lines, rest = (self._rest + data).split(b"\n")
         frames = [frame for line in lines if (frame := self._line(line + b"\n", at))]
@@ -58,7 +58,7 @@ class Ees1AsciiDecoder(Ees1Decoder):
         return frames
 
     def _from_dollar(self, line: bytes) -> bytes:
-        """What can still be a frame: from the last ``$`` on, which stands nowhere inside of one."""
+        """Return what can still be a frame: from the last ``$`` on, because a frame contains no other one."""
         start = line.rfind(b"$")
         noise = len(line) if start < 0 else start
         if noise:

@@ -1,7 +1,8 @@
-"""``ees1-cobs``: the binary twin of ``ees1-ascii``; less than half of its bytes, and lost bytes are always seen.
+"""``ees1-cobs``: the binary form of ``ees1-ascii``; less than half of its bytes, and a loss of bytes is always
+detected.
 
 ``00 | COBS(u8 ver=1, u8 type=1, u16 seq, u32 t_ms, i16 x4 in 25 Pa, u8 din, u8 status, u16 crc) | 00``, little
-endian, -32768 is invalid; a zero before and after each frame; CRC-16/CCITT-FALSE over all before it.
+endian, -32768 is invalid; a zero before and after each frame; CRC-16/CCITT-FALSE over all fields before it.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ class Ees1Cobs(Ees1Codec):
     resolution_pa = STEP_PA
 
     def decoder(self) -> Decoder:
-        """A new decoder."""
+        """Return a new decoder."""
         return Ees1CobsDecoder()
 
     def encode(self, frame: Frame) -> bytes:
-        """One frame, pressures rounded to 25 Pa; ``seq`` and ``device_ms`` wrap around, None counts as 0."""
+        """Return one frame, pressures rounded to 25 Pa; ``seq`` and ``device_ms`` wrap around, None counts as 0."""
         counts = [self._count(name, frame.values.get(name)) for name in PRESSURES]
         status = sum(1 << bit for bit, count in enumerate(counts) if count == INVALID)
         body = _BODY.pack(VERSION, TYPE, *self._head(frame), *counts, self._din(frame), status)
@@ -47,10 +48,10 @@ class Ees1Cobs(Ees1Codec):
 
 
 class Ees1CobsDecoder(Ees1Decoder):
-    """Keeps at most one unfinished frame (22 bytes); a zero ends whatever came before it."""
+    """Keeps at most one unfinished frame (22 bytes); a zero byte ends any unfinished frame."""
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         self.bytes += len(data)
         *parts, rest = (self._rest + data).split(b"\0")
         frames = [frame for part in parts if part and (frame := self._part(part, at))]

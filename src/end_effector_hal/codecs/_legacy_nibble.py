@@ -1,8 +1,8 @@
 """``legacy-nibble``: the single byte of the paper's prototype (compatibility only).
 
-One raw byte, 9600 8N1, once a second, no checksum; the high nibble is zero. Bit 3: tool changer unlocked,
-bit 2: bottom vacuum, bit 1: cylinder extended, bit 0: top vacuum. Half of all single-bit errors go unseen,
-and feedback once a second cannot show a drop in time: use ``ees1-ascii`` where the device can be changed.
+One raw byte, 9600 8N1, once a second, no checksum; the high nibble is zero. Bit 3: tool changer unlocked, bit 2:
+bottom vacuum, bit 1: cylinder extended, bit 0: top vacuum. Half of all single-bit errors are not detected, and with
+feedback once a second a drop is detected too late: use ``ees1-ascii`` if the device can be changed.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ class LegacyNibble:
     baudrate = 9_600
 
     def decoder(self) -> Decoder:
-        """A new decoder."""
+        """Return a new decoder."""
         return LegacyNibbleDecoder()
 
     def encode(self, frame: Frame) -> bytes:
-        """One byte; a missing bit is sent as false, the format has no invalid."""
+        """Return one byte; a missing bit is sent as false, because the format has no invalid value."""
         return bytes([sum(1 << bit for name, bit in _BITS.items() if frame.values.get(name))])
 
 
 class LegacyNibbleDecoder:
-    """Each byte below 16 is a frame; it carries no sequence number, so that losses cannot be seen."""
+    """Makes a frame of each byte below 16; there is no sequence number, so losses are not detected."""
 
     def __init__(self) -> None:
         self.bytes = 0
@@ -44,7 +44,7 @@ class LegacyNibbleDecoder:
         self.reboots = 0
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """A frame for each byte."""
+        """Return a frame for each valid byte."""
         frames = [_frame(byte, at) for byte in data if byte < 16]
         self.bytes += len(data)
         self.frames += len(frames)

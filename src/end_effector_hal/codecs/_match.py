@@ -1,4 +1,4 @@
-"""From a file to a tool: a description, held against the codec that it names."""
+"""Loads a tool from a file: reads its description and checks it against its codecs."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from end_effector_hal.description import (
 from end_effector_hal.errors import DescriptionError, MissingExtraError, ReportedError
 
 SEEN_WITHIN_S = 0.5
-"""A period with which a reading counts for longer is warned of."""
+"""Longest validity of a reading without a warning, s; a longer period delays the detection of a loss."""
 
 
 @dataclass(frozen=True)
 class CodecMatch:
-    """How a description goes together with the codec that it names.
+    """The result of checking a description against its codecs.
 
     Attributes:
-        faults: what can never work.
-        not_fitted: what is off because the codec does not carry it.
-        slow: times that so slow a link cannot keep, and what a silent bus would let fall.
+        faults: requirements that can never be met.
+        not_fitted: functions that are off because the codec lacks their channel.
+        slow: times that a slow link cannot keep, and parts that may be dropped when a bus is silent.
     """
 
     faults: tuple[Fault, ...]
@@ -43,10 +43,10 @@ class CodecMatch:
 
 
 def load_tool(path: str | Path) -> Description:
-    """Read a description and hold it against its codec: what every program that uses one does.
+    """Read a description and check it against its codec; every program that uses a description calls this.
 
     Raises:
-        DescriptionError: it is not valid, or its codec cannot prove it.
+        DescriptionError: the description is not valid, or its codec cannot prove its conditions.
     """
     examination = examine(path)
     if examination.description is None:
@@ -57,7 +57,7 @@ def load_tool(path: str | Path) -> Description:
 
 
 def match_codec(description: Description, faulty: Collection[str] = ()) -> CodecMatch:
-    """Hold a description against its codec.
+    """Check a description against its codecs.
 
     Args:
         description: the tool.
@@ -85,7 +85,7 @@ def match_codec(description: Description, faulty: Collection[str] = ()) -> Codec
 
 
 def _slowly_seen(description: Description) -> Iterator[str]:
-    """A sentence for each link whose declared period makes a loss be seen late."""
+    """Yield a sentence for each link whose declared period delays the detection of a loss."""
     for name, link in description.links.items():
         stale_s = max(link.stale_s, link.stale_periods * (link.period_ms or 0) / 1000)
         if link.frame and link.period_ms and stale_s > SEEN_WITHIN_S:
@@ -93,12 +93,12 @@ def _slowly_seen(description: Description) -> Iterator[str]:
             place = description.where(*description.link_path(name), "period_ms")
             yield (
                 f"{place}: period_ms: {link.period_ms}: a device that falls silent, or a grip that is lost, "
-                f"may be seen only after {stale_s:g} s, and the link is down after {down_s:g} s"
+                f"may be detected only after {stale_s:g} s, and the link is down after {down_s:g} s"
             )
 
 
 def _unusable(description: Description, name: str) -> Fault | None:
-    """Why the codec of a link cannot be used; None: it can be."""
+    """Return why the codec of a link cannot be used; None: it can be used."""
     link, path = description.links[name], description.link_path(name)
     wanted = link.codec if link.frame is None else ""
     try:
@@ -120,7 +120,7 @@ def _unusable(description: Description, name: str) -> Fault | None:
 
 
 def _not_carried(description: Description, name: str) -> Fault | None:
-    """A channel that the named codec of a link does not have."""
+    """Return the fault of a channel that the named codec of a link does not have; None: there is none."""
     codec = get_codec(description.links[name].codec)
     for mine, each in description.channels_over(name).items():
         if each.codec and each.codec.channel not in codec.channels:
@@ -133,7 +133,7 @@ def _not_carried(description: Description, name: str) -> Fault | None:
 
 
 def _hidden(description: Description) -> Iterator[Fault]:
-    """Channels of the only link's codec that would not be seen behind a declared one of the same name."""
+    """Yield faults for channels of the only link's codec that a declared channel of the same name would hide."""
     if len(description.links) != 1:
         return
     (link,) = description.links.values()
@@ -147,7 +147,7 @@ def _hidden(description: Description) -> Iterator[Fault]:
 
 
 def _too_short(description: Description) -> Iterator[Fault]:
-    """A period in which what is declared does not fit on the wire: every reading would be stale."""
+    """Yield faults for declared periods in which a frame cannot be transmitted: every reading would be stale."""
     for name, link in description.links.items():
         if link.frame is None or link.period_ms is None:
             continue

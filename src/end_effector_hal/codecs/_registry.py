@@ -1,4 +1,4 @@
-"""Codecs by name: our own, and those that other distributions add; what they declare is checked once."""
+"""Codecs by name: the built-in ones and those of other distributions; their declarations are checked once."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from end_effector_hal.vocabulary import MOST_CHANNELS
 LONGEST_PERIOD_US = 600_000_000
 _CHANNEL = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _RESERVED = "none"
-"""A description writes it where there is no channel."""
+"""A description uses this word where there is no channel."""
 
 
 class DeclaredCodec:
-    """A codec whose declarations cannot change, fail or be of another type; its methods are those of the codec.
+    """A codec with checked and fixed declarations: they can no longer change or fail. Its methods are those of the
+    codec.
 
     Args:
-        codec: somebody else's; reading its attributes may raise anything.
+        codec: possibly third-party; reading its attributes may raise any exception.
 
     Raises:
-        UsageError: a declaration is not what `Codec` says.
+        UsageError: a declaration does not match `Codec`.
     """
 
     def __init__(self, codec: Codec) -> None:
@@ -42,21 +43,21 @@ class DeclaredCodec:
             )
 
     def decoder(self) -> Decoder:
-        """A new one, for one stream."""
+        """Return a new decoder for one stream."""
         return self._codec.decoder()
 
     def encode(self, frame: Frame) -> bytes:
-        """The bytes of a frame."""
+        """Return the bytes of a frame."""
         return self._codec.encode(frame)
 
     def _wrong(self) -> Iterator[str]:
         if type(self.name) is not str or not 0 < len(self.name) <= 64 or not self.name.isprintable():
-            yield "a name that is no name"
+            yield "an invalid name"
         if not 0 < len(self.channels) <= MOST_CHANNELS:
             yield f"{len(self.channels)} channels, expected 1 to {MOST_CHANNELS}"
         for channel, kind in self.channels.items():
             if type(channel) is not str or not _CHANNEL.fullmatch(channel) or channel == _RESERVED:
-                yield "a channel that is no name: lower-case letters, digits and '_', a letter first, not 'none'"
+                yield "an invalid channel name: use lower-case letters, digits and '_', a letter first, not 'none'"
             if not isinstance(kind, Kind):
                 yield f"no Kind for the channel {channel}"
         yield from self._number("period_us", 1, LONGEST_PERIOD_US)
@@ -75,18 +76,18 @@ class DeclaredCodec:
 
 
 class DeclaredPolledCodec(DeclaredCodec):
-    """The same, of one that asks."""
+    """A polled codec with checked and fixed declarations."""
 
     _codec: PolledCodec
     decoder: Callable[[], PolledDecoder]
 
     def device(self) -> Device:
-        """A new one, for one stream."""
+        """Return a new simulated device for one stream."""
         return self._codec.device()
 
 
 def declared(codec: Codec) -> Codec:
-    """The codec with its declarations checked and fixed; raises UsageError, or whatever it raises itself."""
+    """Return the codec with checked and fixed declarations; raises UsageError, or any exception of the codec itself."""
     return DeclaredPolledCodec(codec) if is_polled(codec) else DeclaredCodec(codec)
 
 
@@ -103,14 +104,14 @@ _PARTS = ("name", "channels", "period_us", "baudrate", "decoder", "encode")
 
 
 def codec_names() -> tuple[str, ...]:
-    """All that `get_codec` knows, our own first."""
+    """Return all names that `get_codec` accepts, the built-in ones first."""
     return _CODECS.names
 
 
 def get_codec(name: str) -> Codec:
-    """The codec of that name.
+    """Return the codec of this name.
 
-    Another distribution adds one by an entry point, a class or an object, in ``end_effector_hal.codecs``.
+    Other distributions add codecs with an entry point (a class or an object) in ``end_effector_hal.codecs``.
 
     Raises:
         UsageError: there is none of that name (did you mean …), or it cannot be loaded.

@@ -1,4 +1,4 @@
-"""A codec whose channels have names of the user's own: so two of the same kind fit into one tool."""
+"""Codecs with channel names chosen by the user, so that two devices of the same kind fit into one tool."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from end_effector_hal.codecs._codec import (
 from end_effector_hal.signals import Frame, Kind, Value
 
 Names = Mapping[str, str]
-"""The user's name of a channel, by that of the codec; others are left out."""
+"""The user's name of a channel, by the codec's name; channels that are not listed are left out."""
 
 
 def renamed(codec: Codec, names: Names) -> Codec:
-    """The same codec, whose channels have other names."""
+    """Return the codec with other channel names."""
     return RenamedPolledCodec(codec, names) if is_polled(codec) else RenamedCodec(codec, names)
 
 
 class RenamedCodec:
-    """A codec that streams, with other names.
+    """A streaming codec with other channel names.
 
     Args:
-        codec: that it is.
-        names: of its channels.
+        codec: the codec to rename.
+        names: the new names of its channels.
     """
 
     def __init__(self, codec: Codec, names: Names) -> None:
@@ -45,47 +45,47 @@ class RenamedCodec:
         self.seq_bits, self.clock_bits = getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
 
     def decoder(self) -> Decoder:
-        """A new one, for one stream."""
+        """Return a new decoder for one stream."""
         return RenamedDecoder(self._codec.decoder(), self._names)
 
     def encode(self, frame: Frame) -> bytes:
-        """The bytes of a frame."""
+        """Return the bytes of a frame."""
         return self._codec.encode(replace(frame, values=_its(self._names, frame.values)))
 
 
 class RenamedDecoder:
-    """Its frames have the user's names."""
+    """A decoder whose frames have the user's channel names."""
 
     def __init__(self, decoder: Decoder, names: Names) -> None:
         self._decoder, self._names = decoder, names
 
     @property
     def bytes(self) -> int:
-        """All bytes fed."""
+        """Number of bytes fed."""
         return self._decoder.bytes
 
     @property
     def frames(self) -> int:
-        """Frames returned."""
+        """Number of frames returned."""
         return self._decoder.frames
 
     @property
     def errors(self) -> Mapping[str, int]:
-        """Thrown away, by reason."""
+        """Counts of discarded data, by reason."""
         return self._decoder.errors
 
     @property
     def lost(self) -> int:
-        """Frames missing by their sequence numbers."""
+        """Number of frames that are missing according to the sequence numbers."""
         return self._decoder.lost
 
     @property
     def reboots(self) -> int:
-        """Jumps back of the device."""
+        """Number of reboots of the device, detected by backward jumps."""
         return self._decoder.reboots
 
     def feed(self, data: builtins.bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         return [self._mine(frame) for frame in self._decoder.feed(data, at)]
 
     def _mine(self, frame: Frame) -> Frame:
@@ -95,23 +95,23 @@ class RenamedDecoder:
 
 
 class RenamedPolledCodec(RenamedCodec):
-    """A codec that asks, with other names."""
+    """A polled codec with other channel names."""
 
     def __init__(self, codec: PolledCodec, names: Names) -> None:
         super().__init__(codec, names)
         self._polled = codec
 
     def decoder(self) -> PolledDecoder:
-        """A new one, which asks."""
+        """Return a new polled decoder."""
         return RenamedPolledDecoder(self._polled.decoder(), self._names)
 
     def device(self) -> Device:
-        """The other end, which knows its own names only."""
+        """Return the simulated device, which uses the codec's own channel names."""
         return RenamedDevice(self._polled.device(), self._names)
 
 
 class RenamedPolledDecoder(RenamedDecoder):
-    """A decoder that asks, with other names."""
+    """A polled decoder with other channel names."""
 
     def __init__(self, decoder: PolledDecoder, names: Names) -> None:
         super().__init__(decoder, names)
@@ -119,23 +119,23 @@ class RenamedPolledDecoder(RenamedDecoder):
 
     @property
     def due(self) -> int:
-        """µs at which `poll` is to be called next."""
+        """Time of the next call of `poll`, µs."""
         return self._poller.due
 
     def poll(self, at: int) -> Polled:
-        """The next request, and the frames that ended for want of an answer."""
+        """Return the next request, and the frames that ended because an answer is missing."""
         data, frames = self._poller.poll(at)
         return Polled(data, tuple(map(self._mine, frames)))
 
 
 class RenamedDevice:
-    """The other end of a polled link."""
+    """The simulated device of a polled link, with the user's channel names."""
 
     def __init__(self, device: Device, names: Names) -> None:
         self._device, self._names = device, names
 
     def answer(self, data: bytes, values: Mapping[str, Value]) -> bytes:
-        """The answers to the requests that end in ``data``."""
+        """Return the answers to the requests that end in ``data``."""
         return self._device.answer(data, _its(self._names, values))
 
 

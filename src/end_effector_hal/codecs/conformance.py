@@ -1,11 +1,11 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What every codec must do; inherit `CodecConformance` in your tests (needs pytest and hypothesis).
+"""Tests that every codec must pass; inherit `CodecConformance` in your tests (needs pytest and hypothesis).
 
 class TestMyCodec(CodecConformance):
     codec = MyCodec()
     vectors = ((b"...", Frame(0, 41, 820, {"bottom": -78_250})),)
 
-A polled one inherits `PolledCodecConformance`, of the module polled_conformance.
+For a polled codec inherit `PolledCodecConformance`, of the module polled_conformance.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ EXAMPLES = settings(
 
 
 class CodecConformance:
-    """Set ``codec``, and ``vectors``: at least one exact pair of bytes and the frame that they mean."""
+    """Tests of a codec. Set ``codec``, and ``vectors``: at least one exact pair of bytes and their frame."""
 
     codec: ClassVar[Codec]
     vectors: ClassVar[Sequence[tuple[bytes, Frame]]]
     pressures_pa = (-90_000, 700_000)
     has_checksum = True
-    """False: damaged bytes may become a frame; then nothing is tested that nothing could detect."""
+    """Whether damaged bytes never become a frame; if False, tests that need a checksum are left out."""
     unbelieved = 0
-    """Frames that are not believed at the beginning of a stream, and after damage: of formats that nothing proves."""
+    """Frames that the decoder discards at the start and after damage, for formats without a checksum."""
     longest_memory = 4096
-    """Bytes; more than a decoder may keep of a stream without frames (measured by what it still finds)."""
+    """Most bytes that a decoder may keep of a stream without frames."""
 
     def sent(self, data: st.DataObject, seq: int = 7) -> bytes:
-        """The bytes of any frame."""
+        """Return the bytes of a random frame."""
         kinds = {Kind.PRESSURE: st.integers(*self.pressures_pa), Kind.BIT: st.booleans()}
         values: dict[str, Value] = {
             name: data.draw(kinds[kind], label=name) for name, kind in self.codec.channels.items()
@@ -50,17 +50,17 @@ class CodecConformance:
         return self.codec.encode(Frame(0, seq, 20 * seq, values))
 
     def in_step(self) -> Decoder:
-        """A new decoder that believes the next frame."""
+        """Return a new decoder that accepts the next frame."""
         decoder = self.codec.decoder()
         assert decoder.feed(self.first(), 0) == []
         return decoder
 
     def first(self) -> bytes:
-        """Frames that are not believed."""
+        """Return frames that the decoder discards."""
         return self.unbelieved * self.codec.encode(Frame(0, 0, 0, dict.fromkeys(self.codec.channels, 0)))
 
     def frame(self, data: st.DataObject, seq: int = 7) -> Frame:
-        """Any frame, as it is after one way over the wire (a format may round, or derive a channel)."""
+        """Return a random frame after one transmission (a format may round values or derive a channel)."""
         (frame,) = self.in_step().feed(self.sent(data, seq), 0)
         return frame
 
@@ -188,26 +188,28 @@ class CodecConformance:
 
 
 def check_declarations(codec: Codec) -> None:
-    """Plain values of the right types, the same each time: a codec of another distribution is refused without."""
+    """Check that the declarations are constant plain values of the right types; other codecs cannot be loaded."""
     checked = declared(codec)
     assert (checked.name, dict(checked.channels)) == (codec.name, dict(codec.channels))
     assert (checked.period_us, checked.baudrate) == (codec.period_us, codec.baudrate)
 
 
 def check_frames(codec: Codec, frames: object, fed: int) -> None:
-    """A list of frames with what the channels say, in whole numbers that a message has room for."""
+    """Check for a list of frames whose values match the channels and are whole numbers within the range of
+    a message.
+    """
     assert type(frames) is list
     assert len(frames) <= fed
     assert [fault for each in frames if (fault := frame_fault(each, codec.channels, 0, 2**63))] == []
 
 
 def check_counters(decoder: Decoder) -> None:
-    """Whole numbers, by names that can be shown."""
+    """Check that the counters are whole numbers with printable names."""
     assert counters_of(decoder) is not None
 
 
 def damaged(data: st.DataObject, frame: bytes) -> bytes:
-    """A frame of which one byte is changed, lost or doubled."""
+    """Return the frame with one byte changed, lost or doubled."""
     at = data.draw(st.integers(0, len(frame) - 1), label="damaged at")
     byte = frame[at : at + 1]
     other = bytes([byte[0] ^ data.draw(st.integers(1, 255), label="by")])
@@ -215,16 +217,16 @@ def damaged(data: st.DataObject, frame: bytes) -> bytes:
 
 
 def completed(cut: bytes, whole: bytes, after: bytes) -> bool:
-    """Whether what follows begins with the bytes that a cut frame lacks: then another frame has lost them."""
+    """Return whether the following bytes complete a cut frame; then a later frame has lost its first bytes."""
     return len(cut) < len(whole) and (cut + after).startswith(whole)
 
 
 def pieces(data: st.DataObject, stream: bytes) -> list[bytes]:
-    """The same bytes, cut anywhere."""
+    """Return the stream, cut into pieces at random."""
     cuts = sorted(data.draw(st.lists(st.integers(0, len(stream)), max_size=8), label="cuts"))
     return [stream[a:b] for a, b in zip([0, *cuts], [*cuts, len(stream)], strict=True)]
 
 
 def fed(decoder: Decoder, chunks: Iterable[bytes]) -> list[Frame]:
-    """All frames of some pieces."""
+    """Feed the pieces and return all frames."""
     return [frame for chunk in chunks for frame in decoder.feed(chunk, 0)]

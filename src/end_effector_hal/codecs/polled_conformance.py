@@ -1,5 +1,6 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What every polled codec must do; inherit `PolledCodecConformance` in your tests (needs pytest and hypothesis).
+"""Tests that every polled codec must pass; inherit `PolledCodecConformance` in your tests (needs pytest and
+hypothesis).
 
 class TestMyCodec(PolledCodecConformance):
     codec = MyCodec()
@@ -30,7 +31,9 @@ Talk = Sequence[tuple[bytes, bytes]]
 
 
 class PolledCodecConformance:
-    """Set ``codec``, and ``vectors``: requests with their answers, and the frame that a cycle of them makes."""
+    """Tests of a polled codec. Set ``codec``, and ``vectors``: requests with their answers, and the frame of that
+    cycle.
+    """
 
     codec: ClassVar[PolledCodec]
     vectors: ClassVar[Sequence[tuple[Talk, Frame]]]
@@ -38,14 +41,14 @@ class PolledCodecConformance:
     longest_memory = 4096
 
     def values(self, data: st.DataObject) -> dict[str, Value]:
-        """What a device may show."""
+        """Return random values of a device."""
         kinds = {Kind.PRESSURE: st.integers(*self.pressures_pa), Kind.BIT: st.booleans()}
         return {name: data.draw(kinds[kind], label=name) for name, kind in self.codec.channels.items()}
 
     def cycle(
         self, decoder: PolledDecoder, values: Mapping[str, Value], *, noise: bytes = b""
     ) -> list[Frame]:
-        """The frames of one cycle; before each answer comes ``noise``."""
+        """Return the frames of one cycle; ``noise`` arrives before each answer."""
         device, frames = self.codec.device(), []
         for _ in range(100):
             at = decoder.due

@@ -1,4 +1,4 @@
-"""The wires of an end-effector: lines (binary outputs), links (sensor frames), buses, and all that brings readings."""
+"""The wires of an end-effector: lines (binary outputs), links (sensor frames), buses, and all sources of readings."""
 
 from ._claim import Claim
 from ._clock import now_us, tune_interpreter

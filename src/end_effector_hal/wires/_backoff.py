@@ -1,4 +1,4 @@
-"""When to try again what has failed."""
+"""Waiting times between tries after a failure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
 
 
 class Backoff:
-    """After a failure 0.1 s, doubling up to 5 s.
+    """Waits 0.1 s after a failure, doubling with each further one up to 5 s.
 
     Args:
         clock: µs.
@@ -22,14 +22,14 @@ class Backoff:
         self._wait_s = FIRST_WAIT_S
 
     def is_due(self) -> bool:
-        """Whether it may be tried now."""
+        """Return whether the next try may be made now."""
         return self._clock() >= self._next
 
     def failed(self) -> None:
-        """Wait longer than the last time."""
+        """Start the next wait, twice as long as the last one."""
         self._next = self._clock() + round(self._wait_s * 1e6)
         self._wait_s = min(2 * self._wait_s, LONGEST_WAIT_S)
 
     def worked(self) -> None:
-        """The next failure is the first."""
+        """Reset the waiting time after a success."""
         self._next, self._wait_s = 0, FIRST_WAIT_S

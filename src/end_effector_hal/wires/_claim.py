@@ -1,4 +1,4 @@
-"""An exclusive claim that ends with its process, and can say who has it."""
+"""An exclusive claim that ends with its process and names its holder."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from end_effector_hal.wires._processes import program_name
 
 
 class Claim:
-    """A lock (flock) on a side file, which holds the pid and the program of the one who has it.
+    """A lock (flock) on a side file that contains the pid and the program of the holder.
 
     Args:
-        path: the side file; it stays behind, only the lock counts.
-        what: what is claimed, for the error.
-        fd: the descriptor of a claim on the same file that was handed on; it is claimed already.
+        path: the side file; it is never deleted, because only the lock counts.
+        what: the thing that is claimed, for the error.
+        fd: descriptor of an inherited claim on the same file, which is already locked.
 
     Raises:
-        LineBusyError: somebody else has it.
+        LineBusyError: another process has the claim.
         WireError: the file cannot be written.
     """
 
@@ -54,11 +54,11 @@ class Claim:
 
     @property
     def fd(self) -> int:
-        """Its descriptor; a copy keeps the claim."""
+        """The descriptor of the claim; a copy of it keeps the claim."""
         return self._fd
 
     def release(self) -> None:
-        """Give it back; nothing happens the second time."""
+        """Release the claim; a second call has no effect."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1

@@ -1,4 +1,4 @@
-"""The one clock of all processes of a machine, and an interpreter that does not come between."""
+"""The clock that all processes of a machine share, and the tuning of the interpreter for short reaction times."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from contextlib import suppress
 
 
 def now_us() -> int:
-    """CLOCK_MONOTONIC in µs; the processes of one machine share it."""
+    """Return CLOCK_MONOTONIC in µs; all processes of one machine share this clock."""
     return time.monotonic_ns() // 1000
 
 
 SWITCH_S = 0.0005
-"""A thread that computes gives way to one that has something to do after this; Python's own is ten times as long."""
+"""Time after which a computing thread yields to a waiting one, s; Python's default is ten times as long."""
 COLLECT_AFTER = 10_000
-"""Objects; what a reaction makes is freed without a collection, and cycles are rare."""
+"""Number of new objects before a garbage collection; objects of a reaction are freed without one, and cycles are rare.
+"""
 
 
 def tune_interpreter() -> None:
-    """Tune Python for short reactions; call it when everything is built.
+    """Tune Python for short reaction times; call this after all objects are built.
 
-    The garbage collector no longer scans the objects that exist now, which would take milliseconds each time. Memory
-    that was needed to build them (the trees of two parsers) is given back to the machine.
+    The garbage collector no longer scans the existing objects, which would take milliseconds each time. Memory that
+    was only needed to build them (the trees of two parsers) is returned to the system.
     """
     sys.setswitchinterval(SWITCH_S)
     gc.unfreeze()  # objects that a call before this one has frozen

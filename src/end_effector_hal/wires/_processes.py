@@ -1,4 +1,6 @@
-"""Processes for people: how one was called, who has a file, a port or lines. Looks only: opens and locks nothing."""
+"""Names of processes for messages: the command line, and the holders of a file, a port or lines. Reads only: nothing
+is opened or locked.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,11 @@ from end_effector_hal.vocabulary import printable
 
 _PTMX = ("/dev/ptmx", "/dev/pts/ptmx")
 _LINE_REQUEST = "anon_inode:gpio-line"
-"""How the kernel calls the descriptor of a request for lines."""
+"""Name that the kernel gives to the descriptor of a request for lines."""
 
 
 class Holder(NamedTuple):
-    """A process, and how it was called."""
+    """A process and its command line."""
 
     pid: int
     program: str
@@ -26,9 +28,10 @@ class Holder(NamedTuple):
 
 
 def holders_of(path: str | Path, *, own: bool = False) -> list[Holder]:
-    """Who has it open or locked, as far as this user may see; [] for a file that is not there.
+    """Return the processes that have a file open or locked, as far as this user may see them; [] if the file does not
+    exist.
 
-    The process at the other end of a pty is none: it is the cable. ``own``: this process counts, too.
+    The process at the master end of a pty is left out: it is the cable. ``own``: include this process.
     """
     device = os.path.realpath(path)
     found = set(_lockers(device))
@@ -42,7 +45,7 @@ def holders_of(path: str | Path, *, own: bool = False) -> list[Holder]:
 
 
 def holders_of_lines(proc: str = "/proc") -> list[Holder]:
-    """Who has requested lines of any GPIO chip, as far as this user may see."""
+    """Return the processes that have requested lines of any GPIO chip, as far as this user may see them."""
     return _called({pid for pid, _, target in _open_files(proc) if target.startswith(_LINE_REQUEST)})
 
 
@@ -59,7 +62,7 @@ def _open_files(proc: str = "/proc") -> Iterator[tuple[int, str, str]]:
 
 
 def _tty_index(link: str) -> str:
-    """Of a master of a pty: the number of its slave."""
+    """Return the number of the slave that belongs to a pty's master; "" if it is unknown."""
     try:
         text = Path(link.replace("/fd/", "/fdinfo/")).read_text(encoding="ascii")
     except OSError:
@@ -68,7 +71,7 @@ def _tty_index(link: str) -> str:
 
 
 def _lockers(path: str) -> Iterator[int]:
-    """Of flock(2), from the kernel's list: unlike open files it shows those of every user."""
+    """Yield the holders of a flock(2), from the kernel's list, which (unlike the open files) covers all users."""
     try:
         status, locks = os.stat(path), Path("/proc/locks").read_text(encoding="ascii")
     except OSError:
@@ -81,7 +84,7 @@ def _lockers(path: str) -> Iterator[int]:
 
 
 def program_name(pid: int | str = "self") -> str:
-    """How a process was called, for people; "?" when it has gone."""
+    """Return a process's command line, shortened for messages; "?" if the process has ended."""
     try:
         words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
     except OSError:

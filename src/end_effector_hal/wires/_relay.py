@@ -1,4 +1,4 @@
-"""What the line arbiter reads is passed on to the programs that read the sensors, over Unix sockets."""
+"""The relays of the line arbiter: Unix sockets over which programs receive the readings of its bus or inputs."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from end_effector_hal.errors import LinkError
 from .rpc import Client, ClientLimits
 
 RELAYED = ClientLimits(clients=8, backlog=0)
-"""No backlog: a frame that waits is of no use, and nobody waits for a slow reader."""
+"""Limits of a relay's readers. No backlog: a delayed frame is useless, and the relay does not wait for slow readers."""
 CONNECT_S = 1.0
 
 
 def relay_path(arbiter: Path, what: str = "bus") -> Path:
-    """Where the line arbiter that serves this socket passes on what its bus, or its inputs, bring."""
+    """Return the path of the relay for the bus or the inputs of the line arbiter at this socket."""
     return arbiter.with_name(f"{arbiter.name}.{what}")
 
 
-def connect_relay(path: Path, what: str = "masters this bus, does not hand it on") -> Client:
-    """A connection to read from; raises LinkError.
+def connect_relay(path: Path, what: str = "is the master of this bus, does not relay it") -> Client:
+    """Connect to a relay for reading; raises LinkError.
 
     Args:
-        path: of the relay.
-        what: the line arbiter does and does not, for the sentence.
+        path: the socket of the relay.
+        what: completes the error message "the line arbiter, which …".
     """
     client = Client(path, None)
     try:

@@ -1,4 +1,4 @@
-"""The simulated world on the other end of the wires: the paper's Raspberry Pi."""
+"""The simulated world at the other end of the wires; replaces the paper's Raspberry Pi."""
 
 from ._bench import Bench
 from ._board_sensors import BoardSensors

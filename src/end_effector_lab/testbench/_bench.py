@@ -1,4 +1,4 @@
-"""The simulated end-effector: line levels in, sensor values out; sans-IO."""
+"""The simulated end-effector: its inputs are line levels, its outputs are sensor values; sans-IO."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from .physics import Device, Plant, Supply, Valve
 
 
 class Station:
-    """Turns the level of a line into what the device's valve does, under an :class:`Effect`.
+    """Controls a device's valve from the level of a line, with the faults of an :class:`Effect`.
 
     Args:
-        device: what the line drives.
-        active: level at the start, which has stood long enough for the device to have settled.
-        effect: what is wrong with it.
+        device: the device that the line drives.
+        active: level at the start; it has lasted so long that the device has settled.
+        effect: faults of the device.
     """
 
     def __init__(self, device: Device, *, active: bool = False, effect: Effect | None = None) -> None:
@@ -52,7 +52,7 @@ class Station:
         self._expect_loss(device.now)
 
     def line(self, active: bool, at: int) -> None:
-        """The line has this level from ``at`` (µs) on."""
+        """Set the level of the line from ``at`` (µs) on."""
         if active == self.active:
             return
         self.active = active
@@ -62,7 +62,7 @@ class Station:
         self._drive(at)
 
     def suffer(self, effect: Effect, at: int) -> None:
-        """Have another fault from ``at`` (µs) on; an activation that had its effect keeps it."""
+        """Apply another fault from ``at`` (µs) on; an activation that has worked already keeps its effect."""
         self.effect, self._activations = effect, 0
         if self.active and not self._works:
             self._activations = 1
@@ -73,7 +73,7 @@ class Station:
         self._drive(at)
 
     def lose(self) -> None:
-        """Lose what is held; it was ``due``."""
+        """Drop the held part at the time ``due``."""
         if self.due is not None:
             self.device.lose(self.due)
             self.due = None
@@ -94,20 +94,20 @@ class Station:
 LONGEST_BURST = 16
 NOISE_KPA = 0.1
 NOISE_QUANTITY = 0.001
-"""Of what is no pressure, in its unit."""
+"""Noise of quantities other than pressures, in their unit."""
 BOOT_US = 300_000
 
 
 class Bench:
-    """Everything on the other end of the wires, for any description.
+    """Everything at the other end of the wires, for any description.
 
     Args:
-        description: what the tool is made of.
-        scenario: what goes wrong (text or parsed).
-        seed: of the valves' dead times and of the noise.
-        start: µs, the time of the initial state.
-        levels: lines that are active at the start; their devices have settled, so that a bench that is
-            that is restarted goes on holding its part.
+        description: the description of the tool.
+        scenario: the faults, as text or parsed.
+        seed: seed of the valves' dead times and of the noise.
+        start: time of the initial state, µs.
+        levels: lines that are active at the start; their devices have settled, so that a restarted bench still holds
+            its part.
 
     Raises:
         UsageError: the scenario cannot be used.
@@ -162,7 +162,7 @@ class Bench:
             for name in carried
             if name not in used and (name in description.channels or carried[name] is not Kind.BIT)
         }
-        """Channels that nothing uses: a device sends them all the same."""
+        """Values of channels that nothing uses; a device sends them all the same."""
         self._quantities = frozenset(name for name, kind in carried.items() if kind is Kind.QUANTITY)
         self._driven = tuple(self._stations.values())
         self._alarms = [name for name, declared in description.channels.items() if declared.alarm]
@@ -176,21 +176,21 @@ class Bench:
 
     @property
     def lines(self) -> dict[str, str]:
-        """Line of each device: the tool changer's first, then the actuators' in their sequence."""
+        """Line of every device: the tool changer's first, then those of the actuators in their sequence."""
         changer = self._description.tool_changer
         first = {TOOL_CHANGER: changer.line} if changer else {}
         return first | {name: actuator.line for name, actuator in self._description.ordered}
 
     @property
     def devices(self) -> Mapping[str, Device]:
-        """What is simulated, by name: how it really is, whatever the sensors and the link make of it."""
+        """The simulated devices by name, in their real state, which sensors and links may report differently."""
         return self._plant.devices
 
     def line(self, name: str, level: bool, at: int) -> None:
-        """The line ``name`` has this level from ``at`` (µs) on.
+        """Set the level of the line ``name`` from ``at`` (µs) on.
 
         Raises:
-            UsageError: nothing of the description hangs on that line.
+            UsageError: the description has no device on that line.
         """
         station = self._by_line.get(name) or self._second.get(name)
         if station is None and name not in self._blow_offs:
@@ -209,10 +209,10 @@ class Bench:
             station.line(level, at)
 
     def choose(self, scenario: Scenario | str, at: int) -> None:
-        """Another scenario from ``at`` (µs) on.
+        """Switch to another scenario from ``at`` (µs) on.
 
         Raises:
-            UsageError: it cannot be used; nothing has changed.
+            UsageError: the scenario cannot be used; nothing has changed.
         """
         parsed = self._parsed(scenario)
         self._advance(at)
@@ -223,17 +223,17 @@ class Bench:
             station.suffer(parsed.effect(name), at)
 
     def booted(self, at: int, link: str | None = None) -> int:
-        """µs at which the device that sends was, or will be, ready after its last start before ``at``."""
+        """Return the time, µs, at which the sending device was or will be ready after its last start before ``at``."""
         after_us = self.scenario.on_link(link).reboot_after_us
         return self._since(after_us) + BOOT_US if self._is_over(after_us, at) else self._booted[link]
 
     def silent(self, at: int, link: str | None = None) -> bool:
-        """Whether a link is silent at ``at`` (µs), or (None) the inputs of the board are."""
+        """Return whether a link is silent at ``at`` (µs); for None, whether the inputs of the board are silent."""
         after_us = self.scenario.on_link(link).silent_after_us
         return self._is_over(after_us, at) or at < self.booted(at, link)
 
     def corrupt(self, data: bytes, at: int, link: str | None = None) -> bytes:
-        """What comes out of a link when ``data`` is sent at ``at`` (µs)."""
+        """Return the bytes that arrive if ``data`` is sent over a link at ``at`` (µs)."""
         effect = self.scenario.on_link(link)
         babble = self._is_over(effect.babble_after_us, at)
         if not (babble or effect.disturbs):
@@ -241,7 +241,7 @@ class Bench:
         return disturbed(data, effect, self._chance(at, link), babble=babble)
 
     def answered(self, data: bytes, at: int, link: str | None = None) -> tuple[bytes, int]:
-        """What a polled device does when it is to answer with ``data`` at ``at`` (µs), and how many µs later."""
+        """Return the actual answer of a polled device that should answer ``data`` at ``at`` (µs), and its delay, µs."""
         effect = self.scenario.on_link(link)
         if not effect.misanswers:
             return data, effect.late_us
@@ -253,7 +253,7 @@ class Bench:
         return data * (1 + (chance.random() < effect.twice)), effect.late_us
 
     def _chance(self, at: int, link: str | None) -> Random:
-        """Every link has its own."""
+        """Return a random generator for this time and link, independent of other links."""
         return self._noise.random(" ".join(filter(None, ("link", link, str(at - self._start)))))
 
     def _since(self, after_us: int | None) -> int:
@@ -263,7 +263,7 @@ class Bench:
         return after_us is not None and at >= self._since(after_us)
 
     def sample(self, at: int) -> dict[str, Value]:
-        """What every sensor shows at ``at`` (µs).
+        """Return the readings of all sensors at ``at`` (µs).
 
         Returns:
             channel -> gauge Pa (vacuum negative), bit, or None: invalid.
@@ -272,17 +272,17 @@ class Bench:
         return self._values(self._plant, at)
 
     def corners(self, at: int, until: int) -> tuple[dict[str, Value], dict[str, Value]] | None:
-        """The least and the most that each sensor shows from now on, if nobody does anything.
+        """Return the least and the largest reading of every sensor from ``at`` to ``until`` if no line changes.
 
         Args:
-            at: µs, now.
-            until: µs.
+            at: present time, µs.
+            until: end of the interval, µs.
 
         Returns:
-            None: a bit changes, or not all of it arrives.
+            Lower and upper readings by channel; None: a bit, an alarm or the validity of a reading changes.
 
         Raises:
-            ValueError: something may happen by then; see `quiet_until`.
+            ValueError: an event may happen by then; see `quiet_until`.
         """
         self._advance(at)
         plant = self._plant.ahead(until)
@@ -299,14 +299,15 @@ class Bench:
         return low, high
 
     def quiet_until(self, at: int, link: str | None) -> int | None:
-        """µs until which nothing happens by itself: no fault begins, no valve switches, no device restarts.
+        """Return the time, µs, until which nothing happens by itself: no fault begins, no valve switches, no device
+        restarts.
 
         Args:
-            at: µs of the last sample; what is returned may be before it.
-            link: whose faults count.
+            at: time of the last sample, µs; the result may be earlier.
+            link: the link whose faults count.
 
         Returns:
-            None: nothing is to come.
+            The time; None: no event is to come.
         """
         effect = self.scenario.on_link(link)
         if effect.disturbs or at < self.booted(at, link):
@@ -322,16 +323,18 @@ class Bench:
 
     @property
     def _frozen_after_us(self) -> list[int]:
-        """Of the sensors that freeze: what they then show is what is looked at first."""
+        """Delays of the sensors that freeze, µs; they keep the value of the first sample after that."""
         every = [effect.frozen_after_us for effect in self.scenario.effects.values()]
         return [after_us for after_us in every if after_us is not None]
 
     def leaves_no_trace(self, at: int, link: str | None, *, unheard: bool) -> bool:
-        """Whether nobody can tell if the sensors are looked at at ``at`` (µs): ``unheard``, or a silent link."""
+        """Return whether a sample at ``at`` (µs) can have no later effect: no reader (``unheard``) or a silent link,
+        and no sensor that freezes.
+        """
         return (unheard or self.silent(at, link)) and not self._frozen_after_us
 
     def _values(self, plant: Plant, at: int) -> dict[str, Value]:
-        """What sensors show of a plant."""
+        """Return the readings of all sensors of a plant."""
         scenario = self.scenario
         values: dict[str, Value] = self._at_rest | {
             "tool_present": scenario.tool_present,
@@ -367,7 +370,7 @@ class Bench:
         return values
 
     def _changer_bits(self, changer: Changer, places: Mapping[str, bool]) -> dict[str, Value]:
-        """What the sensors of the tool changer and of its stand show while it is at ``places``."""
+        """Return the readings of the tool changer's and the stand's sensors if the changer is at ``places``."""
         effect = self.scenario.effect(TOOL_CHANGER)
         there = {
             changer.present_bit: (self.scenario.tool_present, None),
@@ -378,7 +381,7 @@ class Bench:
         return {bit: real if shows is None else shows for bit, (real, shows) in there.items()}
 
     def _shown(self, name: str, channel: str, kpa: float, at: int) -> Value:
-        """What the pressure sensor of a device shows while ``kpa`` is there."""
+        """Return the reading of a device's pressure sensor for a real pressure of ``kpa``."""
         effect = self.scenario.effects.get(name)
         if effect is None:
             return self._pa(channel, kpa, at)
@@ -397,7 +400,7 @@ class Bench:
                 values[one], values[other] = values.get(other), values.get(one)
 
     def _advance(self, at: int) -> None:
-        """Let time go on to ``at``, and what falls due on the way happen."""
+        """Advance time to ``at``, and apply losses that are due on the way."""
         while due := [s for s in self._driven if s.due is not None and s.due <= at]:
             station = min(due, key=lambda each: each.due or 0)
             self._plant.advance(station.due or 0)
@@ -417,7 +420,7 @@ class Bench:
 
 
 def disturbed(data: bytes, effect: LinkEffect, random: Random, *, babble: bool = False) -> bytes:
-    """``data`` as it arrives; ``babble``: as many random bytes instead of it."""
+    """Return ``data`` as it arrives; with ``babble``, the same number of random bytes."""
     if babble:
         return random.randbytes(len(data))
     if effect.bursts and random.random() < effect.bursts:
@@ -437,7 +440,7 @@ HIGHEST_UNIT = 247
 
 
 def of_another_unit(answer: bytes) -> bytes:
-    """The answer that the next device on a Modbus line would give, with the right checksum."""
+    """Return the answer that the next device on a Modbus line would send, with the right checksum."""
     body = bytes([answer[0] % HIGHEST_UNIT + 1]) + answer[1:-2]
     return body + CHECKSUMS["crc16-modbus"].of(body).to_bytes(2, "little")
 

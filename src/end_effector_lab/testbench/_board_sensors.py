@@ -1,4 +1,4 @@
-"""Plays the sensors on the inputs of a board: the levels of a virtual chip, and the files of analog devices."""
+"""Simulates sensors on the inputs of a board: the levels of a virtual chip, and the files of analog devices."""
 
 from __future__ import annotations
 
@@ -17,19 +17,21 @@ from end_effector_hal.wires.lines import VirtualPins
 from ._sensor_board import carried
 
 SCALE_MV = 0.0625
-"""mV per count of an ADS1115 as it is switched on."""
+"""Scale of an ADS1115 after power-up, mV per count."""
 LONGEST_PERIOD_US = 5_000
-"""A switch has no period: it is looked at often enough that its edges come between two readings."""
+"""Longest update period, µs; so short that edges of switches, which have no period of their own, come between two
+readings.
+"""
 
 
 class BoardSensors:
-    """Drives input lines and writes analog files; only what has changed.
+    """Drives input lines and writes analog files, only for changed values.
 
-    A sensor that shows nothing (invalid) lets its line go to its pull, and its file is gone; while all are silent,
-    lines stay as they are, and files are gone.
+    For an invalid sensor the line goes to its pull, and the file is removed; while all sensors are silent, lines keep
+    their levels, and the files are removed.
 
     Args:
-        description: of the tool.
+        description: description of the tool.
         chip: path of its virtual chip.
     """
 
@@ -47,7 +49,7 @@ class BoardSensors:
         self.period_us = min(LONGEST_PERIOD_US, inputs.period_us if inputs else LONGEST_PERIOD_US)
 
     def start(self) -> None:
-        """Make the devices that are not there; raises WireError if they cannot be made."""
+        """Create the missing devices; raises WireError if that fails."""
         for each in self._channels.values():
             if each.analog:
                 try:
@@ -58,11 +60,11 @@ class BoardSensors:
                     raise WireError(f"cannot be made: {error.strerror}.", where=where) from error
 
     def play(self, values: Mapping[str, Value], *, silent: bool) -> None:
-        """Show what the sensors show; raises WireError if lines or files cannot be written.
+        """Output the values of the sensors; raises WireError if lines or files cannot be written.
 
         Args:
             values: channel -> gauge Pa, bit, or None: invalid (of `Bench.sample`).
-            silent: nothing reaches the board.
+            silent: no value reaches the board.
         """
         for name, value in carried(values, self._kinds, self._description).items():
             if (channel := self._channels[name]).analog:
@@ -73,7 +75,7 @@ class BoardSensors:
             self._levels = levels
 
     def levels(self, values: Mapping[str, Value]) -> dict[str, bool]:
-        """The level of each input line while the sensors show this."""
+        """Return the level of every input line for these values of the sensors."""
         levels: dict[str, bool] = {}
         for name, value in carried(values, self._kinds, self._description).items():
             if digital := (channel := self._channels[name]).digital:
@@ -82,7 +84,7 @@ class BoardSensors:
         return levels
 
     def close(self) -> None:
-        """Play no more; the board keeps what was shown last."""
+        """Stop the output; the board keeps the last levels and values."""
         self._pins.close()
 
     def _show(self, channel: Channel, count: int | None) -> None:
@@ -104,7 +106,7 @@ class BoardSensors:
             raise WireError(f"cannot be written: {error.strerror}.", where=str(file)) from error
 
     def _device(self, name: str) -> Path:
-        """Its folder, as the kernel would make it; raises OSError."""
+        """Return the folder of a device, created if necessary as the kernel would; raises OSError."""
         with suppress(WireError):
             return find_device(self._iio, name)
         number = 0

@@ -1,4 +1,4 @@
-"""What sensors show that only conditions know: values that make `confirmed` or `gone` true, as far as the device is."""
+"""Values for sensors that only evidence conditions use: they make `confirmed` or `gone` true to match the device."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from end_effector_hal.kinds.stanza import EvidenceConditions, named
 from .physics import Device
 
 AWAY_KPA = 5.0
-"""So far from a threshold a sensor shows what is meant, where there is room."""
+"""Distance of a shown value from a threshold, kPa, where the span is wide enough."""
 
 
 @dataclass(frozen=True)
 class ShownByConditions:
-    """What the free channels of one actuator show, by how far its device is: a span each.
+    """The values of the free channels of one actuator, as one span per channel for every state of the device.
 
     Attributes:
-        bits: those of them that say yes or no.
-        confirmed, gone, between, empty: where each lies then; None: nowhere.
+        bits: channels that are bits.
+        confirmed, gone, between, empty: spans of the channels in these states; None if there are no such values.
     """
 
     bits: frozenset[str]
@@ -32,7 +32,7 @@ class ShownByConditions:
     empty: Spans | None
 
     def at(self, device: Device) -> Iterator[tuple[str, bool | float]]:
-        """Channel, and yes or no, or gauge kPa: that of the device as far as its span allows."""
+        """Yield channels with their bit or gauge kPa; a pressure follows the device's as far as its span allows."""
         for channel, (low, high) in self._spans(device).items():
             if channel in self.bits:
                 yield channel, low == 1.0
@@ -41,7 +41,9 @@ class ShownByConditions:
                 yield channel, min(max(device.pressure_kpa or 0.0, low + away), high - away)
 
     def _spans(self, device: Device) -> Spans:
-        """Where nothing lies between the two, the old one is shown until the device is there."""
+        """Return the spans for the state of a device; without values for the time between, the old spans stay until it
+        arrives.
+        """
         if device.grips:
             return self.confirmed
         if device.is_released:
@@ -54,12 +56,12 @@ class ShownByConditions:
 
 
 def shown_by_conditions(description: Description) -> dict[str, ShownByConditions]:
-    """By actuator, of those whose `evidence` asks for channels that nothing else shows.
+    """Return the values by actuator, for all whose `evidence` uses channels that nothing else sets.
 
-    What its kind knows, and what belongs to somebody else, is left to them.
+    Channels that the actuator's kind sets, and those of other parts, are left out.
 
     Raises:
-        UsageError: no values of its channels make a condition true without another one that contradicts it.
+        UsageError: no values of its channels make a condition true without making another one true as well.
     """
     taken = {description.supply.channel, *_elsewhere(description)}
     found: dict[str, ShownByConditions] = {}
@@ -80,7 +82,7 @@ def shown_by_conditions(description: Description) -> dict[str, ShownByConditions
 
 
 def _elsewhere(description: Description) -> Iterator[str]:
-    """Channels that the bench shows by their meaning."""
+    """Yield the channels that the bench sets by their meaning."""
     for _, part in description.ordered:
         for key in kind_of(part).channels:
             # what evidence replaces is not asked for by default
@@ -111,7 +113,7 @@ def _solved(description: Description, name: str, asked: EvidenceConditions, free
 
 
 def _wanted(asked: EvidenceConditions, which: tuple[str, ...]) -> list[Wanted]:
-    """What is to hold, and what is not: all the others."""
+    """Return the conditions that must hold, and all others as conditions that must not."""
     wanted = [
         (condition, key in which)
         for key, condition in asked.named

@@ -1,4 +1,4 @@
-"""Chance that depends on the seed and on what it is for, never on how often somebody asked."""
+"""Random numbers that depend on the seed and their purpose, never on how often a number was requested."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ _ODD, _MIXES = 0x9E3779B97F4A7C15, 0xD6E8FEB86659FD93
 
 @cache
 def _normal_numbers() -> tuple[float, ...]:
-    """Standard normal numbers: a sensor's noise is one of them, so that no generator is made for each sample."""
+    """Return standard normal numbers from which a sensor's noise is picked, so that no sample needs its own
+    generator.
+    """
     random = Random(BLOCK)
     return tuple([random.gauss(0.0, 1.0) for _ in range(BLOCK)])
 
@@ -24,7 +26,7 @@ def _most() -> float:
 
 
 class Noise:
-    """Numbers that depend on the seed and on what they are for.
+    """Random numbers that depend on the seed and on their purpose.
 
     Args:
         seed: any integer.
@@ -34,11 +36,11 @@ class Noise:
         self._seed = seed
         self._normal = _normal_numbers()
         self.most = _most()
-        """What no number of `normal` exceeds, above or below zero."""
+        """Largest magnitude of the numbers that `normal` returns."""
         self._keys: dict[str, int] = {}
 
     def normal(self, what: str, at: int) -> float:
-        """A standard normal number for ``what`` at ``at`` (µs)."""
+        """Return a standard normal number for ``what`` at ``at`` (µs)."""
         key = self._keys.get(what)
         if key is None:
             digest = blake2b(f"{self._seed} {what}".encode(), digest_size=8).digest()
@@ -48,9 +50,9 @@ class Noise:
         return self._normal[(mixed ^ mixed >> 32) & BLOCK - 1]
 
     def between(self, what: str, low: int, high: int) -> int:
-        """A whole number in ``low..high`` that belongs to ``what``."""
+        """Return a whole number in ``low..high`` for ``what``."""
         return self.random(what).randint(low, high)
 
     def random(self, what: str) -> Random:
-        """A generator of its own for ``what``."""
+        """Return a separate random generator for ``what``."""
         return Random(f"{self._seed} {what}")

@@ -1,4 +1,4 @@
-"""Where the testbench answers."""
+"""The ports over which the testbench communicates: serial devices and ptys."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ _BITS_PER_BYTE = 10  # 8N1
 
 
 class Port(Protocol):
-    """Sends frames, and takes requests."""
+    """Sends frames, and receives requests."""
 
     @property
     def text(self) -> str:
-        """What it is, for people."""
+        """Name of the port for people."""
         ...
 
     def open(self) -> None:
-        """Make it ready; raises LinkError."""
+        """Open the port; raises LinkError."""
         ...
 
     def send(self, data: bytes) -> int:
-        """Send without waiting for a reader; what does not fit is lost, as on a wire.
+        """Send without waiting for a reader; bytes that do not fit are lost, as on a wire.
 
         Returns:
-            How long the wire takes for it, in µs.
+            Time that the wire needs for the data, µs.
 
         Raises:
             LinkError: the port has gone.
@@ -40,20 +40,22 @@ class Port(Protocol):
         ...
 
     def receive(self, wait_s: float) -> bytes:
-        """What has come, after at most ``wait_s``; b"" if nothing has; raises LinkError like `send`."""
+        """Return the bytes that arrived, after at most ``wait_s``; b"" if there are none; raises LinkError like
+        `send`.
+        """
         ...
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the port."""
         ...
 
 
 class SerialPort:
-    """A serial device.
+    """A serial device as a port.
 
     Args:
-        path: of the device.
-        baudrate, parity, stopbits: of it, with 8 bits.
+        path: path of the device.
+        baudrate, parity, stopbits: settings of the device, with 8 data bits.
     """
 
     def __init__(self, path: str, baudrate: int, parity: str = "N", stopbits: int = 1) -> None:
@@ -90,10 +92,10 @@ class SerialPort:
 
 
 class PtyPort:
-    """A new pty, found by a symbolic link.
+    """A new pty, reached by a symbolic link.
 
     Args:
-        link: where the link to it is made.
+        link: path of the link.
     """
 
     def __init__(self, link: str) -> None:
@@ -106,7 +108,7 @@ class PtyPort:
         self._pair = PtyPair(self.text)
 
     def send(self, data: bytes) -> int:
-        """Send; a pty takes no time for it."""
+        """Send the data; a pty needs no time for it."""
         if self._pair is not None:
             self._pair.write(data)
         return 0

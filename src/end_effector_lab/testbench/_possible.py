@@ -1,4 +1,4 @@
-"""What can go wrong with a tool: of the faults those that it can have, and where."""
+"""Selects the faults that a tool can have, and the places where they can occur."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
 
 
 def possible_faults(description: Description) -> Iterator[str]:
-    """Those that a tool can have, each with the place that it concerns, without their numbers."""
+    """Yield the faults that a tool can have, with their places and without their numbers."""
     for offer in offered_faults(description):
         if offer.anywhere:
             yield offer.name
@@ -20,7 +20,7 @@ def possible_faults(description: Description) -> Iterator[str]:
 
 
 def offered_faults(description: Description) -> Iterator[FaultOffer]:
-    """The same with all that somebody must know to choose one."""
+    """Yield the same faults with all data that is needed to choose one."""
     traits = traits_of(description)
     alarms = tuple(name for name, channel in description.channels.items() if channel.alarm)
     asking = links_that_ask(description)

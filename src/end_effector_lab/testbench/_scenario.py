@@ -1,4 +1,4 @@
-"""What goes wrong, as data; the faults that a scenario can name, a row each; and how its text is read."""
+"""Scenarios as data: the faults that a scenario can name, one per row, and the parser for its text."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ NEVER = 10**9
 
 @dataclass(frozen=True)
 class Effect:
-    """What is wrong with one device; `FAULTS` says what it means. Times count from the choice of the scenario."""
+    """The faults of one device; `FAULTS` explains them. Times count from the choice of the scenario."""
 
     dead_activations: int = 0
     stuck: bool = False
     leak_l_min: float = 0.0
-    """At 60 kPa of vacuum."""
+    """Leak at 60 kPa of vacuum, l/min."""
     leak_grows_l_min_s: float = 0.0
     no_part: bool = False
     sticks: bool = False
     lost_after_us: int | None = None
-    """After the activation; the line stays active."""
+    """Time of the loss after the activation, µs; the line stays active."""
     invalid: bool = False
     shows_kpa: float | None = None
     frozen_after_us: int | None = None
@@ -48,7 +48,7 @@ _NO_EFFECT = Effect()
 
 @dataclass(frozen=True, kw_only=True)
 class LinkEffect:
-    """What is wrong with a sensor link, or with the device that sends; as for `Effect`. Shares are of 1."""
+    """The faults of a sensor link, or of the sending device; `FAULTS` explains them. Shares are from 0 to 1."""
 
     silent_after_us: int | None = None
     babble_after_us: int | None = None
@@ -59,43 +59,43 @@ class LinkEffect:
     dropped: float = 0.0
     doubled: float = 0.0
     late_us: int = 0
-    """Each answer of a polled device; the next three are shares of its answers."""
+    """Delay of every answer of a polled device, µs; the next three fields are shares of its answers."""
     unanswered: float = 0.0
     twice: float = 0.0
     another: float = 0.0
 
     @property
     def disturbs(self) -> bool:
-        """Whether bytes come out otherwise than they went in, by chance."""
+        """Whether bytes are changed at random on the link."""
         return bool(self.noise or self.flips or self.bursts or self.dropped or self.doubled)
 
     @property
     def misanswers(self) -> bool:
-        """Whether a polled device answers otherwise than it should, by chance."""
+        """Whether a polled device sends wrong answers at random."""
         return bool(self.unanswered or self.twice or self.another)
 
 
 @dataclass(frozen=True)
 class Scenario(LinkEffect):
-    """What is wrong with a whole bench; made of text by `parse_scenario`. What is wrong with all links is its own."""
+    """The faults of a whole bench, parsed by `parse_scenario`. Faults of all links are its own fields."""
 
     text: str = "nominal"
     effects: Mapping[str, Effect] = field(default_factory=dict)
     links: Mapping[str, LinkEffect] = field(default_factory=dict)
-    """Those with faults that the others do not have."""
+    """Links with faults of their own, by name."""
     supply_kpa: float | None = None
-    """Regulated; None: the description's nominal one."""
+    """Regulated supply pressure, kPa; None: the nominal one of the description."""
     tool_present: bool = True
     in_stand: bool = True
     estop_ok: bool = True
     alarms: Mapping[str, int] = field(default_factory=dict)
-    """What channels that are alarms show: a code, or 1 of a bit."""
+    """Values of alarm channels: a code, or 1 for a bit."""
 
     def effect(self, device: str) -> Effect:
         return self.effects.get(device, _NO_EFFECT)
 
     def on_link(self, name: str | None) -> LinkEffect:
-        """Of a link by its name, or (None) of the inputs of the board."""
+        """Return the faults of a link by its name; for None, those of the inputs of the board."""
         return self.links.get(name or "", self)
 
 
@@ -104,7 +104,7 @@ ANY = ACTUATOR, CHANGER
 
 @dataclass(frozen=True)
 class Number:
-    """A number in a fault's text, with its limits; ``default``: it may be left out; ``whole``: no fraction."""
+    """A number in a fault's text, with its limits; ``default``: it may be left out; ``whole``: an integer."""
 
     name: str
     low: float
@@ -118,12 +118,12 @@ class Fault:
     """A kind of fault.
 
     Args:
-        name: as it stands in a scenario, ``name[:actuator][:number]``.
+        name: its name in a scenario, ``name[:actuator][:number]``.
         meaning: a phrase for people.
-        changes: field of :class:`Effect` (or of :class:`Scenario`) and value, from the number.
-        on: traits of devices, one of which it takes; empty: it concerns the whole bench.
-        number: what else is to be given.
-        link: a sensor link can have it ("also"), nothing else ("only"), or only one that asks ("polled").
+        changes: returns fields of :class:`Effect` (or of :class:`Scenario`) with values, from the number.
+        on: traits of devices; the fault needs a device with one of them; empty: it concerns the whole bench.
+        number: the number that must be given.
+        link: a sensor link can have it ("also"), only a link can ("only"), or only a polled link can ("polled").
         channel: it concerns a channel that is an alarm.
     """
 
@@ -137,7 +137,7 @@ class Fault:
 
     @property
     def usage(self) -> str:
-        """``leak:<actuator>[:<l_min>]``."""
+        """The syntax of the fault, such as ``leak:<actuator>[:<l_min>]``."""
         text = self.name + (
             ":<actuator>" if self.on else ":<channel>" if self.channel else "[:<link>]" if self.link else ""
         )
@@ -165,9 +165,9 @@ FAULTS: tuple[Fault, ...] = (
     Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
     Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, (LEAKS,),
           Number("l_min", 0.1, 2000, default=4.0)),
-    Fault("leak-grows", "its leak grows by so much in each second: weak, and lost in the end",
+    Fault("leak-grows", "its leak grows by this much per second: first weak, then lost",
           lambda q: {"leak_grows_l_min_s": q}, (LEAKS,), Number("l_min_s", 0.01, 100, default=1.0)),
-    Fault("lost-after", "what it holds is lost, so long after the activation",
+    Fault("lost-after", "its part is lost this long after the activation",
           lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
     Fault("no-part", "there is nothing for it to grip", lambda _: {"no_part": True}, (PARTS,)),
     Fault("sticks", "its part sticks to it until it is blown off", lambda _: {"sticks": True},
@@ -175,12 +175,12 @@ FAULTS: tuple[Fault, ...] = (
     Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
     Fault("shows", "its sensor shows this gauge pressure, in any case", lambda p: {"shows_kpa": p}, (PRESSURE,),
           Number("kpa", -110, 800)),
-    Fault("frozen-after", "its sensor stays at what it shows", lambda s: {"frozen_after_us": _micros(s)}, (PRESSURE,),
-          Number("seconds", 0, 86400)),
+    Fault("frozen-after", "its sensor keeps its value from then on",
+          lambda s: {"frozen_after_us": _micros(s)}, (PRESSURE,), Number("seconds", 0, 86400)),
     Fault("swapped", "its sensor is exchanged with the next actuator's", lambda _: {"swapped": True}, (PRESSURE,)),
-    Fault("locked-shows", "its sensor of locked shows this bit, in any case",
+    Fault("locked-shows", "its sensor of locked always shows this bit",
           lambda b: {"locked_shows": bool(b)}, (CHANGER,), BIT),
-    Fault("unlocked-shows", "its sensor of unlocked shows this bit, in any case",
+    Fault("unlocked-shows", "its sensor of unlocked always shows this bit",
           lambda b: {"unlocked_shows": bool(b)}, (CHANGER,), BIT),
     Fault("stand-shows", "the sensor of the tool's stand shows this bit in any case",
           lambda b: {"stand_shows": bool(b)}, (CHANGER,), BIT),
@@ -201,18 +201,18 @@ FAULTS: tuple[Fault, ...] = (
           number=RATE, link="only"),
     Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
           number=RATE, link="only"),
-    Fault("late-answers", "a polled device answers so much later", lambda n: {"late_us": int(n) * 1000},
+    Fault("late-answers", "a polled device answers this much later", lambda n: {"late_us": int(n) * 1000},
           number=Number("ms", 1, 60_000, whole=True), link="polled"),
     Fault("no-answers", "a polled device does not answer this share of the requests", lambda r: {"unanswered": r},
           number=RATE, link="polled"),
     Fault("twice-answers", "this share of the answers of a polled device comes twice", lambda r: {"twice": r},
           number=RATE, link="polled"),
-    Fault("wrong-answers", "this share of the answers of a polled device comes from another one, whole and well",
+    Fault("wrong-answers", "this share of the answers of a polled device comes from another one, undamaged",
           lambda r: {"another": r}, number=RATE, link="polled"),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
-    Fault("alarm", "a channel that is an alarm shows it, or this code", lambda n: {"shows": int(n)},
+    Fault("alarm", "an alarm channel shows an alarm, or this code", lambda n: {"shows": int(n)},
           number=Number("code", -(2**31), 2**31 - 1, default=1, whole=True), channel=True),
 )  # fmt: skip
 
@@ -221,13 +221,15 @@ TOOL_CHANGER = "tool_changer"
 
 
 def device_physics(description: Description) -> dict[str, type[Device]]:
-    """How each device behaves that a fault can concern: ``tool_changer``, then the actuators."""
+    """Return the physics of every device that can have faults: ``tool_changer``, then the actuators."""
     changer: dict[str, type[Device]] = {TOOL_CHANGER: ToolChanger} if description.tool_changer else {}
     return changer | {name: physics_of(actuator.kind) for name, actuator in description.ordered}
 
 
 def traits_of(description: Description) -> dict[str, frozenset[str]]:
-    """Which faults each of these devices can have; without a channel for it there is no sensor of a pressure."""
+    """Return the traits of the devices, which decide their faults; a device without a pressure channel
+    lacks PRESSURE.
+    """
     found = {name: physics.traits for name, physics in device_physics(description).items()}
     blind = [name for name, part in description.ordered if not _shows_pressure(part)]
     return found | {name: found[name] - {PRESSURE} for name in blind}
@@ -241,11 +243,11 @@ def _shows_pressure(part: Actuator) -> bool:
 
 
 def parse_scenario(text: str, description: Description) -> Scenario:
-    """A scenario from faults with commas between them, such as ``leak:top_vacuum,silent-after:5``.
+    """Parse a scenario: faults separated by commas, such as ``leak:top_vacuum,silent-after:5``.
 
     Raises:
-        UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the
-            actuator cannot have, or two faults that contradict each other.
+        UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the actuator
+            cannot have, or two faults that contradict each other.
     """
     traits, polled = traits_of(description), links_that_ask(description)
     whole: dict[str, Any] = {}
@@ -262,7 +264,7 @@ def parse_scenario(text: str, description: Description) -> Scenario:
             )
         if fault.link == "polled" and (name not in polled if name else not polled):
             raise UsageError(
-                f"{part!r} is a fault of a polled link, and {name or description.name} does not."
+                f"{part!r} is a fault of a polled link, and {name or description.name} is not polled."
             )
         named = links if fault.link else alarms if fault.channel else devices
         changed = named.setdefault(name, {}) if name else whole
@@ -281,14 +283,14 @@ def parse_scenario(text: str, description: Description) -> Scenario:
 
 
 def links_that_ask(description: Description) -> list[str]:
-    """Names of the links that ask."""
+    """Return the names of the polled links."""
     return [name for name in description.links if is_polled(codec_of(description, name))]
 
 
 def _read(
     part: str, traits: Mapping[str, frozenset[str]], description: Description
 ) -> tuple[Fault, str, float]:
-    """Fault, device, link or channel (empty: none) and number (NaN: none) of one part."""
+    """Parse one part into fault, name of the device, link or channel (empty: none), and number (NaN: none)."""
     name, *values = part.split(":")
     fault = next((fault for fault in FAULTS if fault.name == name), None)
     if fault is None:
@@ -346,12 +348,14 @@ _PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?
 
 
 def plain_number(text: str) -> float | None:
-    """A decimal number in ASCII; None for all else that `float` takes: ``nan``, ``1_0``, digits of other scripts."""
+    """Parse a decimal number in ASCII; None for other texts that `float` accepts: ``nan``, ``1_0``, digits of other
+    scripts.
+    """
     return float(text) if _PLAIN.fullmatch(text) else None
 
 
 def did_you_mean(wrong: str, right: Iterable[str]) -> str:
-    """What to do about a name that is not known."""
+    """Return advice about an unknown name: the closest known one, or all of them."""
     names = list(right)
     close = get_close_matches(wrong, names, n=1, cutoff=0.5)
     return f"Did you mean {close[0]!r}?" if close else f"There are: {', '.join(names)}."

@@ -1,4 +1,4 @@
-"""The device that samples the sensors and sends what a codec carries, sans-IO: it counts, ages, and restarts."""
+"""The device that samples the sensors and sends frames of a codec, sans-IO: it has a counter, an age, and restarts."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .modbus import CommandedRegisters
 def carried(
     values: Mapping[str, Value], channels: Mapping[str, Kind], description: Description
 ) -> dict[str, Value]:
-    """The values that the codec's channels can carry; a pressure on a bit channel becomes "present".
+    """Return the values that the codec's channels can carry; a pressure on a bit channel becomes "present".
 
     Args:
         values: channel -> gauge Pa, bit, or None: invalid (of :meth:`Bench.sample`).
-        channels: of the codec.
-        description: its thresholds are those of the switches.
+        channels: the channels of the codec.
+        description: description whose thresholds the switches use.
     """
     seen = {name: values[name] for name in channels if name in values}
     for name, value in seen.items():
@@ -32,7 +32,7 @@ def carried(
 
 
 def _present_pa(channel: str, description: Description) -> float:
-    """Where a pressure switch on this channel closes, as a magnitude."""
+    """Return the pressure at which a switch on this channel closes, as a magnitude, Pa."""
     for actuator in description.actuators.values():
         if actuator.channel == channel:
             limits = kind_of(actuator).limits(actuator, description.supply)
@@ -42,14 +42,14 @@ def _present_pa(channel: str, description: Description) -> float:
 
 
 class Sent(NamedTuple):
-    """What comes out of the link at one time.
+    """The output of the link at one time.
 
     Attributes:
-        data: bytes, as they arrive; b"": the link is silent, or nothing was asked.
-        seq: number of the frame or answer, since the device was started.
-        values: what every sensor showed.
-        clean: the bytes before the cable.
-        late_us: how much later they come.
+        data: bytes, as they arrive; b"": the link is silent, or there was no request.
+        seq: number of the frame or answer since the start of the device.
+        values: readings of all sensors.
+        clean: the bytes before any disturbance.
+        late_us: delay of the bytes, µs.
     """
 
     data: bytes
@@ -60,15 +60,15 @@ class Sent(NamedTuple):
 
 
 class SensorBoard:
-    """Sends what a bench shows over one link, in the format of its codec.
+    """Sends the readings of a bench over one link, in the format of its codec.
 
     Args:
         codec: streamed (call `frame`) or polled (call `answer`).
-        bench: what is measured, and what is wrong with the link.
-        description: of the tool.
-        start: µs, when it was switched on.
-        link: its name; None: it is the only one.
-        registers: that are commanded over the link, if there are any.
+        bench: source of the readings, and of the faults of the link.
+        description: description of the tool.
+        start: time at which the device was switched on, µs.
+        link: name of the link; None: it is the only one.
+        registers: registers that are commanded over the link, if there are any.
     """
 
     def __init__(
@@ -86,18 +86,18 @@ class SensorBoard:
         self._device = codec.device() if is_polled(codec) else None
 
     def frame(self, at: int) -> Sent:
-        """The frame that is due at ``at`` (µs)."""
+        """Return the frame that is due at ``at`` (µs)."""
         sample, seq = self._bench.sample(at), self.count(at)
         age_ms = max(0, at - self._booted) // 1000
         return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
 
     def advance(self, at: int) -> None:
-        """What its outputs do when nobody speaks; called now and then."""
+        """Advance the outputs in time while there is no request; call it now and then."""
         if self._registers:
             self._registers.advance(at)
 
     def answer(self, request: bytes, at: int) -> Sent | None:
-        """The answers to what was asked at ``at`` (µs); None: nothing was."""
+        """Return the answer to the bytes of a request at ``at`` (µs), or None if there is none."""
         self.advance(at)
         sample = self._bench.sample(at)
         if self._registers:
@@ -114,7 +114,7 @@ class SensorBoard:
         return self._sent(answers, self.count(at), sample, at)._replace(late_us=late_us)
 
     def count(self, at: int) -> int:
-        """The number of the frame, or the answer, of ``at`` (µs), each of which is counted once."""
+        """Return the number of the frame or answer at ``at`` (µs); every call counts."""
         if (booted := self._bench.booted(at, self._link)) != self._booted:
             self._booted, self._seq = booted, 0
         seq = self._seq

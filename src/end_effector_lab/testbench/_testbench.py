@@ -1,4 +1,4 @@
-"""The bench in real time: threads that see the lines, send frames or answer requests, and play inputs of the board."""
+"""The bench in real time: threads that read the lines, send frames or answer requests, and output board inputs."""
 
 from __future__ import annotations
 
@@ -22,37 +22,37 @@ RECEIVE_S = 0.1
 
 
 def by_link(port: Port | Mapping[str, Port] | None, description: Description) -> Mapping[str, Port]:
-    """Ports by the names of their links; one alone is that of the first link."""
+    """Return ports by the names of their links; a single port belongs to the first link."""
     if port is None or isinstance(port, Mapping):
         return port or {}
     return {next(iter(description.links), ""): port}
 
 
 class Watcher:
-    """What a testbench tells of itself; each is called in the thread where it happens and must be quick."""
+    """Observer of a testbench; its methods are called in the thread of the event and must be quick."""
 
     def line(self, name: str, level: bool, at: int, seen: int) -> None:
-        """A line changed at ``at`` (µs, by the one who wrote it) and was seen at ``seen``."""
+        """Handle a change of a line at ``at`` (µs, from the writer) that the testbench read at ``seen``."""
 
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
-        """A frame with these values; ``at``: µs of its last byte; not ``sent``: the link is silent."""
+        """Handle a frame with these values; ``at``: time of its last byte, µs; not ``sent``: the link is silent."""
 
     def failed(self, error: ReportedError) -> None:
-        """The frames have ended."""
+        """Handle the error that ended a thread of the testbench."""
 
 
 class Testbench:
-    """Lines in, frames out, until it is closed.
+    """Reads lines and sends frames until it is closed.
 
     Args:
-        description: of the tool; its link names the codec.
-        inputs: where the lines are seen.
-        port: where the frames go, of several links by their names; None: the tool has no link.
-        sensors: on the inputs of the board, if it has any.
-        scenario: what goes wrong.
-        seed: of the chance in it.
-        watcher: is told what happens.
-        clock: of the machine at the other end; default: what `clock_of` says.
+        description: description of the tool; its link names the codec.
+        inputs: the lines that the testbench reads.
+        port: port for the frames; for several links by their names; None: the tool has no link.
+        sensors: the simulated inputs of the board, if it has any.
+        scenario: the faults.
+        seed: seed of random events.
+        watcher: observer that is called for every event.
+        clock: clock of the machine at the other end; default: the result of `clock_of`.
 
     Raises:
         UsageError: scenario or codec cannot be used.
@@ -78,13 +78,13 @@ class Testbench:
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
         self.codecs = {name: codec_of(description, name) for name in self._ports}
-        """By the names of their links."""
+        """Codecs by the names of their links."""
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
 
     def start(self) -> None:
-        """Begin; raises WireError if lines or ports cannot be used."""
+        """Start; raises WireError if lines or ports cannot be used."""
         try:
             for port in self._ports.values():
                 port.open()
@@ -117,22 +117,22 @@ class Testbench:
 
     @property
     def scenario(self) -> str:
-        """What goes wrong now."""
+        """Text of the present scenario."""
         return self._scenario.text
 
     def check(self, scenario: str) -> None:
-        """Raises UsageError if a scenario cannot be used."""
+        """Raise UsageError if a scenario cannot be used."""
         parse_scenario(scenario, self._description)
 
     def choose(self, scenario: str) -> None:
-        """Another scenario from now on; raises UsageError if it cannot be used, and goes on as before."""
+        """Switch to another scenario; raises UsageError if it cannot be used, and then keeps the old one."""
         parsed = parse_scenario(scenario, self._description)
         with self._lock:
             self._bench.choose(parsed, self._clock.now_us())
             self._scenario = parsed
 
     def close(self) -> None:
-        """End; nothing is sent or told after it."""
+        """Stop; after that nothing is sent, and no watcher is called."""
         self._stop.set()
         self._inputs.close()
         for thread in self._threads:
@@ -156,14 +156,16 @@ class Testbench:
         self._watcher.line(name, level, at, seen)
 
     def _obey(self, name: str, level: bool) -> None:
-        """An output was commanded over the link; called with the lock. On a virtual chip everybody sees it."""
+        """Apply an output that was commanded over the link; called with the lock held. A virtual chip shows it to all
+        readers.
+        """
         if isinstance(self._inputs, VirtualInputs):
             self._inputs.show(name, level)
         else:
             self._bench.line(name, level, self._clock.now_us())
 
     def _begin(self, name: str, work: Callable[..., None], *given: object) -> None:
-        """A thread; what ends it is told."""
+        """Start a thread; an error that ends it is reported to the watcher."""
 
         def run() -> None:
             try:
@@ -176,7 +178,7 @@ class Testbench:
         thread.start()
 
     def _ticks(self, period_us: int) -> Iterator[int]:
-        """Each has its own deadline from the start, so that no lateness adds up."""
+        """Yield deadlines at multiples of the period from the start, so that delays do not add up."""
         due = self._start
         while not self._clock.wait(self._stop, due):
             # What the machine slept through is left out, and not counted: the wire lost nothing.

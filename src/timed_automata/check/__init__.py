@@ -1,4 +1,4 @@
-"""What a UPPAAL file says when it is valid, and everything that is found wrong with it at once."""
+"""Finds all faults of a UPPAAL file at once, and lists the senders and receivers of its channels."""
 
 from ._channel_ends import ChannelEnds, channel_ends
 from ._find_faults import checked_query, find_faults

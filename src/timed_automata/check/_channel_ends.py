@@ -1,4 +1,4 @@
-"""Who sends and who receives on each channel."""
+"""Lists the templates that send and receive on each channel."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ class ChannelEnds:
     """A channel or an array of channels as declared, and the templates at its ends.
 
     Attributes:
-        name: with the number of its elements: ``confirmed[3]``.
+        name: the name, for an array with the number of elements: ``confirmed[3]``.
         broadcast, urgent: as declared.
         senders, receivers: names of templates, in the order of the system line.
-        unsent, unreceived: the single channels of it that no edge sends on, or receives.
+        unsent, unreceived: the single channels that no edge sends on, or that no edge receives.
     """
 
     name: str
@@ -28,7 +28,7 @@ class ChannelEnds:
 
 
 def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
-    """The ends of all channels, in the order in which they are declared."""
+    """Return the ends of all channels, in the order of declaration."""
     groups: dict[str, list[int]] = {}
     for number, channel in enumerate(network.channels):
         groups.setdefault(channel.name.partition("[")[0], []).append(number)

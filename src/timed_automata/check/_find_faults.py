@@ -1,7 +1,7 @@
-"""All faults of a file: what is found is left out, and the rest is read again.
+"""Finds all faults of a file: the label with a fault is removed, and the rest is read again.
 
-A label that is left out cannot make another label wrong, so every fault that is reported is one. A fault in
-declarations, parameters or the system section ends the search: all else hangs on them.
+Removing a label cannot make another label wrong, so every reported fault is real. A fault in declarations, parameters
+or the system section ends the search, because everything else depends on them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _Place = tuple[int, int]
 
 
 def find_faults(document: Document, constants: Mapping[str, Given] | None = None) -> list[ModelError]:
-    """Every fault of a document's texts and queries, in the order of the file; none: it is valid.
+    """Return every fault of a document's texts and queries in file order; an empty list means that it is valid.
 
     Raises:
         UsageError: a given constant does not exist, or does not fit its declaration.
@@ -40,10 +40,10 @@ def find_faults(document: Document, constants: Mapping[str, Given] | None = None
 
 
 def checked_query(network: Network, query: StoredQuery) -> Query:
-    """A stored query of a network as parsed.
+    """Parse a stored query and check it against the network.
 
     Raises:
-        ModelError: it is not well-formed, or asks for what the network does not have.
+        ModelError: the query is not well-formed, or refers to something that the network does not have.
     """
     parsed = parse_query(query.formula)
     for condition in (parsed.condition, parsed.then):
@@ -63,13 +63,13 @@ def _query_faults(network: Network, query: StoredQuery) -> Iterator[ModelError]:
 
 
 def _place(where: str) -> _Place:
-    """Line and column of ``file:line:column``."""
+    """Return line and column of ``file:line:column``."""
     found = Diagnostic.at("", where, "")
     return found.line, found.column
 
 
 def _without(document: Document, place: _Place) -> Document | None:
-    """The document without the label at a place; None: no label is there."""
+    """Return the document without the label at a place, or None if no label is there."""
     templates = tuple(_template_without(template, place) for template in document.templates)
     return None if templates == document.templates else replace(document, templates=templates)
 

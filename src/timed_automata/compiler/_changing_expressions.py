@@ -1,4 +1,6 @@
-"""Expressions of updates and functions: there an assignment has a value, and may stand inside another expression."""
+"""Compiles expressions of updates and functions, where an assignment has a value and may be part of another
+expression.
+"""
 
 from __future__ import annotations
 
@@ -13,40 +15,40 @@ from timed_automata.language import ast
 
 
 class ChangingExpressions(Expressions):
-    """Compiles assignments as well.
+    """Compiles expressions that may contain assignments.
 
-    Python evaluates from left to right; UPPAAL promises no order. So what one part of an expression changes no other
-    part may ask, but where `&&`, `||`, `imply` and `?:` say which comes first.
+    Python evaluates from left to right; UPPAAL promises no order. Therefore a variable that one part of an expression
+    changes must not be read by another part, unless `&&`, `||`, `imply` or `?:` fixes the order.
     """
 
     @classmethod
     def of(cls, expressions: Expressions) -> Self:
-        """The same scope; what they touch is collected together."""
+        """Return a compiler with the same scope that adds to the same effects."""
         changing = cls(expressions.code, expressions.scope, expressions.effects)
         changing.repeats = expressions.repeats
         return changing
 
     def constant(self, node: ast.Expression, what: str) -> int:
-        """A number that is known before anything runs; see `Expressions.constant`."""
+        """Return a number that is known before the network runs; see `Expressions.constant`."""
         return Expressions(self.code, self.scope).constant(node, what)
 
     def combined(self, old: Value, op: str, value: ast.Expression, node: ast.Node) -> Value:
-        """What ``=``, ``+=``, … makes of an old value."""
+        """Return the value that ``=``, ``+=``, … computes from an old value."""
         new = self.value(value)
         if op == "=":
             return new
         return arithmetic(op[:-1], old, new, lambda: self.code.site(node.span, f"'{node.span.snippet}'"))
 
     def fitted(self, value: Value, type_: Type, node: ast.Node, name: str) -> str:
-        """Source of a value that is held in the range of what it is assigned to."""
+        """Return the source of a value that is checked against the range of its target."""
         literal = isinstance(node, ast.Assignment) and node.op == "=" and isinstance(node.value, ast.Number)
         return self.checked(value, type_, node.span, name, literal=literal)
 
     def assigned(self, target: ast.Expression, op: str, value: ast.Expression, node: ast.Node) -> Value:
-        """The new value of a scalar, as an expression that assigns it.
+        """Return the new value of a scalar as an expression that also assigns it.
 
         Raises:
-            ModelError: it is no scalar that can be assigned, or depends on the order of evaluation.
+            ModelError: the target is not an assignable scalar, or the result depends on the order of evaluation.
         """
         self.in_any_order(target, value)
         term = self.term(target)
@@ -70,17 +72,21 @@ class ChangingExpressions(Expressions):
         return Value(f"({local.python} := {self.fitted(new, type_, node, name)})", type_.low, type_.high)
 
     def in_any_order(self, *parts: ast.Expression) -> None:
-        """Refuse parts of an expression of which one changes what another asks."""
+        """Refuse an expression in which one part changes a variable that another part reads."""
         for index, part in enumerate(parts):
             if not (names := ast.changed(part)):
                 continue
             asked = self._asked((*parts[:index], *parts[index + 1 :]))
             if both := [name for name in sorted(names) if self._place(name) in asked]:
-                what = f"'{part.span.snippet}', which changes '{both[0]}' while the same expression asks it"
-                raise refused(part.span, what, "It would depend on the order: write two expressions.")
+                what = f"'{part.span.snippet}', which changes '{both[0]}' while the same expression reads it"
+                raise refused(
+                    part.span,
+                    what,
+                    "The result would depend on the order: write two expressions.",
+                )
 
     def call(self, node: ast.Call, function: Function) -> str:
-        """Source of a call; see `Expressions.call`."""
+        """Return the source of a call; see `Expressions.call`."""
         self.in_any_order(*node.arguments)
         return super().call(node, function)
 
@@ -94,7 +100,7 @@ class ChangingExpressions(Expressions):
             return new
         term = self.term(node.target)
         if isinstance(term, StorageTerm) and term.type.kind == "bool":
-            raise refused(node.span, f"'{node.span.snippet}', the value of a bool before it is counted")
+            raise refused(node.span, f"'{node.span.snippet}', the value of a bool before '++' or '--'")
         back, by = ("-", 1) if op == "+" else ("+", -1)
         return Value(f"({new.source} {back} 1)", new.low - by, new.high - by)
 
@@ -116,7 +122,7 @@ class ChangingExpressions(Expressions):
         return super()._quantified(node)
 
     def _asked(self, parts: tuple[ast.Expression, ...]) -> set[str]:
-        """What expressions name, and what the functions that they call touch."""
+        """Return the names that the expressions use, and those that the functions called in them read or write."""
         asked: set[str] = set()
         for node in ast.walk(parts):
             if isinstance(node, ast.Name):
@@ -126,6 +132,6 @@ class ChangingExpressions(Expressions):
         return asked
 
     def _place(self, name: str) -> str:
-        """A variable as effects name it."""
+        """Return the name under which effects list a variable."""
         symbol = self.scope.find(name)
         return symbol.name if isinstance(symbol, Storage) and symbol.shared else name

@@ -1,6 +1,6 @@
-"""Guards and invariants, split into data and clock constraints.
+"""Compiles guards and invariants, split into data conditions and clock constraints.
 
-Clock constraints are kept symbolic, so that one evaluation serves instants and zones.
+Clock constraints stay symbolic, so that the same evaluation serves instants and zones.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ class Bound(NamedTuple):
 
     @property
     def lower(self) -> bool:
-        """Whether it is a lower bound and nothing else."""
+        """Whether the constraint is a lower bound only."""
         return self.op in (">", ">=")
 
     def allows(self, value: int) -> bool:
-        """Whether a value of the clock satisfies it."""
+        """Return whether a value of the clock satisfies the constraint."""
         return COMPARISONS[self.op](value, self.value)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClockConstraint:
-    """``clock op bound``; both sides may depend on the discrete state.
+    """A constraint ``clock op bound``; both sides may depend on the discrete state.
 
     Attributes:
-        clock: its number, or a function of the values.
+        clock: number of the clock, or a function of the values.
         bound: a number, or a function of the values.
-        clocks: all that it can be about.
-        low, high: between these the bound always lies.
+        clocks: all clocks that ``clock`` can be.
+        low, high: interval in which the bound always lies.
     """
 
     clock: Quantity
@@ -57,13 +57,13 @@ class ClockConstraint:
 
     @property
     def fixed(self) -> Bound | None:
-        """The constraint, where it is the same in all states."""
+        """The constraint if it is the same in all states, else None."""
         if isinstance(self.clock, int) and isinstance(self.bound, int):
             return Bound(self.clock, self.op, self.bound)
         return None
 
     def at(self, *state: Values) -> Bound:
-        """The constraint in a discrete state: its values, and for a query its locations."""
+        """Return the constraint in a discrete state: its values, and for a query its locations."""
         clock, bound = self.clock, self.bound
         return Bound(
             clock if isinstance(clock, int) else clock(*state),
@@ -77,11 +77,11 @@ class Condition:
     """A guard or an invariant: a condition on data and a conjunction of clock constraints.
 
     Attributes:
-        data: whether the part without clocks holds; None where it always does.
+        data: function that returns whether the part without clocks holds; None if that part always holds.
         never: the part without clocks is constant and false.
-        clocks: to be evaluated only where ``data`` holds.
-        needed: offsets of the values, each with what must stand there for ``data`` to hold; only what it asks before
-            anything that can fail.
+        clocks: clock constraints, to be evaluated only where ``data`` holds.
+        needed: pairs of the offset of a value and the number that this value must have for ``data`` to hold; only
+            comparisons that are evaluated before anything that can fail.
     """
 
     data: Callable[[Values], Any] | None = None
@@ -90,7 +90,7 @@ class Condition:
     needed: tuple[tuple[int, int], ...] = ()
 
     def holds(self, values: Values) -> bool:
-        """Whether the part without clocks holds."""
+        """Return whether the part without clocks holds."""
         return not self.never and (self.data is None or bool(self.data(values)))
 
 
@@ -101,7 +101,7 @@ Part = tuple[Expressions, ast.Expression]
 
 
 def _parts(expressions: Expressions, node: ast.Expression) -> Iterator[Part]:
-    """The parts of a conjunction, each with its scope; forall over clocks is written out."""
+    """Yield the parts of a conjunction with their scopes; forall over clocks is unrolled."""
     if isinstance(node, ast.Binary) and node.op == "&&":
         yield from _parts(expressions, node.left)
         yield from _parts(expressions, node.right)
@@ -114,7 +114,7 @@ def _parts(expressions: Expressions, node: ast.Expression) -> Iterator[Part]:
 
 
 def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
-    """Say what is wrong with a clock in this place."""
+    """Raise the error that explains why a clock is not allowed here."""
     todo = "Expected a conjunction of 'clock <= number' and conditions without clocks."
     match node:
         case ast.Binary(op="||" | "imply"):
@@ -138,7 +138,7 @@ def _refuse(expressions: Expressions, node: ast.Expression) -> NoReturn:
 
 
 def clock_term(expressions: Expressions, node: ast.Expression) -> IndexedTerm | None:
-    """A single clock; None: the expression is something else."""
+    """Return the single clock that the expression names, or None if it is something else."""
     base = node
     while isinstance(base, ast.Index):
         base = base.base
@@ -151,7 +151,7 @@ def clock_term(expressions: Expressions, node: ast.Expression) -> IndexedTerm | 
 
 
 def clock_constraint(expressions: Expressions, node: ast.Expression) -> ClockConstraint | None:
-    """A clock that is compared with a number; None: the expression is something else."""
+    """Return the comparison of a clock with a number, or None if the expression is something else."""
     if not isinstance(node, ast.Binary) or node.op not in _RELATIONS:
         return None
     term, op, bound = clock_term(expressions, node.left), _RELATIONS[node.op], node.right
@@ -173,15 +173,15 @@ def clock_constraint(expressions: Expressions, node: ast.Expression) -> ClockCon
 
 
 def number_of(expressions: Expressions, term: IndexedTerm) -> Quantity:
-    """The number of a clock or a channel."""
+    """Return the number of a clock or a channel, or a function that computes it."""
     return expressions.function_of(term.source) if term.computed else term.possible.start
 
 
 def compile_condition(expressions: Expressions, node: ast.Expression, what: str) -> Condition:
-    """A guard or an invariant.
+    """Compile a guard or an invariant.
 
     Raises:
-        ModelError: it has an effect, or clocks stand in it in a way that is outside of the subset.
+        ModelError: the condition has a side effect, or uses clocks in a way that is outside of the subset.
     """
     clocks: list[ClockConstraint] = []
     data: list[str] = []
@@ -206,7 +206,7 @@ def compile_condition(expressions: Expressions, node: ast.Expression, what: str)
 
 
 def _plain(expressions: Expressions, node: ast.Expression) -> list[tuple[int, int]] | None:
-    """What a comparison of a variable with a number needs: offset and value; None: it is none."""
+    """Return offset and value that a comparison of a variable with a number requires; None for other expressions."""
     if not isinstance(node, ast.Binary) or node.op not in COMPARISONS:
         return None
     offsets, numbers = [], []

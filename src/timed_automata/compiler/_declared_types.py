@@ -1,4 +1,4 @@
-"""What a declaration says: its type with bounds and sizes computed, the scalars of its initialiser."""
+"""Resolves declarations: the type with computed bounds and sizes, and the scalars of an initialiser."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PLAIN = {"int": INT, "bool": BOOL, "void": VOID, "clock": Type("clock"), "chan"
 
 
 def resolve_type(expressions: Expressions, node: ast.TypeName) -> Type:
-    """The type without the dimensions that follow the declared name."""
+    """Return the type without the dimensions that follow the declared name."""
     if node.low is not None and node.high is not None:
         low, high = expressions.bounds(node)
         if low > high:
@@ -47,7 +47,7 @@ def resolve_type(expressions: Expressions, node: ast.TypeName) -> Type:
 
 
 def resolve_dimensions(expressions: Expressions, base: Type, node: ast.Declarator) -> Type:
-    """The type of a declared name: that of the declaration with the name's own dimensions before it."""
+    """Return the type of a declared name: the declaration's type with the name's own dimensions before it."""
     if base.kind == "void":
         raise fault(node.span, f"'{node.name}' cannot be void.")
     dimensions = [_dimension(expressions, dimension) for dimension in node.dimensions]
@@ -74,10 +74,10 @@ def _dimension(expressions: Expressions, node: ast.Expression | ast.TypeName) ->
 
 
 def flatten(node: ast.Expression, type_: Type, name: str) -> list[ast.Expression]:
-    """The scalars of an initialiser in row-major order.
+    """Return the scalars of an initialiser in row-major order.
 
     Raises:
-        ModelError: its shape is not that of the type.
+        ModelError: its shape differs from that of the type.
     """
     if not type_.dimensions:
         if isinstance(node, ast.Braces):
@@ -87,6 +87,6 @@ def flatten(node: ast.Expression, type_: Type, name: str) -> list[ast.Expression
     if not isinstance(node, ast.Braces):
         raise fault(node.span, f"'{name}' is an array of {size}.", "Expected {…}.")
     if len(node.items) != size:
-        todo = "Is a size changed, but not what depends on it?"
-        raise fault(node.span, f"'{name}' has room for {size} values, here are {len(node.items)}.", todo)
+        todo = "Was a size changed without the values that depend on it?"
+        raise fault(node.span, f"'{name}' needs {size} values, not {len(node.items)}.", todo)
     return [scalar for item in node.items for scalar in flatten(item, type_.element, name)]

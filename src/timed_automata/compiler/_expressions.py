@@ -1,4 +1,4 @@
-"""Type-checking expressions and compiling them to Python source over the vector of values ``v``."""
+"""Type-checks expressions and compiles them to Python source over the vector of values ``v``."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ _UNROLL = 8  # quantifiers over at most so many values become plain code, which 
 
 
 class Expressions:
-    """Compiles expressions of one scope; what they touch is collected in ``effects``."""
+    """Compiles the expressions of one scope; ``effects`` collects the names that they read and write."""
 
     arguments = "v, r=None"
-    """Of the functions that conditions become."""
+    """Parameters of the functions to which conditions are compiled."""
 
     def __init__(self, code: GeneratedCode, scope: Scope, effects: Effects | None = None) -> None:
         self.code, self.scope = code, scope
@@ -54,13 +54,17 @@ class Expressions:
         self.repeats = 1
 
     def inside(self, scope: Scope, *, repeats: int | None = None) -> Self:
-        """The same in an inner scope, which is evaluated so often."""
+        """Return this compiler for an inner scope that is evaluated ``repeats`` times."""
         inner = copy(self)
         inner.scope, inner.repeats = scope, self.repeats if repeats is None else repeats
         return inner
 
     def repeated(self, count: int, span: Span) -> int:
-        """How often what is repeated ``count`` times here is evaluated; raises ModelError where that is too much."""
+        """Return how often a part that is repeated ``count`` times here is evaluated.
+
+        Raises:
+            ModelError: it is evaluated more often than the limit allows.
+        """
         total = self.repeats * max(count, 1)
         if total > REPEATS:
             what = f"'{span.snippet}' runs through {total} values, more than {REPEATS}."
@@ -69,7 +73,7 @@ class Expressions:
         return total
 
     def binding(self, name: str, value: int, *, repeats: int | None = None) -> Self:
-        """The same in an inner scope where a name stands for a number."""
+        """Return this compiler for an inner scope in which a name has a fixed number as its value."""
         scope = Scope(self.scope)
         scope.symbols[name] = Constant(name, Type("int", value, value), (value,), "")
         return self.inside(scope, repeats=repeats)
@@ -77,10 +81,10 @@ class Expressions:
     # What callers ask for
 
     def value(self, node: ast.Expression) -> Value:
-        """An integer or boolean expression.
+        """Compile an integer or boolean expression.
 
         Raises:
-            ModelError: it is something else, or not well-formed.
+            ModelError: the expression has another type, or is not well-formed.
         """
         try:
             term = self.term(node)
@@ -102,11 +106,11 @@ class Expressions:
         return Value(term.source, term.type.low, term.type.high)
 
     def integer(self, node: ast.Expression) -> Value:
-        """The same as a number: 0 or 1 for a truth."""
+        """Compile an integer or boolean expression to a number; true is 1 and false is 0."""
         return self.value(node).integer
 
     def constant(self, node: ast.Expression, what: str) -> int:
-        """A number that is known before anything runs.
+        """Return the value of an expression that must be known before the network runs.
 
         Raises:
             ModelError: it depends on a variable.
@@ -127,7 +131,7 @@ class Expressions:
         return number
 
     def bounds(self, type_: ast.TypeName) -> tuple[int, int]:
-        """Both ends of a bounded integer type, for a dimension, a quantifier, a select or a loop."""
+        """Return both ends of a bounded integer type, for a dimension, a quantifier, a select or a loop."""
         if type_.low is not None and type_.high is not None:
             return self.constant(type_.low, "A bound"), self.constant(type_.high, "A bound")
         if type_.base == "bool":
@@ -141,26 +145,26 @@ class Expressions:
         raise fault(type_.span, f"'{type_.span.snippet}' is no bounded type.", todo)
 
     def function_of(self, source: str) -> Callable[..., Any]:
-        """Generated code as a function of a discrete state."""
+        """Return the generated code as a function of a discrete state."""
         return self.code.expression(self.arguments, source)
 
     def is_clock(self, node: ast.Node) -> bool:
-        """Whether it is the name of a clock, or of an array of clocks."""
+        """Return whether the node is the name of a clock or of an array of clocks."""
         return isinstance(node, ast.Name) and isinstance(self.scope.find(node.name), ClockSymbol)
 
     def mentions_clock(self, node: ast.Expression) -> bool:
-        """Whether a clock occurs anywhere in an expression."""
+        """Return whether a clock occurs anywhere in an expression."""
         return any(map(self.is_clock, ast.walk(node)))
 
     # Terms
 
     def term(self, node: ast.Expression) -> Term:
-        """Whatever the expression stands for."""
+        """Compile an expression to a value, a storage place, or a clock or channel."""
         term: Term = getattr(self, f"_{type(node).__name__.lower()}")(node)
         return term
 
     def symbol(self, symbol: Symbol, span: Span) -> Term:
-        """What a declared name stands for."""
+        """Return the term that a declared name denotes."""
         if isinstance(symbol, Constant):
             if not symbol.type.dimensions:
                 return Value.of(symbol.values[0])
@@ -257,7 +261,7 @@ class Expressions:
         return conditional(self.value(node.test), self.value(node.yes), self.value(node.no))
 
     def _quantified(self, node: ast.Quantified) -> Value:
-        """A quantifier or a sum."""
+        """Compile a quantifier or a sum."""
         low, high = self.bounds(node.type)
         count = high - low + 1
         if count <= _UNROLL:
@@ -274,7 +278,7 @@ class Expressions:
         return Value(f"{word}({body.source} {loop})", 0, 1, truth=True)
 
     def _unrolled(self, node: ast.Quantified) -> Value:
-        """The same, written out for each value."""
+        """Compile a quantifier or a sum with its body repeated for each value."""
         low, high = self.bounds(node.type)
         repeats = self.repeated(high - low + 1, node.span)
         bodies = [
@@ -303,7 +307,7 @@ class Expressions:
         return Value(self.call(node, function), function.result.low, function.result.high)
 
     def function(self, node: ast.Call) -> Function:
-        """The function that is called."""
+        """Return the function that a call names."""
         if node.process is not None:
             raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
         symbol = self.scope.get(node.name, node.span)
@@ -312,10 +316,10 @@ class Expressions:
         return symbol
 
     def call(self, node: ast.Call, function: Function) -> str:
-        """Source of a call.
+        """Return the source of a call.
 
         Raises:
-            ModelError: the arguments are not those that the function takes.
+            ModelError: the arguments do not fit the parameters of the function.
         """
         expected, found = len(function.parameters), len(node.arguments)
         if expected != found:
@@ -359,19 +363,21 @@ class Expressions:
     # What is touched, and whether it fits
 
     def read(self, storage: Storage) -> None:
-        """Note that something is read."""
+        """Record that a variable is read."""
         if storage.shared:
             self.effects.reads.add(storage.name)
 
     def write(self, storage: Storage, span: Span) -> None:
-        """Note that something is assigned."""
+        """Record that a variable is assigned; raise ModelError if it is constant."""
         if not storage.written:
             raise fault(span, f"'{storage.name}' is constant and cannot be assigned.")
         if storage.shared:
             self.effects.writes.add(storage.name)
 
     def checked(self, value: Value, type_: Type, span: Span, what: str, *, literal: bool = False) -> str:
-        """Source of a value made to fit a type: booleans become 0 or 1, integers are held in range."""
+        """Return the source of a value made to fit a type: booleans become 0 or 1, integers are checked against the
+        range.
+        """
         if type_.kind == "bool":
             return value.boolean.source
         value = value.integer

@@ -1,7 +1,7 @@
-"""The generated Python of a network, and what it calls while it runs.
+"""The generated Python code of a network, and the functions that it calls at run time.
 
-A checker evaluates guards millions of times: compiled Python is several times faster than walking a tree. No text
-of the file reaches the compiler, only what was rebuilt from the checked syntax tree: numbers and generated names.
+A checker evaluates guards millions of times: compiled Python is several times faster than walking a tree. No text of
+the file reaches the compiler, only numbers and generated names rebuilt from the checked syntax tree.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ LOOP_LIMIT = 100_000  # iterations of one loop of a function: more is taken for 
 
 
 def divide(left: int, right: int) -> int:
-    """C's division: towards zero."""
+    """Return the quotient as C does, rounded towards zero."""
     quotient = abs(left) // abs(right)
     return quotient if (left < 0) == (right < 0) else -quotient
 
 
 def remainder(left: int, right: int) -> int:
-    """C's remainder: the sign of the dividend."""
+    """Return the remainder as C does, with the sign of the dividend."""
     return left - right * divide(left, right)
 
 
 @lru_cache(maxsize=4000)
 def _compiled(code: str, mode: str) -> CodeType:
-    """Networks that differ in one edge, or in one constant, have nearly all of their code in common."""
+    """Compile code once: networks that differ in one edge or one constant share nearly all of their code."""
     return compile(code, "<network>", mode)
 
 
@@ -42,48 +42,48 @@ class GeneratedCode:
         self._cache: dict[str, Callable[..., Any]] = {}
         self._count = 0
         self.formulas: dict[object, Any] = {}
-        """Of queries, compiled once for all networks that have this code."""
+        """Compiled formulas of queries, shared by all networks that have this code."""
         self.elements = 0
-        """Scalars and elements of arrays that were declared so far."""
+        """Number of scalars and array elements declared so far."""
         self.parts = 0
-        """Locations and edges that were made so far."""
+        """Number of locations and edges made so far."""
         called = ("_set", "_range", "_index", "_div", "_mod", "_shl", "_shr", "_endless", "_missing")
         builtins = {each.__name__: each for each in (all, any, enumerate, max, min, range, sum)}
         self.names: dict[str, Any] = {name: getattr(self, name) for name in called}
         self.names["__builtins__"] = builtins
 
     def name(self, prefix: str) -> str:
-        """A Python name that is used nowhere else."""
+        """Return a Python name that is not used elsewhere."""
         self._count += 1
         return f"{prefix}{self._count}"
 
     def site(self, span: Span, what: str) -> int:
-        """The number by which generated code refers to a place."""
+        """Return the number by which generated code refers to a place in the model."""
         self._sites.append((span, what))
         return len(self._sites) - 1
 
     def constant(self, values: tuple[int, ...]) -> str:
-        """A tuple that generated code can index."""
+        """Store a tuple that generated code can index, and return its name."""
         name = self.name("K")
         self.names[name] = values
         return name
 
     def expression(self, arguments: str, source: str) -> Callable[..., Any]:
-        """A function of one expression; equal code gives the same function."""
+        """Return a function of one expression; equal code gives the same function."""
         code = f"lambda {arguments}: {source}"
         if code not in self._cache:
             self._cache[code] = eval(_compiled(code, "eval"), self.names)  # noqa: S307 - see module
         return self._cache[code]
 
     def function(self, name: str, arguments: str, lines: list[str]) -> Callable[..., Any]:
-        """A function of statements; its name is known to all code generated from now on."""
+        """Define a function from statements; all code generated afterwards can call it by its name."""
         code = "\n".join([f"def {name}({arguments}):", *(f" {line}" for line in lines or ["pass"])])
         exec(_compiled(code, "exec"), self.names)  # noqa: S102 - see module
         function: Callable[..., Any] = self.names[name]
         return function
 
     def procedure(self, arguments: str, lines: list[str]) -> Callable[..., Any]:
-        """A function of statements that is not called by name; equal code gives the same function."""
+        """Return a function of statements that is not called by name; equal code gives the same function."""
         code = arguments + "\n" + "\n".join(lines)
         if code not in self._cache:
             self._cache[code] = self.function(self.name("u"), arguments, lines)

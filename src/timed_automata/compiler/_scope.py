@@ -1,4 +1,4 @@
-"""Names and what they stand for."""
+"""The names of a model, their meanings, and the scopes that hold them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from timed_automata.document import Span, did_you_mean, fault
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A constant; ``values`` flat in row-major order; ``container`` names the tuple in generated code."""
+    """A constant; ``values`` are flat in row-major order; ``container`` names the tuple in generated code."""
 
     name: str
     type: Type
@@ -21,10 +21,10 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Storage:
-    """Scalars that stand side by side in a container of the generated code.
+    """Adjacent scalars in a container of the generated code.
 
-    A variable of the network lives in ``v`` at a fixed place; an array of a function in a list of its own; an
-    array passed by reference wherever ``base`` (a Python name) says.
+    A variable of the network is stored in ``v`` at a fixed position, an array of a function in its own list, and an
+    array passed by reference at the position in ``base`` (a Python name).
     """
 
     name: str
@@ -35,13 +35,13 @@ class Storage:
 
     @property
     def shared(self) -> bool:
-        """A variable of the network, not of a function."""
+        """True for a variable of the network, false for one of a function."""
         return self.container == "v" and isinstance(self.base, int)
 
 
 @dataclass(frozen=True, slots=True)
 class Local:
-    """A scalar of a function, a quantifier or a loop: a Python name."""
+    """A scalar of a function, a quantifier or a loop, stored in a Python name."""
 
     name: str
     type: Type
@@ -51,7 +51,7 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class ClockSymbol:
-    """A clock or an array of clocks, by the index of the first."""
+    """A clock or an array of clocks; ``base`` is the index of the first."""
 
     name: str
     type: Type
@@ -60,7 +60,7 @@ class ClockSymbol:
 
 @dataclass(frozen=True, slots=True)
 class ChannelSymbol:
-    """A channel or an array of channels, by the index of the first."""
+    """A channel or an array of channels; ``base`` is the index of the first."""
 
     name: str
     type: Type
@@ -77,15 +77,15 @@ class Alias:
 
 @dataclass(slots=True)
 class Effects:
-    """What code touches, by the names of variables and clocks of the network."""
+    """The variables and clocks of the network, by name, that a piece of code reads and writes."""
 
     reads: set[str] = field(default_factory=set)
     writes: set[str] = field(default_factory=set)
     repeats: int = 1
-    """How often its innermost part is evaluated: what quantifiers and loops within each other run through."""
+    """How often the innermost part is evaluated: the product of the ranges of nested quantifiers and loops."""
 
     def add(self, other: Effects) -> None:
-        """Add what another touches."""
+        """Add the effects of another piece of code."""
         self.reads |= other.reads
         self.writes |= other.writes
 
@@ -101,7 +101,7 @@ class FormalParameter:
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function, by its name in generated code, with what it touches of the network."""
+    """A function, its name in generated code, and its effects on the network."""
 
     name: str
     parameters: tuple[FormalParameter, ...]
@@ -114,14 +114,14 @@ Symbol = Constant | Storage | Local | ClockSymbol | ChannelSymbol | Alias | Func
 
 
 class Scope:
-    """Names of one block; unknown ones are looked for outside."""
+    """Names of one block; a name that is not in it is looked up in the outer scope."""
 
     def __init__(self, outer: Scope | None = None) -> None:
         self.outer = outer
         self.symbols: dict[str, Symbol] = {}
 
     def declare(self, name: str, symbol: Symbol, span: Span) -> None:
-        """Give a meaning to a name that has none yet in this block."""
+        """Declare a name; raise ModelError if this block declares it already."""
         if name in self.symbols:
             raise fault(span, f"'{name}' is declared twice.")
         self.symbols[name] = symbol
@@ -132,7 +132,7 @@ class Scope:
             yield from self.outer
 
     def find(self, name: str) -> Symbol | None:
-        """The innermost meaning, or None."""
+        """Return the innermost meaning of a name, or None."""
         scope: Scope | None = self
         while scope:
             if name in scope.symbols:
@@ -141,10 +141,10 @@ class Scope:
         return None
 
     def get(self, name: str, span: Span) -> Symbol:
-        """The innermost meaning.
+        """Return the innermost meaning of a name.
 
         Raises:
-            ModelError: there is none.
+            ModelError: the name is not declared.
         """
         symbol = self.find(name)
         if symbol is None:

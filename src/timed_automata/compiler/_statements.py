@@ -1,4 +1,4 @@
-"""Compiling updates (assignments, resets of clocks, calls for what they do) and the bodies of functions.
+"""Compiles updates (assignments, clock resets, calls of functions for their effect) and function bodies.
 
 Generated code changes the values ``v`` (a list or an array) in place and appends the clocks that it sets to the list
 ``r``.
@@ -18,7 +18,7 @@ from timed_automata.language import ast
 
 
 class Updates:
-    """Collects the lines of one update."""
+    """Collects the generated lines of one update."""
 
     def __init__(self, expressions: Expressions) -> None:
         self.expressions, self.code = ChangingExpressions.of(expressions), expressions.code
@@ -26,14 +26,14 @@ class Updates:
         self.depth = 0
 
     def emit(self, line: str) -> None:
-        """Add a line at the present depth."""
+        """Add a line at the current indentation."""
         self.lines.append(" " * self.depth + line)
 
     def effect(self, node: ast.Expression) -> None:
-        """An expression for what it does.
+        """Compile an expression that is evaluated for its effect.
 
         Raises:
-            ModelError: it does nothing, or assigns to something that cannot be assigned.
+            ModelError: it has no effect, or its target cannot be assigned.
         """
         if isinstance(node, ast.Assignment):
             self._assign(node.target, node.op, node.value, node)
@@ -126,14 +126,14 @@ class Updates:
 
 
 class Statements(Updates):
-    """Collects the lines of one function that returns ``result``."""
+    """Collects the generated lines of one function that returns ``result``."""
 
     def __init__(self, expressions: Expressions, result: Type) -> None:
         super().__init__(expressions)
         self.result = result
 
     def body(self, node: ast.Block) -> None:
-        """The whole body of a function; its own declarations share the scope of the parameters."""
+        """Compile the whole body of a function; its own declarations share the scope of the parameters."""
         self._contents(node)
         if self.result.kind != "void":
             self.emit(f"_missing({self.code.site(node.span, 'The function')})")

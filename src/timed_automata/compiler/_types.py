@@ -1,4 +1,4 @@
-"""Types: kind, bounds, and array dimensions by their index range."""
+"""Types of the modelling language: kind, bounds, and array dimensions with their index ranges."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ INT_LOW, INT_HIGH = -32768, 32767  # UPPAAL's int
 
 
 class Dimension(NamedTuple):
-    """The indices of one array dimension, both ends included."""
+    """The index range of one array dimension, both ends included."""
 
     low: int
     high: int
 
     @property
     def size(self) -> int:
-        """How many."""
+        """Number of indices."""
         return self.high - self.low + 1
 
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """A type with everything computed. ``low`` and ``high`` bound integers (0 and 1 for booleans)."""
+    """A type whose bounds and sizes are computed; ``low`` and ``high`` bound integers (0 and 1 for booleans)."""
 
     kind: TypeKind
     low: int = INT_LOW
@@ -36,7 +36,7 @@ class Type:
 
     @property
     def size(self) -> int:
-        """Number of scalars."""
+        """Number of scalars that a value of this type has."""
         return prod(dimension.size for dimension in self.dimensions)
 
     @property
@@ -56,12 +56,12 @@ class Type:
 
     @property
     def default(self) -> int:
-        """Initial value where none is written: zero, or what is nearest to it."""
+        """Initial value where none is written: zero, or the allowed value nearest to zero."""
         return min(max(0, self.low), self.high)
 
     @property
     def integral(self) -> bool:
-        """An int or a bool (or an array of them)."""
+        """True for int, bool, and arrays of them."""
         return self.kind in ("int", "bool")
 
     def __str__(self) -> str:

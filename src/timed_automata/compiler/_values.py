@@ -1,6 +1,7 @@
-"""What expressions stand for, and the operators on values: source, interval, and the result where it is known.
+"""The terms to which expressions are compiled, and the operators on values.
 
-The interval shows which checks cannot fail; they are left out.
+A value has Python source, an interval, and its number if that is known. Run-time checks that the interval proves
+unnecessary are left out.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ WIDE = 2**31  # what UPPAAL computes with
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """An integer: Python source and the interval that it lies in."""
+    """An integer expression: its Python source and the interval of its value."""
 
     source: str
     low: int = -WIDE
@@ -27,17 +28,17 @@ class Value:
 
     @classmethod
     def of(cls, number: int) -> Value:
-        """A number."""
+        """Return a constant value."""
         return cls(str(number) if number >= 0 else f"({number})", number, number, known=number)
 
     @property
     def integer(self) -> Value:
-        """The same as a number, 0 or 1 for a truth."""
+        """The value as a number; true is 1 and false is 0."""
         return Value(f"(1 if {self.source} else 0)", 0, 1) if self.truth else self
 
     @property
     def boolean(self) -> Value:
-        """0 or 1."""
+        """The truth of the value as a number: 0 or 1."""
         if self.known is not None:
             return Value.of(int(self.known != 0))
         return (
@@ -47,13 +48,13 @@ class Value:
         )
 
     def within(self, low: int, high: int) -> bool:
-        """Whether it can never be outside."""
+        """Return whether the value always lies between ``low`` and ``high``."""
         return low <= self.low and self.high <= high
 
 
 @dataclass(frozen=True, slots=True)
 class StorageTerm:
-    """A scalar or an array in a container: a fixed offset plus a computed one (source, may be empty)."""
+    """A scalar or an array in a container: a fixed offset plus a computed one (Python source, may be empty)."""
 
     storage: Storage
     type: Type
@@ -63,7 +64,7 @@ class StorageTerm:
 
     @property
     def start(self) -> str:
-        """Source of the index of its first scalar."""
+        """Source of the index of the first scalar."""
         base = self.storage.base
         parts = [base] if isinstance(base, str) else []
         fixed = self.offset + (base if isinstance(base, int) else 0)
@@ -73,12 +74,12 @@ class StorageTerm:
 
     @property
     def source(self) -> str:
-        """Source of a scalar."""
+        """Source of the scalar."""
         return f"{self.storage.container}[{self.start}]"
 
     @property
     def slice(self) -> str:
-        """Source of all scalars of an array, as a list."""
+        """Source of all scalars of the array, as a list."""
         start = self.start
         end = f"{start} + {self.type.size}" if not start.isdigit() else str(int(start) + self.type.size)
         return f"[*{self.storage.container}[{start}:{end}]]"
@@ -86,7 +87,7 @@ class StorageTerm:
 
 @dataclass(frozen=True, slots=True)
 class IndexedTerm:
-    """A clock or a channel: the number of the first of its array of ``size``, plus a computed offset."""
+    """A clock or a channel: the number of the first in its array of ``size``, plus a fixed and a computed offset."""
 
     name: str
     type: Type
@@ -97,13 +98,13 @@ class IndexedTerm:
 
     @property
     def possible(self) -> range:
-        """All numbers that it can be."""
+        """All numbers that the clock or channel can have."""
         first = self.base + self.offset
         return range(self.base, self.base + self.size) if self.computed else range(first, first + 1)
 
     @property
     def source(self) -> str:
-        """Source of its number."""
+        """Source of the number of the clock or channel."""
         return (
             f"{self.base + self.offset} + {self.computed}" if self.computed else str(self.base + self.offset)
         )
@@ -123,14 +124,14 @@ COMPARISONS: dict[str, Callable[[int, int], bool]] = {
 
 
 def negation(operand: Value) -> Value:
-    """``!a``."""
+    """Return ``!a``."""
     if operand.known is not None:
         return Value.of(int(not operand.known))
     return Value(f"(not {operand.source})", 0, 1, truth=True)
 
 
 def signed(op: str, operand: Value) -> Value:
-    """``-a``, ``+a``."""
+    """Return ``-a`` or ``+a``."""
     number = operand.integer
     if op == "+":
         return number
@@ -140,7 +141,7 @@ def signed(op: str, operand: Value) -> Value:
 
 
 def logical(op: str, left: Value, right: Value) -> Value:
-    """``&&``, ``||``, ``imply``; the right operand is not evaluated where the left decides."""
+    """Return ``a && b``, ``a || b`` or ``a imply b``; the right operand is not evaluated if the left one decides."""
     if op == "imply":
         left = negation(left)
     decisive = op != "&&"  # the truth of an operand that decides the whole
@@ -153,7 +154,7 @@ def logical(op: str, left: Value, right: Value) -> Value:
 
 
 def comparison(op: str, left: Value, right: Value) -> Value:
-    """``==`` and its like."""
+    """Return a comparison: ``a == b``, ``a < b``, …"""
     a, b = left.integer, right.integer
     if a.known is not None and b.known is not None:
         return Value.of(int(COMPARISONS[op](a.known, b.known)))
@@ -161,7 +162,7 @@ def comparison(op: str, left: Value, right: Value) -> Value:
 
 
 def conditional(test: Value, yes: Value, no: Value) -> Value:
-    """``test ? yes : no``."""
+    """Return ``test ? yes : no``."""
     yes, no = yes.integer, no.integer
     if test.known is not None:
         return yes if test.known else no
@@ -170,7 +171,7 @@ def conditional(test: Value, yes: Value, no: Value) -> Value:
 
 
 def interval(op: str, left: Value, right: Value) -> tuple[int, int]:
-    """Where the result of an arithmetic operation lies."""
+    """Return the interval of the result of an arithmetic operation."""
     if op == "+":
         return left.low + right.low, left.high + right.high
     if op == "-":
@@ -194,7 +195,7 @@ def interval(op: str, left: Value, right: Value) -> tuple[int, int]:
 
 
 def arithmetic(op: str, left: Value, right: Value, site: Callable[[], int]) -> Value:
-    """An arithmetic operation; ``site`` is asked for a place only where the operation can fail."""
+    """Return an arithmetic operation; ``site`` is called for a place only if the operation can fail."""
     left, right = left.integer, right.integer
     low, high = interval(op, left, right)
     a, b = left.source, right.source

@@ -1,4 +1,4 @@
-"""A UPPAAL file as it stands: XML whose texts know their place in the file, and how faults are worded."""
+"""A UPPAAL file as an XML document whose texts keep their position, and the wording of faults."""
 
 from ._document import Document, DrawnEdge, DrawnLocation, Label, Note, StoredQuery, Template
 from ._text import Span, Text, did_you_mean, fault, refused

@@ -1,4 +1,4 @@
-"""A UPPAAL file as it stands: layout, comments and queries included. Texts keep their place in the file."""
+"""The parts of a UPPAAL file, including layout, comments and queries; their texts keep their position."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from timed_automata.document._text import Text
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A place on UPPAAL's canvas, in its pixels; y grows downwards."""
+    """A point on UPPAAL's canvas, in pixels; y grows downwards."""
 
     x: int
     y: int
@@ -27,7 +27,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class DrawnLocation:
-    """A location as drawn."""
+    """A location as drawn in the file."""
 
     id: str
     name: Label | None
@@ -41,7 +41,7 @@ class DrawnLocation:
 
 @dataclass(frozen=True, slots=True)
 class DrawnEdge:
-    """An edge as drawn, through its nails."""
+    """An edge as drawn in the file, with its bend points ("nails")."""
 
     source: str
     target: str
@@ -53,7 +53,7 @@ class DrawnEdge:
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A template as written."""
+    """A template as written in the file."""
 
     name: Text
     parameters: Text | None
@@ -66,7 +66,7 @@ class Template:
 
 @dataclass(frozen=True, slots=True)
 class StoredQuery:
-    """A query that is stored with the model, and its sentence."""
+    """A query that is stored with the model, and its comment."""
 
     formula: Text
     comment: str
@@ -74,7 +74,7 @@ class StoredQuery:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What a file has and means nothing here."""
+    """A part of a file that has no meaning for this package and is ignored."""
 
     what: str
     where: str
@@ -85,7 +85,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A UPPAAL file. ``source`` is what was read, byte for byte: writing starts from it."""
+    """A UPPAAL file; ``source`` is the content of the file, byte for byte, and writing starts from it."""
 
     path: str
     source: bytes = field(repr=False)

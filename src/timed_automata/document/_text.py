@@ -1,4 +1,4 @@
-"""Where a piece of model text stands, and how a fault there is worded: with ``file:line:column``."""
+"""Pieces of model text with their position in the file, and faults worded with ``file:line:column``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from timed_automata.errors import ModelError
 
 
 class Chunk(NamedTuple):
-    """A run of characters of a text that stand side by side on one line of the file."""
+    """A run of characters of a text that is contiguous on one line of the file."""
 
     offset: int  # in the text
     line: int
@@ -22,9 +22,10 @@ class Chunk(NamedTuple):
 
 
 class Text:
-    """The text of one XML element, which remembers where each character stands in the file.
+    """The text of one XML element; it keeps the position of every character in the file.
 
-    Entities (``&lt;``), CDATA and line ends make a text shorter than its place in the file, hence the chunks.
+    Entities (``&lt;``), CDATA and line ends make a text shorter than its place in the file; therefore it consists of
+    chunks.
     """
 
     def __init__(self, content: str, file: str, chunks: list[Chunk], encoding: str = "utf-8") -> None:
@@ -34,7 +35,7 @@ class Text:
 
     @classmethod
     def plain(cls, content: str, file: str) -> Text:
-        """A text that stands in no file: a query typed by a user, a test."""
+        """Return a text that comes from no model file: a query typed by a user, or a test."""
         chunks, offset, byte = [], 0, 0
         for number, line in enumerate(content.split("\n"), start=1):
             chunks.append(Chunk(offset, number, 1, byte))
@@ -49,17 +50,17 @@ class Text:
         return self._chunks[max(0, bisect_right(self._offsets, offset) - 1)]
 
     def where(self, offset: int) -> str:
-        """``file:line:column`` of a character; both count from one."""
+        """Return ``file:line:column`` of a character; line and column count from one."""
         chunk = self._chunk(offset)
         return f"{self.file}:{chunk.line}:{chunk.column + offset - chunk.offset}"
 
     def byte(self, offset: int) -> int:
-        """Byte offset in the file of a character, for splicing."""
+        """Return the byte offset of a character in the file, for splicing."""
         chunk = self._chunk(offset)
         return chunk.byte + len(self.content[chunk.offset : offset].encode(self.encoding))
 
     def cut(self, start: int, end: int) -> Text:
-        """A part as a text of its own, which stands where it stood."""
+        """Return a part as a text of its own, with its position in the file."""
         chunks = [
             Chunk(max(0, chunk.offset - start), chunk.line, column, byte)
             for chunk, following in zip(
@@ -72,7 +73,7 @@ class Text:
         return Text(self.content[start:end], self.file, chunks, self.encoding)
 
     def without_comments(self) -> Text:
-        """The same with spaces where comments stand: for queries, whose text is taken apart before it is parsed."""
+        """Return the text with spaces in place of comments, for queries, which are split before they are parsed."""
         content = re.sub(
             r"//[^\n]*|/\*[\s\S]*?\*/", lambda found: re.sub(r"[^\n]", " ", found[0]), self.content
         )
@@ -86,7 +87,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Span:
-    """A part of a text: what a node of the syntax tree was read from."""
+    """The part of a text from which a node of the syntax tree was read."""
 
     text: Text
     start: int
@@ -99,7 +100,7 @@ class Span:
 
     @property
     def snippet(self) -> str:
-        """The source itself on one line, cut to what a message can carry."""
+        """The source on one line, shortened to at most 60 characters for messages."""
         source = " ".join(self.text.content[self.start : self.end].split())
         return source if len(source) <= 60 else source[:57] + "..."
 
@@ -108,16 +109,16 @@ class Span:
 
 
 def fault(span: Span, what: str, todo: str = "") -> ModelError:
-    """A ModelError at the span."""
+    """Return a ModelError at the span."""
     return ModelError(what, where=span.where, todo=todo)
 
 
 def refused(span: Span, construct: str, todo: str = "") -> ModelError:
-    """What UPPAAL knows and this subset does not, by name."""
+    """Return the error for a construct that UPPAAL supports and this subset does not."""
     return fault(span, f"{construct}: outside of the supported subset.", todo)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``Did you mean …?`` or nothing."""
+    """Return ``Did you mean …?`` with the closest known name, or an empty string."""
     close = get_close_matches(name, sorted(set(known)), n=1, cutoff=0.6)
     return f"Did you mean '{close[0]}'?" if close else ""

@@ -1,4 +1,4 @@
-"""Reading UPPAAL's XML (flat 1.x document type of UPPAAL 4 and 5) into a Document, and writing it back."""
+"""Reads UPPAAL's XML (the flat 1.x document type of UPPAAL 4 and 5) into a Document, and writes it back."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _NO_MEANING = {"comments"}
 _LOCATION_LABELS = {"invariant"} | _NO_MEANING
 _EDGE_LABELS = {"select", "guard", "synchronisation", "assignment"} | _NO_MEANING
 _IGNORED_LABELS = {
-    "exponentialrate": "The rate means nothing here: time may pass as the invariants allow.",
-    "probability": "The weight means nothing here: each branch may be taken.",
+    "exponentialrate": "The rate is ignored: time may pass as the invariants allow.",
+    "probability": "The weight is ignored: every branch may be taken.",
 }
 _REFUSED_LABELS = {
     "testcode": "test code",
@@ -49,7 +49,7 @@ def _point(element: Element | None) -> Point | None:
 
 
 def _check(element: Element, known: str, *, ordered: bool = True) -> None:
-    """An element that means something unknown is never skipped; UPPAAL reads ``known`` in this order only."""
+    """Check that all children of an element are known; UPPAAL reads those in ``known`` in this order only."""
     names, last = known.split(), ""
     for child in element.children:
         if child.tag in _REFUSED_ELEMENTS:
@@ -127,14 +127,16 @@ def _edge(element: Element, locations: set[str]) -> DrawnEdge:
 
 
 def _branched(edges: list[DrawnEdge], points: Mapping[str, Element]) -> Iterator[DrawnEdge]:
-    """Each way through a branch point as one edge; all other edges as they are."""
+    """Yield every path through a branch point as one edge, and all other edges unchanged."""
     for edge in edges:
         if edge.source in points:
             if edge.target in points:
                 raise fault(edge.place.whole, "An edge leads from a branch point to another one.")
             if wrong := edge.labels.keys() & {"select", "guard", "synchronisation"}:
                 label = edge.labels[min(wrong)].text.whole
-                raise fault(label, f"A branch has a {min(wrong)}.", "It stands before the branch point.")
+                raise fault(
+                    label, f"A branch has a {min(wrong)}.", "Move it to the edge before the branch point."
+                )
         elif edge.target not in points:
             yield edge
         else:
@@ -177,7 +179,7 @@ def _template(element: Element, ids_of_file: dict[str, str]) -> Template:
     ]:
         if id_ in ids_of_file:
             what = f"A second location has the id '{id_}'; the first stands at {ids_of_file[id_]}."
-            raise fault(place.whole, what, "Give each in the file an id of its own.")
+            raise fault(place.whole, what, "Give every location of the file a different id.")
         ids_of_file[id_] = place.whole.where
         ids.add(id_)
     edges = [_edge(edge, ids) for edge in element.all("transition")]
@@ -193,7 +195,7 @@ def _template(element: Element, ids_of_file: dict[str, str]) -> Template:
 
 
 def _notes(templates: Iterable[Element]) -> Iterator[Note]:
-    """What is ignored."""
+    """Yield a note for every label that is ignored."""
     for template in templates:
         for part in template.children:
             for label in part.all("label"):
@@ -220,10 +222,10 @@ def _queries(element: Element | None) -> tuple[StoredQuery, ...]:
 
 
 def read_document(source: bytes, path: str) -> Document:
-    """A UPPAAL file from its bytes; ``path`` is what messages call it.
+    """Read a UPPAAL file from its bytes; messages use ``path`` as the name of the file.
 
     Raises:
-        ModelError: not XML, cut off, not a UPPAAL file, or with elements outside of the subset.
+        ModelError: the bytes are not XML, incomplete, not a UPPAAL file, or contain elements outside of the subset.
     """
     if len(source) > FILE_BYTES:
         what = f"The file has more than {FILE_BYTES} bytes."
@@ -251,10 +253,10 @@ def read_document(source: bytes, path: str) -> Document:
 
 
 def load_source(path: str | Path) -> bytes:
-    """The bytes of a UPPAAL file for :func:`read_document`, not more than one byte beyond what that accepts.
+    """Return the bytes of a UPPAAL file for :func:`read_document`, at most one byte more than that accepts.
 
     Raises:
-        ModelError: it cannot be read.
+        ModelError: the file cannot be read.
     """
     try:
         if Path(path).is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
@@ -266,20 +268,20 @@ def load_source(path: str | Path) -> bytes:
 
 
 def load_document(path: str | Path) -> Document:
-    """A UPPAAL file.
+    """Read a UPPAAL file.
 
     Raises:
-        ModelError: it cannot be read, or see :func:`read_document`.
+        ModelError: the file cannot be read, or see :func:`read_document`.
     """
     return read_document(load_source(path), str(path))
 
 
 def write_document(document: Document, replaced: Iterable[tuple[Span, str]] = ()) -> bytes:
-    """The file's bytes with the given parts of its texts replaced; all else is as it was.
+    """Return the file's bytes with the given parts of its texts replaced; the rest is unchanged.
 
     Args:
-        document: what was read.
-        replaced: parts of its texts, which do not overlap, and what stands there instead.
+        document: the document as it was read.
+        replaced: parts of its texts, which must not overlap, and their new text.
     """
     result, position = [], 0
     for span, new in sorted(replaced, key=lambda item: item[0].text.byte(item[0].start)):

@@ -1,4 +1,4 @@
-"""XML elements with the place of every character: what the standard library's trees do not keep."""
+"""XML elements with the file position of every character, which the standard library's trees do not keep."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from timed_automata.errors import ModelError
 
 @dataclass(slots=True, eq=False)
 class Element:
-    """An XML element; ``text`` is its own character data, without that of its children."""
+    """An XML element; ``text`` is its own character data, without the text of its children."""
 
     tag: str
     attributes: dict[str, str]
@@ -25,16 +25,16 @@ class Element:
 
     @property
     def text(self) -> Text:
-        """The character data with its places."""
+        """The character data with its position in the file."""
         place = self.place
         return Text("".join(self.content), place.file, self.chunks, place.encoding) if self.chunks else place
 
     def all(self, tag: str) -> list[Element]:
-        """Its children of that name."""
+        """Return the children with that name."""
         return [child for child in self.children if child.tag == tag]
 
     def one(self, tag: str) -> Element | None:
-        """Its first child of that name."""
+        """Return the first child with that name, or None."""
         return next((child for child in self.children if child.tag == tag), None)
 
 
@@ -110,10 +110,10 @@ class _Reader:
 
 
 def read_xml(source: bytes, file: str) -> Element:
-    """The root element.
+    """Parse XML and return the root element.
 
     Raises:
-        ModelError: it is not well-formed XML, or cut off.
+        ModelError: it is not well-formed XML, or incomplete.
     """
     reader = _Reader(file, _MARKS.get(source[:2], "utf-8"))
     try:

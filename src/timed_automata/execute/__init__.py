@@ -1,4 +1,4 @@
-"""Executes some processes of a network: events and time go in, steps and a deadline come out."""
+"""Executes some processes of a network; its inputs are events and time, its outputs are steps and a deadline."""
 
 from ._boundary import ExecutionBoundary
 from ._clocks import NEVER, ClockInstants

@@ -1,4 +1,4 @@
-"""The two sides of a network in execution, and what may pass between them."""
+"""The boundary between executed processes and their environment: which channels and variables they share."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from timed_automata.network import Network, Process, effects_of
 
 
 class ExecutionBoundary:
-    """The executed processes and their environment.
+    """The boundary between the executed processes and their environment.
 
     Attributes:
         executed: indices of the executed processes.
@@ -21,7 +21,7 @@ class ExecutionBoundary:
 
     Raises:
         UsageError: a name of ``executed`` or ``interface`` is not in the network.
-        ModelError: the sides share something else, or a construct cannot be executed.
+        ModelError: the sides share anything else, or a construct cannot be executed.
     """
 
     def __init__(self, network: Network, executed: Iterable[str], interface: Iterable[str]) -> None:
@@ -45,10 +45,10 @@ class ExecutionBoundary:
         self._places: dict[str, tuple[int, int, int]] = {}
 
     def input(self, channel: str) -> int:
-        """The number of an input.
+        """Return the number of an input channel.
 
         Raises:
-            UsageError: there is no such input.
+            UsageError: there is no input of this name.
         """
         if channel in self.inputs:
             return self.inputs[channel]
@@ -56,10 +56,10 @@ class ExecutionBoundary:
         raise UsageError(f"The channel '{channel}' {ours}.", todo=did_you_mean(channel, self.inputs))
 
     def writes(self, values: Mapping[str, int]) -> dict[int, int]:
-        """Values by offset for values by name.
+        """Translate values by name to values by offset.
 
         Raises:
-            UsageError: a variable is not interface, or a value is out of its range.
+            UsageError: a variable is not part of the interface, or a value is out of its range.
         """
         offsets = {}
         for name, value in values.items():
@@ -70,7 +70,7 @@ class ExecutionBoundary:
         return offsets
 
     def _place(self, name: str) -> tuple[int, int, int]:
-        """Offset and range of an interface variable."""
+        """Return offset and range of an interface variable."""
         offset = self.network.offset(name)
         variable = self.network.variable(offset)
         if variable.name not in self.interface:
@@ -102,7 +102,7 @@ class ExecutionBoundary:
 
 
 def boundary_of(network: Network, executed: Iterable[str], interface: Iterable[str]) -> ExecutionBoundary:
-    """That of all who execute the same processes of a network: it is worked out once. Raises as it does."""
+    """Return the boundary of the given processes, cached per network; raises the same errors as `ExecutionBoundary`."""
     key = ExecutionBoundary, tuple(executed), tuple(interface)
     found: ExecutionBoundary | None = network.derived.get(key)
     if found is None:
@@ -135,7 +135,7 @@ def _channels(processes: Sequence[Process], direction: str) -> set[int]:
 def _refuse_what_cannot_run(process: Process) -> None:
     for constraint in (constraint for edge in process.edges for constraint in edge.guard.clocks):
         if constraint.op == "==":
-            what = f"'{constraint.span.snippet}' cannot be executed: no machine hits an instant."
+            what = f"'{constraint.span.snippet}' cannot be executed: no program can act at an exact instant."
             raise fault(constraint.span, what, "Expected '>=', and an upper bound as invariant.")
     for location in process.locations:
         if location.invariant.data is not None or location.invariant.never:
@@ -143,5 +143,7 @@ def _refuse_what_cannot_run(process: Process) -> None:
             raise refused(span, "an executed location whose invariant is about data", "Use guards.")
         for constraint in location.invariant.clocks:
             if constraint.op in (">", ">="):
-                what = f"'{constraint.span.snippet}' cannot be executed: what arrives cannot be made to wait for it."
-                raise fault(constraint.span, what, "Ask for it in the guards of the edges that lead there.")
+                what = (
+                    f"'{constraint.span.snippet}' cannot be executed: an event cannot wait for a lower bound."
+                )
+                raise fault(constraint.span, what, "Move it to the guards of the edges that lead there.")

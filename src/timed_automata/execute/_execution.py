@@ -1,11 +1,11 @@
-"""Executing some processes of a network: events and time go in, steps and a deadline come out.
+"""Executes some processes of a network; its inputs are events and time, its outputs are steps and a deadline.
 
-Sans-IO: time is an argument, integer microseconds, and is never read. The order is documented and deterministic:
-committed locations first; an event before a time-out that is due at the same instant; what is due earlier first;
-then the order of the system line, of the edges in the file, of the receivers.
+Sans-IO: time is an argument in integer microseconds and is never read from a clock. The order of steps is documented
+and deterministic: committed locations first; an event before a time-out that is due at the same instant; an earlier
+due time first; then the order of the system line, of the edges in the file, of the receivers.
 
-Lateness changes when an edge is taken, never which: an edge is a candidate if there is an instant, from the
-entry into the present discrete state on, at which the model allows it, and it is due at the first such instant.
+A late call changes when an edge is taken, never which one: an edge is a candidate if the model allows it at some
+instant after the entry into the present discrete state, and it is due at the first such instant.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ _MOST_STEPS = 10_000  # at one instant: more is a livelock
 
 
 class Execution:
-    """The executed processes of a network in one state.
+    """The executed processes of a network and their current state.
 
     Args:
         network: a loaded network.
         executed: names of processes or templates; everything else is the environment.
         interface: names of the variables that both sides share.
-        unit_us: length of the model's unit of time.
-        observe: called with each input and each step, in order.
+        unit_us: length of the model's unit of time, µs.
+        observe: called with every input and every step, in order.
 
     Raises:
         UsageError: a name is unknown.
@@ -65,36 +65,36 @@ class Execution:
         self._clocks = ClockInstants(len(network.clocks), unit_us)
         self._schedule = Schedule(self._successors, self._clocks)
         self.inputs = frozenset(self._boundary.inputs)
-        """Channels that :meth:`receive` takes."""
+        """Names of the channels that :meth:`receive` accepts."""
         self.outputs = frozenset(self._boundary.outputs)
-        """Channels on which steps may have ``sent``."""
+        """Names of the channels that can be in ``sent`` of a step."""
         self._state = network.initial
         self._now: int | None = None
 
     @property
     def state(self) -> State:
-        """Locations and values; of the environment only the interface is meaningful."""
+        """Current locations and values; for the environment only the interface variables are meaningful."""
         return self._state
 
     @property
     def deadline(self) -> int | None:
-        """The next time, µs, at which something is due; it may be now, or past if time came late."""
+        """Next time at which a transition is due, µs; it may be now, or in the past if the last call was late."""
         return self._schedule.deadline
 
     def value(self, name: str) -> int:
-        """The value of ``ee``, ``evidence[1]``, ``Gripper.i``; booleans are 0 and 1."""
+        """Return the value of a variable such as ``ee``, ``evidence[1]`` or ``Gripper.i``; booleans are 0 and 1."""
         return self._state.values[self.network.offset(name)]
 
     def location(self, process: str) -> str:
-        """The name of the location that a process is in."""
+        """Return the name of the current location of a process."""
         chosen = self.network.process(process)
         return chosen.locations[self._state.locations[chosen.index]].name
 
     def start(self, at: int, inputs: Mapping[str, int] | None = None) -> tuple[Step, ...]:
-        """Begin: clocks are zero at ``at``, interface variables get ``inputs``, committed steps are taken.
+        """Start with all clocks at zero at ``at``, set interface variables to ``inputs``, and take committed steps.
 
         Raises:
-            UsageError: it is started already, or an input is not one.
+            UsageError: the execution is started already, or a name in ``inputs`` is not an input.
         """
         if self._now is not None:
             raise UsageError("The execution is started already.")
@@ -107,18 +107,19 @@ class Execution:
         return tuple(self._at_once(at))
 
     def receive(self, event: Event, at: int, *, stamp: int | None = None) -> Reaction:
-        """Take what is due before ``at``, then the event, then what follows from it without delay.
+        """Take the transitions that are due before ``at``, then the event, then the steps that follow without delay.
 
-        With ``stamp``, the earlier time at which the event happened: what is due before that, and not what became
-        due while the event was on its way. All of it is taken at ``at``.
+        ``stamp`` is the earlier time at which the event happened: then only transitions due before ``stamp`` precede
+        the event, not those that became due while the event was on its way. All steps are taken at ``at``. A
+        transition that a clock makes due exactly at ``at`` waits for :meth:`advance`, because another event may have
+        the same time.
 
-        What a clock makes due at ``at`` itself waits for :meth:`advance`: another event may have the same time.
-        An ``at`` before the latest time of a call counts as that time. What the event writes is written even if
-        no edge receives the event.
+        An ``at`` earlier than that of a previous call counts as the latest time so far. The variables of the event are
+        written even if no edge receives the event.
 
         Raises:
-            UsageError: no such input, or a variable that is not interface or out of range.
-            ModelError: the network came to where it cannot go on.
+            UsageError: no such input, or a variable that is not in the interface or out of range.
+            ModelError: the network reached a state from which it cannot continue.
         """
         channel, writes = self._boundary.input(event.channel), self._boundary.writes(event.writes)
         now = self._advance_clock(at)
@@ -128,10 +129,10 @@ class Execution:
         return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once(now)))
 
     def takes(self, event: Event) -> bool:
-        """Whether an edge would receive an event now, before anything that is due; nothing is changed by asking.
+        """Return whether an edge would receive an event now, before any due transition; the state is not changed.
 
         Raises:
-            UsageError: no such input, or a variable that is not interface or out of range.
+            UsageError: no such input, or a variable that is not in the interface or out of range.
         """
         channel, writes = self._boundary.input(event.channel), self._boundary.writes(event.writes)
         return self._successors.received(self._state, channel, writes) is not None
@@ -139,8 +140,8 @@ class Execution:
     def write(self, writes: Mapping[str, int], at: int | None = None) -> tuple[Step, ...]:
         """Set interface variables without an event.
 
-        With ``at`` as if an event came that no edge receives; without, nothing is taken until the next call
-        with a time.
+        With ``at``, the call acts like an event that no edge receives; without it, no transition is taken until the
+        next call that has a time.
         """
         offsets = self._boundary.writes(writes)
         now = self._advance_clock(at)
@@ -150,22 +151,24 @@ class Execution:
         return () if at is None else (*steps, *self._at_once(now))
 
     def advance(self, at: int) -> tuple[Step, ...]:
-        """Take what is due at or before ``at``, one after the other as its lateness allows, all at ``at``."""
+        """Take all transitions that are due at or before ``at``, in order of their due times; all are taken
+        at ``at``.
+        """
         now = self._advance_clock(at)
         return tuple(self._take(now, now))
 
     def snapshot(self) -> ExecutionSnapshot | None:
-        """Where it stands; None: it is not started."""
+        """Return the current state as a snapshot, or None before the start."""
         if self._now is None:
             return None
         zeros, entered = self._clocks.zeros, self._schedule.entered
         return snapshot_of(self.network, self._state, zeros, at=self._now, entered=entered)
 
     def resume(self, snapshot: ExecutionSnapshot) -> None:
-        """Stand where another execution of the same network stood.
+        """Continue from the snapshot of another execution of the same network.
 
         Raises:
-            UsageError: the snapshot is not of this network, or contradicts itself.
+            UsageError: the snapshot belongs to another network, or contradicts itself.
         """
         resumed = resume(self.network, snapshot)
         self._state, self._now = resumed.state, snapshot.at
@@ -173,14 +176,14 @@ class Execution:
         self._schedule.renew(resumed.state, snapshot.entered, None)
 
     def look_ahead(self, events: Iterable[Event]) -> Iterator[State]:
-        """Work out what each of some events would lead to now, and what time would, and what follows at once.
+        """Compute ahead the results of the given events and of passing time, with the steps that follow without delay.
 
-        Nothing is taken, and nothing is decided otherwise: when one of them comes, what it does is remembered, not
-        computed. Each item is one state; a caller with other work stops asking. It may be iterated in
-        another thread than the one that executes.
+        No transition is taken and no decision changes: if one of the events occurs, its result is already in the
+        cache. Each item is one state; a caller with other work stops iterating. The iteration may run in another
+        thread than the execution.
 
         Raises:
-            UsageError: no such input, or a variable that is not interface or out of range.
+            UsageError: no such input, or a variable that is not in the interface or out of range.
         """
         inputs = [
             (self._boundary.input(event.channel), self._boundary.writes(event.writes)) for event in events
@@ -188,7 +191,7 @@ class Execution:
         return self._successors.explore(self._state, inputs)
 
     def run(self, until: int) -> tuple[Step, ...]:
-        """Advance in virtual time, from deadline to deadline, each of them met."""
+        """Advance in virtual time from deadline to deadline, without lateness."""
         steps: list[Step] = []
         while (deadline := self.deadline) is not None and deadline <= until:
             steps += self.advance(deadline)
@@ -197,18 +200,18 @@ class Execution:
     # The machine
 
     def _advance_clock(self, at: int | None) -> int:
-        """The latest time of all calls, this one included."""
+        """Set the time to the latest of all calls, including this one, and return it."""
         if self._now is None:
             raise UsageError("The execution is not started.", todo="Call start() first.")
         self._now = max(self._now, at) if at is not None else self._now
         return self._now
 
     def _at_once(self, now: int) -> list[Step]:
-        """Take what does not wait for a clock: all but what reaches a lower bound at this very instant."""
+        """Take all transitions that do not wait for a clock: not those whose lower bound is reached exactly now."""
         return self._take(now, now, first_before=now)
 
     def _write(self, now: int, offsets: Mapping[int, int]) -> bool:
-        """Whether anything has changed."""
+        """Write variables; return whether a value changed."""
         values = self._state.values
         changes = any(values[offset] != value for offset, value in offsets.items())
         if changes:
@@ -224,7 +227,7 @@ class Execution:
         return self._move(now, successor, None, self._schedule.last, received=name)
 
     def _take(self, now: int, until: int, first_before: int = NEVER) -> list[Step]:
-        """Take at ``now`` what is due at or before ``until``; see `Schedule.next`."""
+        """Take at ``now`` all transitions that are due at or before ``until``; see `Schedule.next`."""
         steps: list[Step] = []
         while candidate := self._schedule.next(until, first_before):
             if len(steps) == _MOST_STEPS:
@@ -268,7 +271,7 @@ class Execution:
             location = process.locations[self._state.locations[process.index]]
             if process.index in self._boundary.executed and location.committed:
                 what = f"No edge leads on from the committed location '{location.name}' of {process.name}."
-                return fault(location.drawn.place.whole, what, "Its guards leave out a case.")
+                return fault(location.drawn.place.whole, what, "Its guards do not cover all cases.")
         raise AssertionError("no committed location")  # pragma: no cover
 
 
@@ -280,11 +283,11 @@ def _with(state: State, offsets: Mapping[int, int]) -> State:
 
 
 def _unobserved(_: Observation) -> None:
-    """Nobody looks."""
+    """Ignore an observation; used if there is no observer."""
 
 
 def _shared_successors(network: Network, executed: frozenset[int]) -> SuccessorCache:
-    """Those of all who execute the same processes of a network: one who begins later finds what others worked out."""
+    """Return the cache that all executions of the same processes share, so that a later one reuses its results."""
     found: SuccessorCache | None = network.derived.get((SuccessorCache, executed))
     if found is None:
         found = network.derived[SuccessorCache, executed] = SuccessorCache(Semantics(network, executed))

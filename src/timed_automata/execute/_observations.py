@@ -1,4 +1,4 @@
-"""What goes into an execution and what comes out."""
+"""The inputs and outputs of an execution: events, steps, snapshots and observations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from timed_automata.network import Change
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A broadcast of the environment: its channel, and the interface variables that its sender writes."""
+    """A broadcast from the environment: its channel, and the interface variables that its sender writes."""
 
     channel: str
     writes: Mapping[str, int] = field(default_factory=dict)
@@ -18,7 +18,7 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class TakenEdge:
-    """An edge that was taken: its process, the names of its locations, its number and where it stands."""
+    """A taken edge: its process, the names of its locations, its number and its position in the file."""
 
     process: str
     source: str
@@ -32,14 +32,14 @@ class Step:
     """One discrete transition.
 
     Attributes:
-        at: when it was taken, µs.
-        due: when it had to be taken, µs; None for an event of the environment.
-        late_us: how much later than due.
-        missed: taken beyond what the model allows (an invariant, or an upper bound of a guard).
-        received: channel of the environment's event, if that is what it was.
+        at: time at which it was taken, µs.
+        due: time at which it had to be taken, µs; None for an event of the environment.
+        late_us: delay after ``due``, µs.
+        missed: it was taken later than the model allows (an invariant, or an upper bound of a guard).
+        received: channel of the environment's event, if the step received one.
         sent: channel on which an executed process synchronised.
-        edges: the participants, the sender first.
-        changes: of variables, in the order in which they are declared.
+        edges: the edges of all participants, the sender first.
+        changes: changes of variables, in the order of declaration.
     """
 
     at: int
@@ -54,7 +54,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """What an event did: ``taken`` by any process; the steps, those included that were due before it."""
+    """The result of an event: ``taken`` if a process received it, and all steps, including those due before it."""
 
     taken: bool
     steps: tuple[Step, ...]
@@ -62,16 +62,17 @@ class Reaction:
 
 @dataclass(frozen=True, slots=True)
 class ExecutionSnapshot:
-    """Where an execution stands: enough to go on from.
+    """The state of an execution, sufficient to continue from it.
 
-    Since when a transition could be taken is not in it: between two calls nothing is due but what a clock makes due.
+    The time since which a transition has been possible is not stored: between two calls only clocks make transitions
+    due.
 
     Attributes:
-        at: µs, the latest time that the execution was given.
-        entered: µs, when the discrete state was entered.
-        locations: name of the location by process.
-        variables: value by name.
-        zeros: by clock: the instant, µs, at which it was zero.
+        at: the latest time that the execution received, µs.
+        entered: time at which the discrete state was entered, µs.
+        locations: name of the current location, by process.
+        variables: value, by name.
+        zeros: instant at which a clock was zero, µs, by name of the clock.
     """
 
     at: int
@@ -83,7 +84,7 @@ class ExecutionSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """An execution began at ``at`` µs, all clocks at zero, with these values of the interface."""
+    """Observation that an execution began at ``at`` µs with all clocks at zero and these values of the interface."""
 
     at: int
     writes: Mapping[str, int]
@@ -91,7 +92,7 @@ class Begun:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """The environment set variables of the interface, without an event."""
+    """Observation that the environment set interface variables without an event."""
 
     at: int
     writes: Mapping[str, int]
@@ -99,7 +100,9 @@ class Written:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """An event of the environment came to be taken; the next observation is its step, if anybody took it."""
+    """Observation that an event of the environment arrived; if an edge received it, the next observation is
+    that step.
+    """
 
     at: int
     channel: str
@@ -107,4 +110,4 @@ class Received:
 
 
 Observation = Begun | Written | Received | Step
-"""What can be seen of an execution from outside, in order: enough to judge whether it is a run of the network."""
+"""An observation of an execution from outside; their sequence is enough to judge whether it is a run of the network."""

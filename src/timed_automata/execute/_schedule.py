@@ -1,4 +1,4 @@
-"""Which transition is due when, and in which order those due at one instant are taken."""
+"""Computes when transitions are due, and the order of those that are due at the same instant."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from timed_automata.network import State, Transition
 
 
 class ScheduledTransition(NamedTuple):
-    """A transition that will be taken if nothing happens before.
+    """A transition that will be taken unless an event comes first.
 
     Attributes:
-        successor: the transition, and what it leads to.
-        since: when its data guards began to hold.
+        successor: the transition and its result.
+        since: instant since which its data guards hold.
         first: the instant from which its clock guards hold; ALWAYS without a lower bound.
-        due: the later of the two.
+        due: the later of ``since`` and ``first``.
         last: the last instant that the model allows.
     """
 
@@ -28,7 +28,7 @@ class ScheduledTransition(NamedTuple):
 
 
 class Schedule:
-    """The candidates of a discrete state, in the order in which those due at the same instant are taken."""
+    """The candidate transitions of a discrete state, in the order in which those due at the same instant are taken."""
 
     def __init__(self, cache: SuccessorCache, clocks: ClockInstants) -> None:
         self._successors, self._clocks = cache, clocks
@@ -39,7 +39,7 @@ class Schedule:
         self.entered = 0  # when the discrete state was entered
 
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
-        """Find the candidates of a state entered now; those that were candidates before keep their age."""
+        """Find the candidates of a state entered now; transitions that were candidates before keep their age."""
         found, self.entered = self._successors.at(state), now
         # between two instants there is nothing that may be older than now
         age = {c.successor.transition.edges: c.since for c in self.candidates if c.since != now}
@@ -60,7 +60,9 @@ class Schedule:
                 self.deadline = due
 
     def next(self, until: int, first_before: int = NEVER) -> ScheduledTransition | None:
-        """What is due first, at or before ``until``; only if its clock guards hold before ``first_before``."""
+        """Return the candidate due first, at or before ``until``, whose clock guards hold before ``first_before``; or
+        None.
+        """
         if self.deadline is None or self.deadline > until:
             return None
         earliest: ScheduledTransition | None = None

@@ -1,4 +1,4 @@
-"""From an execution to its snapshot and back: names instead of numbers, and nothing believed that does not fit."""
+"""Converts an execution to a snapshot and back: names instead of numbers; a snapshot that does not fit is refused."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from timed_automata.network import Network, State
 
 
 class Resumed(NamedTuple):
-    """A snapshot in the numbers of a network.
+    """A snapshot translated to the numbers of a network.
 
     Attributes:
         state: locations and values.
-        zeros: by the number of a clock.
+        zeros: instant at which a clock was zero, µs, by the number of the clock.
     """
 
     state: State
@@ -25,7 +25,7 @@ class Resumed(NamedTuple):
 def snapshot_of(
     network: Network, state: State, zeros: Sequence[int], *, at: int, entered: int
 ) -> ExecutionSnapshot:
-    """What stands in a recording; all times are µs."""
+    """Return the snapshot as it is recorded; all times are in µs."""
     pairs = zip(network.processes, state.locations, strict=True)
     return ExecutionSnapshot(
         at=at,
@@ -37,10 +37,10 @@ def snapshot_of(
 
 
 def resume(network: Network, snapshot: ExecutionSnapshot) -> Resumed:
-    """The snapshot as numbers.
+    """Translate the snapshot to numbers.
 
     Raises:
-        UsageError: it is none of this network, or contradicts itself.
+        UsageError: the snapshot belongs to another network, or contradicts itself.
     """
     _same_names("processes", snapshot.locations, [process.name for process in network.processes])
     _same_names("variables", snapshot.variables, network.offsets)

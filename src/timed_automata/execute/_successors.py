@@ -1,4 +1,4 @@
-"""What a discrete state leads to, worked out once: a controller is in the same few states again and again."""
+"""Caches the successors of discrete states, because a controller is in the same few states again and again."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from timed_automata.execute._observations import TakenEdge
 from timed_automata.network import Change, Edge, Fired, Semantics, State, Transition, changes_between
 
 MOST = 4000
-"""States that are remembered; after that many all is forgotten."""
+"""Largest number of cached states; a full cache is cleared."""
 Received = tuple[State, int, tuple[tuple[int, int], ...]]
-"""A state, the number of a channel, and what the sender writes, by offset."""
+"""A state, the number of a channel, and the values that the sender writes, by offset."""
 
 
 @dataclass(eq=False, slots=True)
 class Successor:
-    """A transition from a state, and what it leads to; nothing here depends on time.
+    """A transition from a state and its result; both are independent of time.
 
     Attributes:
-        transition, fired: an error if the update fails.
-        edges: the participants, by their names.
-        changes: what it does to the variables; empty if the update fails.
+        transition: the transition.
+        fired: its result, or an error if the update fails.
+        edges: the edges of the participants, with names.
+        changes: changes of variables; empty if the update fails.
         sent: the name of the channel on which an executed process sends.
-        kept: bounds of the clocks in the next state, of those that the transition does not set.
+        kept: bounds in the next state on clocks that the transition does not set.
     """
 
     transition: Transition
@@ -38,13 +39,13 @@ class Successor:
 
     @property
     def timed(self) -> bool:
-        """Whether any clock matters for when it may be taken."""
+        """Whether a clock restricts when the transition may be taken."""
         return bool(self.transition.bounds or self.kept)
 
     def window(self, clocks: ClockInstants, expired: Collection[Bound] = ()) -> tuple[int, int]:
-        """The first and the last instant, µs, at which its guards and the invariants that it leads to allow it.
+        """Return the first and the last instant, µs, that its guards and the invariants of its target allow.
 
-        ``expired`` are invariants that count no more: they are broken already.
+        ``expired`` are invariants that no longer count because they are violated already.
         """
         kept = [bound for bound in self.kept if bound not in expired] if expired else self.kept
         return clocks.window((*self.transition.bounds, *kept))
@@ -56,7 +57,7 @@ class StateSuccessors:
 
     Attributes:
         successors: in the order in which those due at the same instant are taken.
-        stay: bounds of the clocks in this state.
+        stay: bounds that the invariants put on the clocks in this state.
         may_delay: whether time may pass.
         committed: whether a process is in a committed location.
     """
@@ -68,7 +69,9 @@ class StateSuccessors:
 
 
 class SuccessorCache:
-    """Remembers them; the semantics says what they are. Several executions may share one, also in several threads."""
+    """Caches the successors that the semantics computes. Several executions may share one cache, also in several
+    threads.
+    """
 
     def __init__(self, semantics: Semantics) -> None:
         self._semantics = semantics
@@ -77,7 +80,7 @@ class SuccessorCache:
         self._named: dict[Edge, TakenEdge] = {}
 
     def at(self, state: State) -> StateSuccessors:
-        """The successors of a state; raises RangeError where a guard fails."""
+        """Return the successors of a state; raise RangeError if a guard fails."""
         known = self._known.get(state)
         if known is None:
             semantics = self._semantics
@@ -94,7 +97,7 @@ class SuccessorCache:
         return known
 
     def received(self, state: State, channel: int, writes: Mapping[int, int]) -> Successor | None:
-        """What a broadcast of the environment, which writes by offset, leads to; None: no edge receives it.
+        """Return the result of a broadcast of the environment that writes by offset; None if no edge receives it.
 
         Raises:
             RangeError: an assignment is out of range.
@@ -110,14 +113,15 @@ class SuccessorCache:
         return found
 
     def explore(self, state: State, inputs: Collection[tuple[int, Mapping[int, int]]]) -> Iterator[State]:
-        """Compute what may follow a state before it is needed: one of these inputs, or time, with its immediate steps.
+        """Compute ahead the states that may follow: after one of the inputs, or after time, with immediate steps.
 
-        Each item is a state that was worked out; the next one is worked out when it is asked for. A fault of the
-        model is not raised here: it is one only if the run comes there.
+        Each item is a state whose successors are in the cache; the next is computed when it is requested. A fault of
+        the model is not raised here: it counts only if the run reaches it.
 
         Args:
-            state: whence.
-            inputs: number of a channel of the environment, and what its sender writes, by offset.
+            state: the state to start from.
+            inputs: pairs of the number of a channel of the environment and the values that its sender writes, by
+                offset.
         """
         waiting = list(self._after(state, at_once=False))
         for channel, writes in inputs:
@@ -136,7 +140,7 @@ class SuccessorCache:
                 waiting += self._after(following, at_once=True)
 
     def _after(self, state: State, *, at_once: bool) -> list[State]:
-        """Where the transitions out of a state lead; ``at_once``: of those that wait for no clock."""
+        """Return the targets of the transitions out of a state; ``at_once``: only those that wait for no clock."""
         try:
             successors = self.at(state).successors
         except ModelError:
@@ -156,7 +160,7 @@ class SuccessorCache:
         return self._made(state, transition, fired)
 
     def _successor(self, state: State, transition: Transition) -> Successor | None:
-        """None: it would break an invariant, whatever the time is."""
+        """Return the successor, or None if the transition would violate an invariant at any time."""
         try:
             fired = self._semantics.fire(state, transition.edges)
             if not self._semantics.allowed(fired.state):

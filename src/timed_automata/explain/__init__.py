@@ -1,4 +1,4 @@
-"""Why a run refutes a query: in words, with the names of constants, and what the query speaks of over the run."""
+"""Explains why a run refutes a query: in words, with names of constants, and with the query's subjects over the run."""
 
 from ._explain import Explanation, explain, explain_time
 from ._names import Names

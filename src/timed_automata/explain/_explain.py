@@ -1,4 +1,4 @@
-"""Why a run refutes a query."""
+"""Explains in one sentence why a run refutes a query."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from timed_automata.queries import Query
 
 
 def held_up(judge: Judge) -> Iterator[tuple[str, tuple[Subject, ...]]]:
-    """Of each process that may not stay where it is: which location, what bounds it, and what that speaks of."""
+    """Yield an explanation and its subjects for every process that may not stay in its location."""
     network, instant = judge.network, judge.instant
     for process in network.processes:
         location = process.locations[instant.state.locations[process.index]]
@@ -43,7 +43,7 @@ def held_up(judge: Judge) -> Iterator[tuple[str, tuple[Subject, ...]]]:
 
 
 def repeated(judge: Judge, run: list[Stretch], trace: Trace) -> Iterator[tuple[str, tuple[Subject, ...]]]:
-    """The moves of the cycle on which a run goes on without end."""
+    """Yield the moves of the cycle that a run repeats for ever."""
     seen = set()
     for step in trace.steps[trace.loop :] if trace.loop is not None else ():
         for edge in step.edges:
@@ -60,11 +60,11 @@ _MOST = 8  # facts that are told
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a run refutes a query.
+    """The reason why a run refutes a query.
 
     Attributes:
-        sentence: when what held, and which part of the query is not as it must be; with the values by their names.
-        watched: what the query speaks of, over the run.
+        sentence: the time, the facts that hold then, and the part of the query that is violated, with values by name.
+        watched: the clocks and states that the query refers to, over the run.
     """
 
     sentence: str
@@ -72,12 +72,12 @@ class Explanation:
 
 
 def explain(trace: Trace, query: Query, names: Names) -> Explanation:
-    """Why a run refutes ``A[] p``, ``A<> p`` or ``p --> q``, or which value it shows of ``sup`` and ``inf``.
+    """Explain why a run refutes ``A[] p``, ``A<> p`` or ``p --> q``, or which value of ``sup`` or ``inf`` it shows.
 
     Args:
-        trace: the run that a search for the query has found.
-        query: of its network.
-        names: of its values.
+        trace: the run that a search for the query found.
+        query: a query of the same network.
+        names: names for the values of the network.
     """
     run = stretches_of(trace)
     if query.kind in ("sup", "inf"):
@@ -102,7 +102,7 @@ def explain(trace: Trace, query: Query, names: Names) -> Explanation:
 
 
 def explain_time(trace: Trace, names: Names) -> Explanation:
-    """Why time cannot pass at the end of a run, or need not on its cycle."""
+    """Explain why time cannot pass at the end of a run, or why the cycle of a run takes no time."""
     run = stretches_of(trace)
     judge = Judge(trace.network, names, run[-1].end, deadlock=True)
     if trace.loop is None:
@@ -125,7 +125,7 @@ def _always(words: Words, condition: ast.Expression, at: str) -> str:
 
 
 def _eventually(words: Words, query: Query, run: list[Stretch], trace: Trace, names: Names) -> str:
-    """Of a run on which it never comes: since when it is due, and how that goes on."""
+    """Explain a run on which the expected condition never holds: since when it is due, and how the run goes on."""
     due, begun = query.condition if query.then is None else query.then, "From the start on"
     assert due is not None
     if query.then is not None and (start := _since(query, run, trace, names)) is not None:
@@ -136,7 +136,7 @@ def _eventually(words: Words, query: Query, run: list[Stretch], trace: Trace, na
 
 
 def _since(query: Query, run: list[Stretch], trace: Trace, names: Names) -> tuple[Stretch, list[str]] | None:
-    """Where the left side holds, and the right one not from there to the end: the first such stretch."""
+    """Return the first stretch where the left side holds and after which the right side never does, with facts."""
     found = None
     assert query.condition is not None
     assert query.then is not None

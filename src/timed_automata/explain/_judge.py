@@ -1,4 +1,4 @@
-"""What a condition, and each part of it, is at an instant of a run."""
+"""Evaluates a condition, and its parts, at an instant of a run."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ _HOLDS = {"<": lt, "<=": le, "==": eq, ">=": ge, ">": gt}
 
 
 class Judge:
-    """Evaluates expressions of a query at an instant, and gives the names in them.
+    """Evaluates expressions of a query at an instant and names their values.
 
     Args:
-        network: of the run.
-        names: of values and elements.
-        instant: of the run.
-        deadlock: what the word ``deadlock`` is there.
+        network: the network of the run.
+        names: names of values and elements.
+        instant: an instant of the run.
+        deadlock: the truth of the word ``deadlock`` at that instant.
     """
 
     def __init__(self, network: Network, names: Names, instant: Instant, *, deadlock: bool) -> None:
         self.network, self.names, self.instant, self.deadlock = network, names, instant, deadlock
 
     def holds(self, node: ast.Expression) -> bool:
-        """Whether a condition holds; False where it cannot be evaluated."""
+        """Return whether a condition holds; False if it cannot be evaluated."""
         with suppress(RangeError):
             for case in compile_formula(self.network, node).cases(self.instant.state):
                 if case.deadlock in (None, self.deadlock) and all(map(self._keeps, case.bounds)):
@@ -43,19 +43,19 @@ class Judge:
         return bool(_HOLDS[bound.op](self.instant.clock(bound.clock), bound.value))
 
     def number(self, node: ast.Expression) -> int:
-        """An integer expression; raises RangeError where it leaves an array."""
+        """Return the value of an integer expression; raise RangeError for an index outside of its array."""
         state = self.instant.state
         return int(compile_integer(self.network, node)(state.values, state.locations))
 
     def clock(self, node: ast.Expression) -> int | None:
-        """The number of the clock that an expression names."""
+        """Return the number of the clock that an expression names, or None."""
         try:
             return compile_clock(self.network, node)
         except ModelError:
             return None
 
     def location(self, node: ast.Expression) -> tuple[int, str] | None:
-        """The process and the location of ``Process.Location``."""
+        """Return the process index and the location name of ``Process.Location``, or None."""
         if isinstance(node, ast.Member) and (process := self._process(node)) is not None:
             for each in self.network.processes:
                 if each.name == process and any(place.name == node.name for place in each.locations):
@@ -63,7 +63,9 @@ class Judge:
         return None
 
     def variable(self, node: ast.Expression) -> str | None:
-        """The variable that an expression is now: ``ee``, ``Gripper.i``, ``evidence[1]``."""
+        """Return the variable that an expression refers to at this instant: ``ee``, ``Gripper.i``, ``evidence[1]``; or
+        None.
+        """
         match node:
             case ast.Name(name=name):
                 found: str | None = name
@@ -80,7 +82,7 @@ class Judge:
         return found if found in self.network.offsets else None
 
     def variable_array(self, node: ast.Expression) -> str | None:
-        """The same of what an index follows, as far as it goes."""
+        """Return the variable or array that an index is applied to, with the indices so far; or None."""
         match node:
             case ast.Name(name=name):
                 return name
@@ -103,7 +105,7 @@ class Judge:
         return None
 
     def text(self, node: ast.Expression) -> str:
-        """An expression with the names of elements: ``evidence[cups] == GONE``."""
+        """Return an expression as text with the names of elements: ``evidence[cups] == GONE``."""
         return written(node, self._atom)
 
     def _atom(self, node: ast.Expression) -> str | None:
@@ -117,7 +119,9 @@ class Judge:
         return None
 
     def shown(self, node: ast.Expression) -> str:
-        """What an expression is now: the value of a variable by its name, a clock as a time, a truth as a word."""
+        """Return the present value as text: a variable by its value's name, a clock as a time, a truth as true or
+        false.
+        """
         if (clock := self.clock(node)) is not None:
             return told_time(self.instant.clock(clock))
         if (variable := self.variable(node)) is not None:
@@ -128,6 +132,6 @@ class Judge:
         return str(self.number(node))
 
     def bound(self, node: ast.Expression) -> str:
-        """What a clock is compared with: its name, if it has one, and the time."""
+        """Return the limit that a clock is compared with as text: its name, if it has one, and the time."""
         time = told_time(Fraction(self.number(node)))
         return time if number_of(node) is not None else f"{self.text(node)} ({time})"

@@ -1,4 +1,4 @@
-"""All expressions of a file by the template in which they stand, and what is declared where."""
+"""Collects all expressions of a file with the template that contains them, and the declarations of each template."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from timed_automata.language import (
 from timed_automata.queries import parse_query
 
 Key = tuple[str, str]
-"""Of a name: the template that declares it, empty for the file, and the name."""
+"""A declared name as the template that declares it (empty for the file) and the name."""
 
 
 class Place(NamedTuple):
-    """Where an expression stands: a template, empty for the file, and the names that are bound round it."""
+    """The place of an expression: a template (empty for the file) and the names that enclosing constructs bind."""
 
     template: str = ""
     bound: frozenset[str] = frozenset()
@@ -38,12 +38,12 @@ _LABELS: dict[str, Callable[[Text], Any]] = {
 
 
 class ModelText:
-    """The texts of a document, parsed; what cannot be parsed is left out.
+    """The parsed texts of a document; texts that cannot be parsed are left out.
 
     Attributes:
         shared: the global declarations.
         functions: the global functions by name.
-        parameters: of each template.
+        parameters: names of the parameters, by template.
     """
 
     def __init__(self, document: Document) -> None:
@@ -67,12 +67,12 @@ class ModelText:
                 self._parts += (("", part) for part in (parsed.condition, parsed.then))
 
     def nodes(self) -> Iterator[tuple[Place, ast.Node]]:
-        """Every node, with its place."""
+        """Yield every node with its place."""
         for template, part in self._parts:
             yield from _nodes(part, Place(template))
 
     def key(self, place: Place, node: ast.Node) -> Key | None:
-        """Which declared name an expression uses, whatever the index; None: it is something else."""
+        """Return the declared name that an expression uses, without its index; None for other expressions."""
         while isinstance(node, ast.Index):
             node = node.base
         match node:

@@ -1,7 +1,7 @@
-"""What the integers of a model are called: constants, and members of what arrays are indexed by.
+"""Names for the integers of a model: constants, and the members that array indices refer to.
 
-A model says ``ee == GRIPPED``: then 3 is GRIPPED where it is a value of ``ee``, and the other constants that are
-declared together with GRIPPED name the other values, unless ``ee`` is compared with others as well.
+A model contains ``ee == GRIPPED``: then 3 is called GRIPPED if it is a value of ``ee``, and the other constants
+declared together with GRIPPED name the other values, unless ``ee`` is also compared with constants of another group.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ _EQUAL = ("==", "!=")
 
 
 class Names:
-    """Words for values and elements of a network.
+    """Names for values and elements of a network.
 
     Args:
         network: a loaded network.
-        members: what the indices of the array ``like``, and of those declared alike, stand for.
-        like: an array; whatever indexes it is one of the members.
-        also: variables whose values are members, too.
+        members: names for the indices of the array ``like`` and of arrays declared with the same size.
+        like: an array; every variable that indexes it has members as its values.
+        also: further variables whose values are members.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Names:
         }
 
     def value(self, variable: str, value: int) -> str:
-        """What a value of a variable (``ee``, ``Gripper.i``, ``evidence[1]``) is called; else the number."""
+        """Return the name of a value of a variable (``ee``, ``Gripper.i``, ``evidence[1]``), else the number."""
         if variable in self._network.offsets:
             type_ = self._network.variable(self._network.offsets[variable]).type
             if type_.kind == "bool":
@@ -73,7 +73,7 @@ class Names:
         return str(value)
 
     def element(self, name: str) -> str:
-        """``evidence[0]``, ``Actuator(0)`` and the like, with the name of the member."""
+        """Return ``evidence[0]``, ``Actuator(0)`` and similar names with the member's name in place of the number."""
         process, dot, rest = name.rpartition(".")
         if process.partition("(")[0] in self._templates:
             process = self._named(process)
@@ -99,7 +99,9 @@ class Names:
                 yield from self._constants(no)
 
     def _alike(self, like: str) -> set[Key]:
-        """The arrays that are declared as ``like`` is, but for those whose own values index these."""
+        """Return the arrays declared with the same size as ``like``, except those whose own values index
+        such arrays.
+        """
         sizes: dict[Key, str] = {}
         for place, node in self.text.nodes():
             if isinstance(node, ast.Declarator) and node.dimensions:
@@ -111,7 +113,7 @@ class Names:
         return self._arrays - {key for key in self._indices() if key in sizes}
 
     def _indices(self) -> set[Key]:
-        """What indexes one of these arrays."""
+        """Return the names that index one of these arrays."""
         found = (
             self.text.key(place, node.index)
             for place, node in self.text.nodes()
@@ -126,7 +128,7 @@ def _key_of(variable: str) -> Key:
 
 
 def _groups(text: ModelText, network: Network) -> Iterator[dict[str, int]]:
-    """Constants that are declared together: at least two, each a number."""
+    """Yield groups of constants declared together; a group has at least two, and only numbers."""
     for part in text.shared:
         if isinstance(part, ast.Variables) and "const" in part.type.prefixes and len(part.declarators) > 1:
             values = {each.name: network.constants.get(each.name) for each in part.declarators}
@@ -136,7 +138,7 @@ def _groups(text: ModelText, network: Network) -> Iterator[dict[str, int]]:
 
 
 def _equated(node: ast.Node) -> Iterator[tuple[ast.Expression, ast.Expression]]:
-    """What is compared with, or set to, what."""
+    """Yield pairs of expressions that are compared or assigned to each other."""
     match node:
         case ast.Binary(left=left, op=op, right=right) if op in _EQUAL:
             yield left, right

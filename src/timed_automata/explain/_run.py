@@ -1,4 +1,4 @@
-"""A run as stretches: a discrete state each, and what the clocks show while it lasts."""
+"""Divides a run into stretches: one discrete state each, with the values of the clocks while it lasts."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from timed_automata.network import Semantics, State, Trace
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """From one transition of a run to the next.
+    """The part of a run between two transitions.
 
     Attributes:
         state: the discrete state.
         begun, ended: absolute times.
-        set_at: of each clock by its number: when it would have been zero.
+        set_at: time at which a clock would have been zero, by its number.
     """
 
     state: State
@@ -26,30 +26,30 @@ class Stretch:
 
     @property
     def entry(self) -> Instant:
-        """Just after the transition that leads here."""
+        """The instant just after the transition that leads into this stretch."""
         return Instant(self.state, self.begun, self.set_at)
 
     @property
     def end(self) -> Instant:
-        """Just before the next transition, or where the run ends."""
+        """The instant just before the next transition, or at the end of the run."""
         return Instant(self.state, self.ended, self.set_at)
 
 
 @dataclass(frozen=True, slots=True)
 class Instant:
-    """A state of a run: the discrete one, and the time."""
+    """An instant of a run: the discrete state, the time, and the clocks."""
 
     state: State
     at: Fraction
     set_at: tuple[Fraction, ...]
 
     def clock(self, number: int) -> Fraction:
-        """What a clock shows."""
+        """Return the value of a clock."""
         return self.at - self.set_at[number] if number else Fraction(0)
 
 
 def stretches_of(trace: Trace) -> list[Stretch]:
-    """The run, one stretch more than it has steps.
+    """Return the stretches of the run, one more than it has steps.
 
     Raises:
         RangeError: the last step of the run leaves a range.
@@ -68,13 +68,13 @@ def stretches_of(trace: Trace) -> list[Stretch]:
 
 
 def told_time(ms: Fraction | int) -> str:
-    """Whole seconds and their parts from one second on, else milliseconds."""
+    """Return a time, given in ms, as text: in seconds from one second on, else in milliseconds."""
     exact = Fraction(ms)
     number, unit = (exact / 1000, "s") if abs(exact) >= 1000 else (exact, "ms")
     return f"{float(number):.6f}".rstrip("0").rstrip(".") + f" {unit}"
 
 
 def listed(words: Sequence[str], most: int, last: str = "and") -> str:
-    """``a, b and c``; of more than ``most`` it says how many are left out."""
+    """Return ``a, b and c``; if there are more than ``most`` words, the rest is given as a number."""
     shown = [*words[:most], f"{len(words) - most} more"] if len(words) > most else list(words)
     return "".join(shown) if len(shown) < 2 else f"{', '.join(shown[:-1])} {last} {shown[-1]}"

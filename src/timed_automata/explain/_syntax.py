@@ -1,4 +1,4 @@
-"""Conditions as text and as parts: what a quantifier says of one number, what a function returns."""
+"""Writes conditions as text and splits them into parts; expands quantifiers and functions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ _TIGHT = 7
 
 
 def instance(node: ast.Quantified, value: int) -> ast.Expression:
-    """The body of a quantifier for one number; not a literal, which would be checked where it is never used."""
+    """Return the body of a quantifier for one number; not as a literal, which would be checked even where it is not
+    used.
+    """
     number = ast.Unary(node.span, "+", ast.Number(node.span, value))
     return cast(ast.Expression, _put(node.body, node.variable, number))
 
@@ -30,14 +32,14 @@ def _put(node: object, name: str, value: ast.Expression) -> Any:
 
 
 def number_of(node: ast.Expression) -> int | None:
-    """A literal, or what `instance` has put in."""
+    """Return the number of a literal, or of a number that `instance` put in; None for other expressions."""
     if isinstance(node, ast.Unary) and node.op in "+-" and (inner := number_of(node.operand)) is not None:
         return -inner if node.op == "-" else inner
     return node.value if isinstance(node, ast.Number) else None
 
 
 def returned(function: ast.FunctionDefinition | None) -> ast.Expression | None:
-    """What a function is, if it takes nothing and does nothing but return it."""
+    """Return the expression that a function returns, if it has no parameters and only a return; else None."""
     match function:
         case ast.FunctionDefinition(
             parameters=(), body=ast.Block(declarations=(), statements=(ast.Return(value=value),))
@@ -47,11 +49,11 @@ def returned(function: ast.FunctionDefinition | None) -> ast.Expression | None:
 
 
 Atom = Callable[[ast.Expression], str | None]
-"""The text of an expression, where it has one of its own."""
+"""Returns the special text of an expression, or None if it has none."""
 
 
 def written(node: ast.Expression, atom: Atom, binds: int = 0) -> str:
-    """An expression as text; ``atom`` gives the words for names and elements."""
+    """Return an expression as text; ``atom`` gives the words for names and elements."""
     if (own := atom(node)) is not None:
         return own
     match node:
@@ -73,7 +75,7 @@ def written(node: ast.Expression, atom: Atom, binds: int = 0) -> str:
 
 
 def parts_of(node: ast.Expression, op: str) -> Iterator[ast.Expression]:
-    """The operands of a chain of one operator."""
+    """Yield the operands of a chain of one operator."""
     if isinstance(node, ast.Binary) and node.op == op:
         yield from parts_of(node.left, op)
         yield from parts_of(node.right, op)

@@ -1,4 +1,4 @@
-"""What a query speaks of, over a run: variables and locations as words, clocks as curves."""
+"""Records the subjects of a query over a run: variables and locations as words, clocks as curves."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "=="}
 
 @dataclass(frozen=True, slots=True)
 class WatchedState:
-    """A variable, or the location of a process, by its names.
+    """The course of a variable, or of the location of a process, over a run, with names for its values.
 
     Attributes:
         name: ``evidence[cups]``, ``Gripper``.
-        changes: from when on it has which value; the first is at the start.
-        wrong: whether it is in the part of the query that does not hold.
+        changes: pairs of a time and the value from then on; the first is at the start.
+        wrong: whether the part of the query that does not hold refers to it.
     """
 
     name: str
@@ -34,14 +34,15 @@ class WatchedState:
 
 @dataclass(frozen=True, slots=True)
 class WatchedClock:
-    """A clock.
+    """The course of a clock over a run.
 
     Attributes:
         name: ``Observer.x``.
         points: (time, value), to be joined by lines.
-        limits: what it is compared with: the relation with its words, and the value.
-        deadline: when it passed the limit in the part of the query that does not hold; None: it has passed none.
-        wrong: whether it is in the part of the query that does not hold.
+        limits: pairs of a comparison in words and the value that the clock is compared with.
+        deadline: time at which it passed the limit in the part of the query that does not hold; None if it passed
+            none.
+        wrong: whether the part of the query that does not hold refers to it.
     """
 
     name: str
@@ -71,12 +72,12 @@ Subject = _Process | _Variable | _Clock
 
 
 def process_subject(index: int) -> Subject:
-    """The location of a process."""
+    """Return the location of a process as a subject."""
     return _Process(index)
 
 
 def clock_subject(number: int, limit: str, value: int) -> Subject:
-    """A clock, and what bounds it."""
+    """Return a clock and its limit as a subject."""
     return _Clock(number, ((limit, value),))
 
 
@@ -87,9 +88,9 @@ def watched(
     wrong: Sequence[ast.Expression],
     more: Sequence[Subject] = (),
 ) -> tuple[WatchedState | WatchedClock, ...]:
-    """Everything that conditions speak of, in their order; ``judge`` is about the end of the run.
+    """Return the courses of everything that the conditions refer to, in order; ``judge`` is for the end of the run.
 
-    ``wrong`` are their parts that are not as they must be; ``more`` is wrong, too.
+    ``wrong`` are the parts of the conditions that are violated; the subjects in ``more`` count as wrong, too.
     """
     subjects = dict.fromkeys((*(each for node in conditions for each in _subjects(judge, node)), *more))
     guilty = {each for node in wrong for each in _subjects(judge, node, indices=False)} | set(more)
@@ -103,7 +104,7 @@ def watched(
 
 
 def _subjects(judge: Judge, node: object, *, indices: bool = True) -> Iterator[Subject]:
-    """What a part of a condition speaks of; ``indices``: also what only says of which element."""
+    """Yield the subjects of a part of a condition; ``indices``: also those that only occur in an index."""
     inside = partial(_subjects, judge, indices=indices)
     if isinstance(node, tuple):
         for each in node:
@@ -132,7 +133,9 @@ def _subjects(judge: Judge, node: object, *, indices: bool = True) -> Iterator[S
 
 
 def _read_by(judge: Judge, node: ast.Call) -> Iterator[Subject]:
-    """What a function reads: what its expression speaks of, or else all the variables that it reads."""
+    """Yield what a function reads: the subjects of the expression that it returns, or else all variables that it
+    reads.
+    """
     inner = None if node.process else returned(judge.names.text.functions.get(node.name))
     if inner is not None:
         yield from _subjects(judge, inner)
@@ -186,7 +189,7 @@ def _clock(
 def _limits(
     judge: Judge, number: int, conditions: Sequence[ast.Expression]
 ) -> list[tuple[str, ast.Expression]]:
-    """What a clock is compared with, and how."""
+    """Return the comparisons of a clock: operator and limit."""
     found = []
     for node in (each for condition in conditions for each in ast.walk(condition)):
         if isinstance(node, ast.Binary) and node.op in _FLIPPED:

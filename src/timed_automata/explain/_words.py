@@ -1,4 +1,4 @@
-"""A condition at an instant, in words: what makes it hold, and what of it does not hold though it must."""
+"""Puts a condition at an instant into words: the facts that make it hold, or the part that is violated."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _Part = tuple[ast.Expression, bool]
 
 
 class Words:
-    """Words for a query's condition, see `facts` and `fault`.
+    """Puts a query's condition into words; see `facts` and `fault`.
 
     Attributes:
-        wrong: the parts that are not as they must be, of what was asked for so far.
+        wrong: the violated parts of all conditions explained so far.
     """
 
     def __init__(self, judge: Judge) -> None:
@@ -33,11 +33,11 @@ class Words:
         self.wrong: list[ast.Expression] = []
 
     def facts(self, node: ast.Expression, wanted: bool = True) -> list[str]:
-        """What makes a condition hold (``wanted`` False: not hold), a clause each: ``Gripper is in Step``."""
+        """Return the facts that make a condition hold (``wanted`` False: fail), as clauses: ``Gripper is in Step``."""
         return self._all_facts([(node, wanted)])
 
     def _all_facts(self, parts: Sequence[_Part]) -> list[str]:
-        """Of several conditions; elements of which the same is said are told together."""
+        """Return the facts of several conditions; elements with the same fact share one clause."""
         told: dict[tuple[str, str], dict[str, None]] = {}
         for part, want in parts:
             for leaf, holds in self._reasons(part, want):
@@ -47,12 +47,14 @@ class Words:
         return [_together(list(found), what) for (_, what), found in told.items()]
 
     def fault(self, node: ast.Expression, wanted: bool = True) -> str:
-        """Of a condition that must hold (``wanted`` False: must not) and does not: what must be, and what is."""
+        """Explain why a condition is violated (``wanted`` False: why it holds): the required and the actual state."""
         facts, then = self.parted(node, wanted)
         return f"as {listed(facts, _MOST_FACTS)}, {then}" if facts else then
 
     def parted(self, node: ast.Expression, wanted: bool = True) -> tuple[list[str], str]:
-        """The same in two: where it must hold, which is the case, and what of it is not as it must be."""
+        """Return the explanation of `fault` in two parts: the premises that hold, and the requirement that is
+        violated.
+        """
         match node:
             case ast.Unary(op="!", operand=operand):
                 return self.parted(operand, not wanted)
@@ -78,10 +80,10 @@ class Words:
             return self.parted(*broken[0])
         told = [self.fault(part, want) for part, want in broken[:_MOST]]
         more = len(broken) - len(told)
-        return [], "; ".join(told) + (f"; and so on for {more} more" if more else "")
+        return [], "; ".join(told) + (f"; and {more} more" if more else "")
 
     def _none_of(self, broken: list[_Part]) -> tuple[list[str], str]:
-        """Of parts of which one must be as it should; those that only say where the others count come first."""
+        """Explain a violated disjunction; parts that only restrict the case in which the others count come first."""
         where = [(part, want) for part, want in broken if _is_premise(part, want)]
         rest = [each for each in broken if each not in where]
         if not rest:
@@ -89,7 +91,7 @@ class Words:
             facts = self._all_facts([(part, not want) for part, want in broken])
             if not facts:
                 return [], "no part of it can hold with these constants"
-            return [], f"these must not be so together: {listed(facts, _MOST_FACTS)}"
+            return [], f"these must not all hold together: {listed(facts, _MOST_FACTS)}"
         before = self._all_facts([(part, not want) for part, want in where])
         if len(rest) == 1:
             facts, then = self.parted(*rest[0])
@@ -97,7 +99,7 @@ class Words:
         self._blame(rest)
         wishes = listed([self._wish(part, want) for part, want in rest], _MOST_FACTS, "or")
         facts = self._all_facts([(part, not want) for part, want in rest])
-        return before, f"one of these must be so: {wishes}; but {listed(facts, _MOST_FACTS)}"
+        return before, f"one of these must hold: {wishes}; but {listed(facts, _MOST_FACTS)}"
 
     def _blame(self, broken: Sequence[_Part]) -> None:
         self.wrong += [leaf for part, want in broken for leaf, _ in self._reasons(part, not want)]
@@ -106,7 +108,9 @@ class Words:
         return None if node.process else returned(self.judge.names.text.functions.get(node.name))
 
     def _parts(self, node: ast.Expression, wanted: bool) -> tuple[list[_Part] | None, bool]:
-        """The parts of a condition with what each must be, and whether all must be so; None: it has none."""
+        """Return the parts of a condition with their required truth, and whether all must be so; None if it has no
+        parts.
+        """
         match node:
             case ast.Binary(op="&&"):
                 return [(part, wanted) for part in parts_of(node, "&&")], wanted
@@ -119,7 +123,7 @@ class Words:
         return None, True
 
     def _reasons(self, node: ast.Expression, wanted: bool) -> Iterator[_Part]:
-        """The leaves that make a condition as it is."""
+        """Yield the leaves that decide the truth of a condition."""
         judge = self.judge
         if isinstance(node, ast.Unary) and node.op == "!":
             yield from self._reasons(node.operand, not wanted)
@@ -141,7 +145,7 @@ class Words:
                         break
 
     def _fact(self, node: ast.Expression, holds: bool) -> Iterator[tuple[str, str]]:
-        """A leaf as it is, who and what; nothing for one of constants."""
+        """Yield subject and statement for a leaf as it is now; nothing if it consists of constants."""
         judge = self.judge
         if number_of(node) is not None:
             return
@@ -173,7 +177,7 @@ class Words:
             return (
                 "a transition must be possible, but none is"
                 if not wanted
-                else "all must be at its end, but is not"
+                else "a deadlock is required, but a transition is possible"
             )
         if (place := judge.location(node)) is not None:
             process = judge.network.processes[place[0]]
@@ -205,7 +209,7 @@ class Words:
         return judge.text(node) if wanted else f"not {judge.text(node)}"
 
     def _must(self, left: ast.Expression, op: str, right: ast.Expression, wanted: bool) -> str:
-        """``be at most GRIP_BOUND (30 s)``."""
+        """Return a requirement in words: ``be at most GRIP_BOUND (30 s)``."""
         op, limit = op if wanted else _CONTRARY[op], self._limit(left, right)
         if op in _LESS:
             return f"be {_LESS[op]} {limit}"
@@ -225,7 +229,9 @@ class Words:
         )
 
     def _sides(self, node: ast.Expression) -> tuple[ast.Expression, str, ast.Expression] | None:
-        """A comparison with a variable or a clock at its left; None: it is none, or both sides are conditions."""
+        """Return a comparison with a variable or clock on its left; None for others, and if the right side is a
+        condition.
+        """
         if not isinstance(node, ast.Binary) or node.op not in _CONTRARY:
             return None
         for left, op, right in ((node.left, node.op, node.right), (node.right, _FLIPPED[node.op], node.left)):
@@ -239,7 +245,7 @@ class Words:
         return None
 
     def _variables(self, node: ast.Expression) -> Iterator[ast.Expression]:
-        """The variables of a leaf, each once."""
+        """Yield the variables of a leaf without repetition."""
         seen = set()
         for each in ast.walk(node):
             if isinstance(each, ast.Name | ast.Member | ast.Index):
@@ -249,7 +255,7 @@ class Words:
                     yield each
 
     def _moving(self, node: ast.Expression) -> bool:
-        """Whether it depends on the state."""
+        """Return whether an expression depends on the state."""
         find = self.judge.network.scope.find
         return any(
             isinstance(each, ast.Member | ast.Call)
@@ -262,7 +268,7 @@ class Words:
 
 
 def _alternatives(node: ast.Expression, wanted: bool) -> Iterator[_Part]:
-    """The parts of a disjunction; ``imply``, which binds as ``||`` does, is one."""
+    """Yield the parts of a disjunction; ``imply``, which binds as ``||`` does, counts as one."""
     match node:
         case ast.Binary(left=left, op="||" | "imply" as op, right=right):
             if op == "||":
@@ -275,7 +281,7 @@ def _alternatives(node: ast.Expression, wanted: bool) -> Iterator[_Part]:
 
 
 def _together(subjects: Sequence[str], what: str) -> str:
-    """``kept[cups] and kept[rod] are false``."""
+    """Return a clause for several subjects: ``kept[cups] and kept[rod] are false``."""
     if len(subjects) == 1:
         return f"{subjects[0]} {what}"
     what = (
@@ -287,12 +293,12 @@ def _together(subjects: Sequence[str], what: str) -> str:
 
 
 def _is_instance(node: ast.Expression) -> bool:
-    """Whether it is a number that was put in for the variable of a quantifier."""
+    """Return whether an expression is a number that replaced the variable of a quantifier."""
     return isinstance(node, ast.Unary) and node.op == "+"
 
 
 def _is_premise(node: ast.Expression, wanted: bool) -> bool:
-    """Whether a part of a disjunction says where the other parts count: ``!p || q``, ``j >= i || q``."""
+    """Return whether a part of a disjunction only limits where the other parts count: ``!p || q``, ``j >= i || q``."""
     if isinstance(node, ast.Binary) and node.op in _CONTRARY and wanted:
         return _is_instance(node.left) or _is_instance(node.right)
     return not wanted or (isinstance(node, ast.Unary) and node.op == "!")

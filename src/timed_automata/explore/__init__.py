@@ -1,4 +1,4 @@
-"""Explores networks by zones: answers queries, finds worst cases, and what every model must satisfy."""
+"""Explores networks with zones: answers queries, finds worst cases, and checks what every model must satisfy."""
 
 from ._explorer import Explorer, RunTimeError, verify
 from ._overview import Overview, overview

@@ -54,7 +54,9 @@ AnyQuery = Query | StoredQuery | Text | str
 
 
 class RunTimeError(RangeError):
-    """A value leaves its range in a run of the network: the model is wrong, whatever the query. With its trace."""
+    """A value leaves its range in a run of the network: the model is wrong, independent of the query. Carries its
+    trace.
+    """
 
     def __init__(self, error: OutOfRangeError, trace: Trace) -> None:
         super().__init__(error.what, where=error.where, todo=error.todo)
@@ -62,11 +64,12 @@ class RunTimeError(RangeError):
 
 
 class Explorer:
-    """Checks any number of queries about one network; what does not depend on the query is computed once.
+    """Checks any number of queries about one network; results that do not depend on the query are computed once.
 
     Args:
         network: a loaded network.
-        progress: called with the number of states of the search at hand now and then; it may end it with an error.
+        progress: called now and then with the number of states of the current search; it may raise an error to end the
+            search.
     """
 
     def __init__(self, network: Network, progress: Progress | None = None) -> None:
@@ -74,7 +77,7 @@ class Explorer:
         self.discrete = DiscreteSpace(network)
 
     def check(self, query: AnyQuery) -> Verdict:
-        """The answer to a query.
+        """Answer a query.
 
         Raises:
             ModelError: the query is not well-formed, or outside of the supported subset.
@@ -83,7 +86,7 @@ class Explorer:
         return self.check_all([query])[0]
 
     def check_all(self, queries: Iterable[AnyQuery]) -> list[Verdict]:
-        """The answers to several queries, those that can be found in one search together.
+        """Answer several queries; those that one search can answer share that search.
 
         Raises:
             ModelError: as :meth:`check`.
@@ -105,7 +108,7 @@ class Explorer:
         return [answers[at] for at in range(len(read))]
 
     def timelock(self) -> Verdict:
-        """Whether time can go on wherever nothing else can happen; if not, the shortest run to where it cannot.
+        """Check that time can go on wherever no transition is possible; else return the shortest run to a timelock.
 
         Raises:
             RunTimeError: a value leaves its range in a run.
@@ -113,7 +116,7 @@ class Explorer:
         return self._together([timelock()])[0]
 
     def zeno(self) -> Verdict:
-        """Whether time diverges in every endless run; if not, a run to, and round, a cycle on which it need not pass.
+        """Check that time diverges in every endless run; else return a run into and round a cycle that needs no time.
 
         Raises:
             RunTimeError: a value leaves its range in a run.
@@ -128,7 +131,7 @@ class Explorer:
     # Kinds of queries
 
     def _together(self, asked: list[Reachability]) -> list[Verdict]:
-        """Answers of one search."""
+        """Answer several questions in one search."""
         limits = [QueryLimits(one.limits) for one in asked]
         for symmetric in (False, True):
             open_ = [one for one in asked if one.verdict is None]
@@ -214,7 +217,7 @@ def _read(query: AnyQuery) -> Query:
 
 
 def _starts(reach: Search, space: SymbolicSpace, cases: ZoneCondition) -> Iterator[Start]:
-    """All states that satisfy the left side of ``-->``, with the ways there."""
+    """Yield all states that satisfy the left side of ``-->``, with the runs that lead there."""
     only = Only(cases)
     for node in reach.nodes():
         record = space.record(node.record.discrete)
@@ -223,7 +226,7 @@ def _starts(reach: Search, space: SymbolicSpace, cases: ZoneCondition) -> Iterat
 
 
 def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:
-    """Whether a run that ends is there without widening."""
+    """Return whether a run that ends also exists without widening of zones."""
     try:
         concrete(space, lasso.legs, lasso.ending, lasso.remark)
     except NoRunError:
@@ -232,5 +235,5 @@ def _possible(space: SymbolicSpace, lasso: Lasso) -> bool:
 
 
 def verify(network: Network, query: AnyQuery) -> Verdict:
-    """The answer to one query; see :meth:`Explorer.check`. For several about one network make an Explorer."""
+    """Answer one query; see :meth:`Explorer.check`. For several queries about one network, create an Explorer."""
     return Explorer(network).check(query)

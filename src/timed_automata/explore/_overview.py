@@ -1,7 +1,7 @@
-"""Everything about a network in one exploration: what reachability answers, worst cases, coverage, progress of time.
+"""Checks a network in one exploration: reachability queries, worst cases, coverage, and progress of time.
 
-Made for the usual case that all is well: it keeps nothing that only a counterexample needs. What it does not show to
-hold is to be asked of :class:`Explorer`, which finds the shortest run.
+It is made for the usual case that all properties hold: it keeps nothing that only a counterexample needs. For a
+property that it cannot show, use :class:`Explorer`, which finds the shortest run.
 """
 
 from __future__ import annotations
@@ -53,20 +53,20 @@ from timed_automata.queries import (
 
 @dataclass(frozen=True, slots=True)
 class Overview:
-    """What one exploration says.
+    """The results of one exploration.
 
     Attributes:
-        states: symbolic states that were stored.
-        answers: for each query whether it holds; None: it may not, or is of a kind that is not answered here.
+        states: number of symbolic states that were stored.
+        answers: True for every query that holds; None if it may not hold, or if its kind is not answered here.
         unmet: numbers of the queries ``A[] p imply q`` and ``p --> q`` whose p holds nowhere.
-        bounded: the queries ``A[] p imply x <= c`` by number, each with the longest time seen.
-        coverage: what cannot happen.
-        open_channels: channels with one end, in words.
-        late: locations of what is executed that leave its reactions more or less room than they need, in words.
+        bounded: the queries ``A[] p imply x <= c`` by number, with the longest time seen.
+        coverage: locations and edges that cannot happen.
+        open_channels: channels without a sender or without a receiver, in words.
+        late: locations of executed processes that leave reactions more or less room than they need, in words.
         stuck: whether there may be a state without any transition, now or later.
-        stopped: whether there may be one in which time cannot go on either.
+        stopped: whether there may be one of these states in which time cannot go on either.
         zeno: whether there may be a cycle on which no time needs to pass.
-        ended: whether the exploration ended before its time.
+        ended: whether the exploration ended early.
     """
 
     states: int
@@ -95,15 +95,15 @@ def overview(
 
     Args:
         network: a loaded network.
-        queries: any; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are left open.
-        progress: called with the number of states now and then; it may end the exploration with an error.
-        stop: at the first ``A[]`` that may not hold; the rest then says nothing.
-        most_states: end after so many; then only what was seen is said.
-        reaction: of what is executed, for `late`; None: nothing is.
+        queries: any queries; those of other kinds than ``A[]``, ``E<>`` and ``-->`` are not answered.
+        progress: called now and then with the number of states; it may raise an error to end the exploration.
+        stop: end at the first ``A[]`` that may not hold; the other results are then meaningless.
+        most_states: end after that many states; the results then cover only these states.
+        reaction: reaction bound of the executed templates, for `late`; None: nothing is executed.
 
     Raises:
         ModelError: a query is not well-formed.
-        OutOfRangeError: a value leaves its range in a run; without the run.
+        OutOfRangeError: a value leaves its range in a run; the error does not contain the run.
     """
     with without_collector():
         exploration = _Exploration(network, queries, progress, reaction)
@@ -149,7 +149,7 @@ class _Exploration:
         self.search = WidestFirst(self.space, clocks, progress, self._finish)
 
     def _ask(self, number: int, query: Query) -> Mapping[int, Limit]:
-        """Prepare for a query; the limits of clocks that it needs."""
+        """Prepare for a query, and return the limits of clocks that it needs."""
         if query.kind == "-->":
             response = self._responses[number] = LeadsTo(self.network, query)
             self._premises[number] = response.premise
@@ -182,7 +182,7 @@ class _Exploration:
         return {}
 
     def run(self, *, stop: bool, most_states: int | None = None) -> None:
-        """Explore."""
+        """Explore the network."""
         concern, refuted = ConditionFilter(self.network, self._premises), self._filter_refuted()
         left = set(self._expected)
         # compiled again only when half of them have happened: that takes longer than to ask for some in vain
@@ -216,7 +216,7 @@ class _Exploration:
         return ConditionFilter(self.network, {key: self._unseen[key] for key in keys})
 
     def _filter_refuted(self) -> ConditionFilter[tuple[int, bool]]:
-        """Of the conditions on data that must not hold, those that did not yet: one expression for all of them."""
+        """Return one filter for all conditions on data that must not hold and have not been seen to hold yet."""
         return self._filter(self._unseen.keys() - self._expected - self._happened)
 
     @property
@@ -236,19 +236,19 @@ class _Exploration:
             self._happened.add((number, True))
 
     def _doubt(self, node: SearchNode) -> None:
-        """Look for a deadlock in a symbolic state. Zones are too large here, never too small."""
+        """Look for a deadlock in a symbolic state. Its zone may be too large, never too small."""
         record, discrete = node.record, node.record.discrete
         if self._deadlocks.of(record, node.zone):
             self._stuck = True
             self._stopped = not discrete.endless
 
     def _tell(self, _: int) -> None:
-        """A search within this one goes on."""
+        """Report progress of a search inside this one."""
         if self._progress is not None:
             self._progress(self.search.states)
 
     def _finish(self, stage: Stage) -> None:
-        """Judge a stage as a whole, and forget its states."""
+        """Judge a stage as a whole, then drop its states."""
         arcs = list(taken(stage.records))
         self._coverage.add(stage.records, arcs)
         within = [one for one in arcs if one[1].stage is stage]  # no cycle leaves a stage
@@ -270,7 +270,7 @@ class _Exploration:
             self.space.drop(record)
 
     def result(self) -> Overview:
-        """What was found."""
+        """Return the results."""
         return Overview(
             states=self.search.states,
             answers=tuple(map(self._answer, range(len(self.queries)))),
@@ -286,7 +286,7 @@ class _Exploration:
         )
 
     def close(self) -> None:
-        """Undo the cycles of references, so that all of it goes at once: finding them takes a tenth of the time."""
+        """Break reference cycles, so that all memory is freed at once: finding the cycles takes a tenth of the time."""
         self.space.forget()
         self.space.discrete.forget()
 
@@ -312,7 +312,7 @@ class _Exploration:
 
 
 def _where(network: Network, query: Query) -> tuple[int, int] | None:
-    """The location in which a query asks for clocks; None: it names none."""
+    """Return the location in which a query constrains clocks, or None if it names none."""
     match query:
         case Query(kind="A[]", condition=ast.Binary(op="imply", left=premise)):
             return location_of(network, premise)

@@ -1,4 +1,4 @@
-"""Checks whether one network does only what another one may do: timed trace inclusion."""
+"""Checks whether one network does only what another one allows: timed trace inclusion."""
 
 from ._inclusion import Inclusion, trace_inclusion
 from ._interface import Interface

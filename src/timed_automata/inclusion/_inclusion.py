@@ -1,13 +1,17 @@
-"""Timed trace inclusion: whether one network does at each time only what another one may do.
+"""Timed trace inclusion: checks that an implementation does at every time only what a specification allows.
 
-Rule 1. A trace holds the inputs, what is sent on observed channels and the changes of observed variables, with their
+Rule 1. A trace holds the inputs, the outputs on observed channels and the changes of observed variables, with their
 times and in their order; a pause is a part of it.
-Rule 2. The environment belongs to the specification. Whatever it sends, the implementation gets at the same instant.
-Rule 3. What the implementation does is searched for in all its choices. The specification is deterministic: one trace
-leads to one state of it. So inclusion is a question of which pairs of states are reached, and no choice is lost.
-Rule 4. The implementation is not included as soon as, in a pair that is reached, it does what the specification cannot,
-refuses an input that the specification takes, or lets time pass where the specification must act.
-Rule 5. An implementation that stops time does nothing more, and is included. `Explorer.timelock` looks for that.
+
+Rule 2. The environment belongs to the specification. The implementation receives its events at the same instant.
+
+Rule 3. All choices of the implementation are searched. The specification is deterministic: one trace leads to one
+state of it. So inclusion depends only on the pairs of states that are reached, and no choice is lost.
+
+Rule 4. The implementation is not included if, in a pair that is reached, it does something that the specification
+cannot do, refuses an input that the specification accepts, or lets time pass where the specification must act.
+
+Rule 5. An implementation that stops time does nothing more, and is included. `Explorer.timelock` detects that.
 """
 
 from __future__ import annotations
@@ -31,14 +35,14 @@ from timed_automata.network import Network, State
 
 @dataclass(frozen=True, slots=True)
 class Inclusion:
-    """Whether an implementation does only what a specification may do.
+    """The result of a comparison: whether an implementation does only what a specification allows.
 
     Attributes:
         holds: whether it does.
-        states: pairs of states, each with a zone, that were stored.
-        run: one of the shortest runs of both to where they part; empty if they do not.
-        end: when they part.
-        difference: how they part, in words; empty if they do not.
+        states: number of pairs of states, each with a zone, that were stored.
+        run: one of the shortest runs of both to the point where they differ; empty if they do not.
+        end: time at which they differ.
+        difference: the difference, in words; empty if there is none.
     """
 
     holds: bool
@@ -49,18 +53,18 @@ class Inclusion:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The run as text, and how it ends."""
+        """The run as text, with the difference as its last line."""
         if self.holds:
             return ()
         return (*map(str, self.run), str(ComparedStep(self.end, self.difference)))
 
 
 def trace_inclusion(implementation: Network, specification: Network, interface: Interface) -> Inclusion:
-    """Decide whether each timed trace of the implementation is one of the specification.
+    """Decide whether every timed trace of the implementation is one of the specification.
 
     Raises:
-        UsageError: one of them lacks what the interface names, or they start differently.
-        ModelError: the specification is not deterministic, or one of them uses what is not supported here; with place.
+        UsageError: a network lacks a name of the interface, or they start differently.
+        ModelError: the specification is not deterministic, or a network uses an unsupported construct; with its place.
         RangeError: a value leaves its range in a run.
     """
     with without_collector():
@@ -68,7 +72,7 @@ def trace_inclusion(implementation: Network, specification: Network, interface: 
 
 
 class _PartingError(Exception):
-    """The networks part here, somewhere in a zone."""
+    """The networks differ here, in some part of a zone."""
 
     def __init__(self, node: ComparedNode, zone: Zone, what: str) -> None:
         self.node, self.zone, self.what = node, zone, what
@@ -154,7 +158,7 @@ class _Product:
         what: str,
         *steps: MacroStep,
     ) -> None:
-        """Enter a pair of states; time passes as the implementation and the environment allow."""
+        """Enter a pair of states, and let time pass as the implementation and the environment allow."""
         grown = self._zones.within(self._zones.later(zone), self._invariant(ours, theirs))
         if grown is None:
             return
@@ -195,11 +199,11 @@ class _Product:
         )
 
     def _outputs_of(self, node: ComparedNode) -> None:
-        """Take what the implementation does by itself: the specification must do the same."""
+        """Follow the implementation's own steps: the specification must do the same."""
         every = [each for each in self._theirs.of(node.theirs) if not self._is_input(each)]
         for each in every:
             if not each.seen and self._zones.within(node.zone, each.bounds) is not None:
-                what = f"Nothing is seen of what '{self._place(each)}' does: the specification is not deterministic."
+                what = f"The step '{self._place(each)}' has no observed effect: the specification is not deterministic."
                 raise fault(each.edges[0].span, what, "Observe something that it changes.")
         self._require_one(node, every)
         for ours in self._ours.of(node.ours):
@@ -223,7 +227,7 @@ class _Product:
                 self._step(node, part, what, ours, each)
 
     def _inputs_of(self, node: ComparedNode) -> None:
-        """Take what the environment does: both must accept it, and answer in the same way."""
+        """Follow the steps of the environment: both networks must accept them and react in the same way."""
         groups: dict[object, list[MacroStep]] = defaultdict(list)
         for each in self._theirs.of(node.theirs):
             if self._is_input(each):
@@ -283,17 +287,17 @@ class _Product:
         return step.edges[0].process in self._environment
 
     def _heard(self, group: Sequence[MacroStep]) -> bool:
-        """Whether a process other than the environment receives it in the specification."""
+        """Return whether a process other than the environment receives the input in the specification."""
         return any(edge.process not in self._environment for each in group for edge in each.edges)
 
     def _name(self, step: MacroStep) -> str:
         return "" if step.channel is None else self._theirs.side.network.channels[step.channel].name
 
     def _require_one(self, node: ComparedNode, steps: Sequence[MacroStep]) -> None:
-        """One trace leads to one state of the specification.
+        """Check that one trace leads to one state of the specification.
 
         Raises:
-            ModelError: two macro-steps are seen alike, and lead elsewhere.
+            ModelError: two macro-steps have the same observations, and lead to different states.
         """
         for number, one in enumerate(steps):
             for other in steps[:number]:
@@ -302,13 +306,13 @@ class _Product:
                 both = self._zones.within(node.zone, (*one.bounds, *other.bounds))
                 if both is not None:
                     first, second = self._place(other), self._place(one)
-                    what = f"The specification is not deterministic: '{first}' and '{second}' are seen alike"
+                    what = f"The specification is not deterministic: '{first}' and '{second}' look the same"
                     raise fault(
                         one.edges[0].span, f"{what}, and lead to different states.", "Observe more of them."
                     )
 
     def _differ(self, one: MacroStep, other: MacroStep) -> bool:
-        """Whether two macro-steps lead elsewhere, but for a choice of the environment."""
+        """Return whether two macro-steps lead to different states without a different choice of the environment."""
         if [e for e in one.edges if e.process in self._environment] != [
             e for e in other.edges if e.process in self._environment
         ]:
@@ -316,7 +320,8 @@ class _Product:
         return (one.state, dict(one.resets)) != (other.state, dict(other.resets))
 
     def _no_input_written(self, step: MacroStep, before: State) -> None:
-        """What the environment answers to an output, the implementation would learn too late.
+        """Refuse an environment that changes an input together with an output: the implementation would read it too
+        late.
 
         Raises:
             ModelError: the environment changes an input within a macro-step.

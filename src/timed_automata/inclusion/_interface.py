@@ -1,4 +1,4 @@
-"""The interface of a comparison: the processes that take part, their inputs and what is observed."""
+"""The interface of a comparison: the participating processes, their inputs, and the observed variables and channels."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from timed_automata.network import Network, Process, effects_of
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """How two networks meet.
+    """The interface between two networks.
 
     Attributes:
-        environment: processes of the specification that are not part of what it specifies: what they send and write
-            are the inputs, of both networks at the same instant.
-        observed: variables of both networks, whole arrays or elements: their changes are seen.
-        outputs: broadcast channels of both networks: that something is sent there is seen.
-        system: processes of the implementation that take part; None: all but those that are named as environment.
-        before: channels on which the implementation receives something at time 0, before the comparison begins.
-        start: what its variables are set to before that. What neither a process that takes part nor the environment
-            writes keeps its value.
+        environment: processes of the specification that are not specified: their events and writes are the inputs of
+            both networks at the same instant.
+        observed: variables of both networks, whole arrays or elements, whose changes are observed.
+        outputs: broadcast channels of both networks whose synchronisations are observed.
+        system: processes of the implementation that take part; None: all except those named as environment.
+        before: channels on which the implementation receives an event at time 0, before the comparison begins.
+        start: initial values that its variables get before that. A variable that neither a participating process nor
+            the environment writes keeps its value.
     """
 
     environment: Collection[str] = ()
@@ -38,12 +38,12 @@ class Side:
     """One of the two networks in the comparison.
 
     Attributes:
-        network: all of it.
-        processes: numbers of those that take part.
-        environment: numbers of those that send the inputs.
-        observed: names and offsets.
+        network: the whole network.
+        processes: numbers of the processes that take part.
+        environment: numbers of the processes that send the inputs.
+        observed: names and offsets of the observed variables.
         outputs: names by the number of the channel.
-        index: where its clocks stand in the zones of the comparison.
+        index: places of its clocks in the zones of the comparison.
     """
 
     network: Network
@@ -55,11 +55,11 @@ class Side:
 
 
 def sides(implementation: Network, specification: Network, interface: Interface) -> tuple[Side, Side]:
-    """Both networks with what is compared of them.
+    """Return both networks with the parts that are compared.
 
     Raises:
-        UsageError: one of them lacks what is named.
-        ModelError: what takes part uses urgent locations or channels, or an output waits for somebody.
+        UsageError: a network lacks something that the interface names.
+        ModelError: a participating process uses urgent locations or channels, or an output waits for the environment.
     """
     environment = frozenset(specification.process(name).index for name in interface.environment)
     if interface.system is None:
@@ -96,7 +96,7 @@ def sides(implementation: Network, specification: Network, interface: Interface)
 
 
 def inputs(implementation: Side, specification: Side) -> list[tuple[int, int]]:
-    """The variables that the environment writes and the implementation reads: offsets there and here.
+    """Return the variables that the environment writes and the implementation reads, as offsets in both networks.
 
     Raises:
         UsageError: the implementation writes one of them.
@@ -115,7 +115,7 @@ def inputs(implementation: Side, specification: Side) -> list[tuple[int, int]]:
 
 
 def _clocks(processes: Iterable[Process]) -> set[int]:
-    """The clocks that are tested."""
+    """Return the clocks that the processes test."""
     conditions = [
         condition
         for process in processes

@@ -1,4 +1,4 @@
-"""Macro-steps: a first transition, then those out of committed locations, all at one instant."""
+"""Macro-steps: a first transition, then transitions out of committed locations, all at one instant."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Seen = tuple[str, ...]
 
 
 class MacroStep(NamedTuple):
-    """One macro-step: all that happens at one instant.
+    """One macro-step: all transitions of one instant.
 
     Attributes:
-        edges: that are taken, in order.
+        edges: the edges that are taken, in order.
         channel: number of the channel of the first transition.
-        bounds: what the clocks must satisfy before: all guards and invariants on the way, by their place in zones.
-        resets: what clocks are set to, by their place in zones.
+        bounds: constraints on the clocks before the step from all its guards and invariants, by their place in zones.
+        resets: new values of clocks, by their place in zones.
         first: the state after the first transition.
-        state: the state in the end.
-        seen: what is sent and which observed variables change, in order.
+        state: the final state.
+        seen: outputs and changes of observed variables, in order.
     """
 
     edges: tuple[Edge, ...]
@@ -37,7 +37,7 @@ class MacroStep(NamedTuple):
 
 
 class _Way(NamedTuple):
-    """The beginning of a macro-step."""
+    """The first transitions of a macro-step that is not complete yet."""
 
     edges: tuple[Edge, ...]
     bounds: tuple[Bound, ...]
@@ -49,28 +49,30 @@ class _Way(NamedTuple):
 
 
 class MacroSteps:
-    """The macro-steps of one side; those of a state are computed once."""
+    """Computes the macro-steps of one side, once per state."""
 
     def __init__(self, side: Side) -> None:
         self.side, self.semantics = side, Semantics(side.network, side.processes)
         self._known: dict[State, list[MacroStep]] = {}
 
     def of(self, state: State) -> list[MacroStep]:
-        """The macro-steps that a process begins that takes part."""
+        """Return the macro-steps that a participating process begins."""
         found = self._known.get(state)
         if found is None:
             found = self._known[state] = list(self._following(state, self.semantics.transitions(state)))
         return found
 
     def to(self, state: State, channel: int | None, writes: Mapping[int, int]) -> list[MacroStep]:
-        """The macro-steps that an input begins: values of variables, and what is sent on a channel."""
+        """Return the macro-steps that an input begins: values of variables, and an event on a channel."""
         begun: Iterable[Transition] = [Transition((), (), None)]
         if channel is not None:
             begun = self.semantics.received(state, channel)
         return list(self._following(state, begun, writes))
 
     def invariant(self, state: State, *, environment: bool | None = None) -> tuple[Bound, ...]:
-        """The bounds of clocks in a state, by their place in zones; of the environment, or of the rest, alone."""
+        """Return the bounds of clocks in a state, by place in zones; ``environment`` selects its processes or the
+        others.
+        """
         return tuple(
             self._placed(bound)
             for process in self.side.processes
@@ -111,7 +113,7 @@ class MacroSteps:
     def _after(
         self, way: _Way, transition: Transition, writes: Mapping[int, int] | None = None
     ) -> _Way | None:
-        """The macro-step with one more transition; None: it is not possible there."""
+        """Return the macro-step with one more transition, or None if that is not possible."""
         bounds = self._still(way, [self._placed(bound) for bound in transition.bounds])
         if bounds is None:
             return None
@@ -135,7 +137,7 @@ class MacroSteps:
 
     @staticmethod
     def _still(way: _Way, more: Sequence[Bound]) -> tuple[Bound, ...] | None:
-        """The bounds at the beginning from which the clocks satisfy more now; None: there are none."""
+        """Return the bounds at the beginning that also ensure ``more`` now, or None if that is impossible."""
         needed = list(way.bounds)
         for bound in more:
             if bound.clock not in way.resets:

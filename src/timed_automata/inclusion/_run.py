@@ -1,4 +1,4 @@
-"""The run of two networks to where they part."""
+"""The run of two networks to the point where they differ."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from timed_automata.network import State
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ComparedNode:
-    """A pair of states that is reached, and how.
+    """A reached pair of states and the step that led to it.
 
     Attributes:
-        parent: where the last step began; None at the start.
+        parent: the pair where the last step began; None at the start.
         ours, theirs: the states of the implementation and of the specification.
         zone: values of the clocks, after any delay.
-        what: the last step, in words; empty if nothing is seen of it.
-        steps: of the implementation, of the specification, or of both.
+        what: the last step, in words; empty if nothing of it is observed.
+        steps: macro-steps of the implementation, of the specification, or of both.
     """
 
     parent: ComparedNode | None
@@ -57,7 +57,7 @@ def run_to(
     zones: CommonZones,
     invariant: Callable[[State, State], tuple[Bound, ...]],
 ) -> tuple[tuple[ComparedStep, ...], Fraction]:
-    """The earliest run that ends in a zone of a node, and when."""
+    """Return the earliest run that ends in a zone of a node, and the time of its end."""
     nodes: list[ComparedNode] = []
     at: ComparedNode | None = node
     while at is not None:

@@ -24,7 +24,7 @@ from timed_automata.network import State
 
 
 class CommonZones:
-    """The zones of two sides: x_1, x_2, … are the clocks that are tested in one, then those of the other."""
+    """The zones of two sides: the clocks x_1, x_2, … are those tested in the first, then those tested in the second."""
 
     def __init__(self, both: Sequence[Side]) -> None:
         self._both = both
@@ -39,20 +39,20 @@ class CommonZones:
         return (AT_MOST_ZERO,) * (self.n * self.n)
 
     def within(self, zone: Zone, bounds: Iterable[Bound]) -> Zone | None:
-        """The part that satisfies all bounds."""
+        """Return the part of a zone that satisfies all bounds, or None if it is empty."""
         return constrained(zone, self.n, as_constraints(bounds, self._places))
 
     def without(self, zones: Sequence[Zone], bounds: Iterable[Bound]) -> list[Zone]:
-        """The parts that do not satisfy all bounds."""
+        """Return the parts of zones that do not satisfy all bounds."""
         constraints = as_constraints(bounds, self._places)
         return [piece for zone in zones for piece in subtract(zone, constraints, self.n)]
 
     def later(self, zone: Zone) -> Zone:
-        """The zone after any time."""
+        """Return the zone after any delay."""
         return up(zone, self.n)
 
     def set(self, zone: Zone, resets: Mapping[int, int]) -> Zone:
-        """The zone with clocks set to values."""
+        """Return the zone with clocks set to values."""
         n, found = self.n, list(zone)
         for place, value in resets.items():
             for other in range(n):
@@ -63,7 +63,9 @@ class CommonZones:
         return tuple(found)
 
     def widened(self, zone: Zone, states: Sequence[State]) -> Zone:
-        """What behaves like it: past the largest constant that a clock is compared with its value says nothing."""
+        """Return a zone extended by equivalent valuations: beyond the largest constant a clock's value does not
+        matter.
+        """
         limits = [Limit()] * (self.n - 1)
         for side, known, state in zip(self._both, self._limits, states, strict=True):
             at = known.at(state.locations)
@@ -72,5 +74,5 @@ class CommonZones:
         return extrapolated(list(zone), self.n, widening(limits))
 
     def constraints(self, zone: Zone) -> list[tuple[int, int, int]]:
-        """The bounds of a zone that say something."""
+        """Return the bounds of a zone that are a restriction."""
         return constraints_of(zone, self.n)

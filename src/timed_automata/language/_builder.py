@@ -1,4 +1,6 @@
-"""From lark's parse tree to the syntax tree; what the grammar reads only to refuse it is refused here."""
+"""Converts lark's parse tree to the syntax tree, and refuses constructs that the grammar accepts only to
+report them.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ _LEVELS = {
     "SIGN": 9,
     "FACTOR": 10,
 }
-"""What binds more closely has a higher one."""
+"""Precedence of operators; a higher number binds more closely."""
 _NODES: dict[str, type[ast.Node]] = {
     "name": ast.Name,
     "index": ast.Index,
@@ -38,11 +40,11 @@ _NODES: dict[str, type[ast.Node]] = {
     "iterate": ast.Iterate,
     "return_": ast.Return,
 }
-"""Rules of the grammar whose children are, in this order, what the node holds."""
+"""Grammar rules whose children are the fields of the node, in this order."""
 
 
 class _Operand(NamedTuple):
-    """Of an operator; from ``start`` to ``end`` stands the node with the brackets around it."""
+    """An operand of an operator; ``start`` and ``end`` include the brackets around the node."""
 
     start: int
     end: int
@@ -50,13 +52,13 @@ class _Operand(NamedTuple):
 
 
 class Builder:
-    """A method for each other rule of the grammar; children come as nodes, words or None."""
+    """Builds nodes, with one method for every grammar rule not in ``_NODES``; children are nodes, words or None."""
 
     def __init__(self, text: Text) -> None:
         self._text = text
 
     def build(self, tree: Tree[Token]) -> Any:
-        """What the tree stands for."""
+        """Return the node for a parse tree."""
         rule = tree.data
         if rule == "operation":
             return self._operation(tree.children)
@@ -69,7 +71,7 @@ class Builder:
         return getattr(self, rule)(tree.meta, *children)
 
     def _operation(self, children: list[Any]) -> Any:
-        """Operands with operators between them, from left to right what binds most closely first."""
+        """Build the tree of operands and operators, from left to right, by the precedence of the operators."""
         if len(children) > 2 * NESTING:  # each operator is one level of what is built
             raise fault(self._text.whole, "This text is nested too deeply.", "Break it into parts.")
         operators: list[Token] = []
@@ -98,10 +100,12 @@ class Builder:
         return self._text.whole if meta.empty else Span(self._text, meta.start_pos, meta.end_pos)
 
     def _declared(self, meta: Any, name: str) -> tuple[Span, str]:
-        """Where a name is declared; ``deadlock`` would mean something else in every query."""
+        """Return the place of a declared name, and the name; refuse ``deadlock``, which has another meaning in
+        queries.
+        """
         span = self._span(meta)
         if name == "deadlock":
-            raise fault(span, "'deadlock' is reserved: queries ask for it.", "Choose another name.")
+            raise fault(span, "'deadlock' is reserved for queries.", "Choose another name.")
         return span, name
 
     # Expressions

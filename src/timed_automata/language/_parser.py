@@ -1,4 +1,4 @@
-"""Reading model text into the syntax tree; errors say the place, the offending text and what is expected."""
+"""Parses model text to the syntax tree; errors contain the place, the offending text and the expected text."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _NO_NAMES = frozenset(
     priority probability process sat saveStrategy scalar simulate simulation state strategy sum sup sync system trans
     true assign under urgent void X""".split()
 )
-"""What UPPAAL refuses as the name of a location or a template: its queries and its older text format reserve it."""
+"""Words that UPPAAL refuses as the name of a location or a template: its queries and older text format reserve them."""
 _REFUSED_BY_CONSTRUCT = {
     "a structure": "struct",
     "a type that is not integral": "double string",
@@ -71,13 +71,13 @@ _REFUSED_BY_CONSTRUCT = {
 _REFUSED_WORDS = {
     word: construct for construct, words in _REFUSED_BY_CONSTRUCT.items() for word in words.split()
 }
-"""Words that UPPAAL reserves and this subset does not have, by the construct that they belong to."""
+"""Words that UPPAAL reserves and this subset lacks, by the construct that they belong to."""
 _SWITCH = re.compile(r"\bswitch\s*\([^{}]*\)\s*\Z")
 _READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
 
 
 class _RefusedWordError(Exception):
-    """A reserved word of a construct that is outside of the subset."""
+    """A reserved word that belongs to a construct outside of the subset."""
 
     def __init__(self, token: Token) -> None:
         self.token = token
@@ -91,9 +91,10 @@ def _check_word(token: Token) -> Token:
 
 @cache
 def _lark() -> Lark:
-    """The parser; its tables, a tenth of a second to make, are kept where Python keeps the bytecode of this package.
+    """Return the parser; its tables, which take a tenth of a second to make, are cached beside the bytecode of this
+    package.
 
-    Lark makes them again where they cannot be written or read, or are of another grammar or version.
+    Lark makes them again if they cannot be written or read, or belong to another grammar or version.
     """
     grammar = Path(__file__).with_name("grammar.lark")
     return Lark(
@@ -108,7 +109,7 @@ def _lark() -> Lark:
 
 
 def _readable(terminals: set[str]) -> str:
-    """What may stand here, in words, never more than a reader takes in at once."""
+    """Return the words that may follow here, grouped so that the list stays short."""
     terminals = terminals - {"FIELD"}  # a name after a dot
     if terminals >= _OPERATOR:
         terminals = terminals - _OPERATOR - _SUFFIX | {"operator"}
@@ -153,7 +154,7 @@ def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
 
 
 def _check_size(text: Text) -> None:
-    """Too long or too deep a text is refused before it is read."""
+    """Refuse a text that is too long or too deeply nested before it is parsed."""
     if len(text.content) > TEXT_CHARACTERS:
         what = f"This text has {len(text.content)} characters, more than {TEXT_CHARACTERS}."
         raise fault(text.whole, what, "Break it into parts.")
@@ -169,7 +170,7 @@ def _check_size(text: Text) -> None:
 
 
 def _name_of_part(text: Text) -> str:
-    """The name of a template or a location; raises ModelError where UPPAAL does not take it as one."""
+    """Return the name of a template or a location; raise ModelError if UPPAAL does not accept it."""
     name = text.content.strip()
     span = Span(text, at := text.content.find(name), at + len(name))
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_$#]*", name):
@@ -180,7 +181,7 @@ def _name_of_part(text: Text) -> str:
 
 
 def parse(text: Text, start: str) -> Any:
-    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
+    """Parse a text as the grammar rule ``start``; raise ModelError if the text does not match it."""
     _check_size(text)
     if start == "name_of_part":  # of a template or a location: a word, of no language
         return _name_of_part(text)

@@ -1,6 +1,6 @@
-"""The parts of a model that are read one by one; the parser loads with the first of them.
+"""Parses the parts of a model; the parser is loaded at first use.
 
-A process that reads no model does not need the parser, which costs 4 MB.
+A process that reads no model does not need the parser, which takes 4 MB.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from timed_automata.document import Text
 from timed_automata.language import ast
 
 Item = ast.Declaration | ast.Instantiation
-"""What the ``instantiation`` element holds, which older files have before ``system``."""
+"""An item of the ``instantiation`` element, which older files have before ``system``."""
 
 
 def _parse(text: Text, start: str) -> Any:
-    """What ``start`` stands for in the grammar; raises ModelError where the text is something else."""
+    """Parse a text as the grammar rule ``start``; raise ModelError if the text does not match it."""
     return (_kept or _read)(text, start)
 
 
@@ -34,13 +34,13 @@ _kept: ParseCache | None = None
 
 
 def parse_cache(most: int = 4000) -> ParseCache:
-    """For `parsing_with`: what the texts used last stand for. It keeps as many texts alive."""
+    """Return a cache for `parsing_with` that holds the results of the ``most`` texts used last."""
     return lru_cache(most)(_read)
 
 
 @contextmanager
 def parsing_with(cache: ParseCache) -> Iterator[None]:
-    """Texts are not parsed again that the cache knows: for many networks of almost the same document."""
+    """Use the cache for all texts parsed inside: for many networks of almost the same document."""
     global _kept
     before, _kept = _kept, cache
     try:
@@ -61,5 +61,5 @@ parse_updates: Callable[[Text], tuple[ast.Expression, ...]] = partial(_parse, st
 
 
 def names_in(text: str) -> set[str]:
-    """The words of a text that may be names; it need not be well-formed."""
+    """Return the words of a text that may be names; it need not be well-formed."""
     return set(re.findall(r"[A-Za-z_]\w*", text))

@@ -1,4 +1,4 @@
-"""The syntax tree of UPPAAL's language: expressions, declarations, statements. Data only."""
+"""The syntax tree of UPPAAL's language: expressions, declarations, statements; data only."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from timed_automata.document import Span
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Node:
-    """Anything that was read from a text."""
+    """Base class of everything that is read from a text."""
 
     span: Span
 
@@ -20,7 +20,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Number(Node):
-    """A literal; ``boolean`` for true and false."""
+    """A literal; ``boolean`` is true for true and false."""
 
     value: int
     boolean: bool = False
@@ -43,7 +43,7 @@ class Index(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Member(Node):
-    """``process.name``: for queries."""
+    """``process.name``, allowed only in queries."""
 
     base: Expression
     name: str
@@ -51,7 +51,7 @@ class Member(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Call(Node):
-    """``name(arguments)``, or ``process.name(arguments)``: for queries."""
+    """``name(arguments)``, or in queries ``process.name(arguments)``."""
 
     name: str
     arguments: tuple[Expression, ...]
@@ -60,7 +60,7 @@ class Call(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unary(Node):
-    """``-`` ``+`` ``!``."""
+    """One of the operators ``-``, ``+`` and ``!`` with its operand."""
 
     op: str
     operand: Expression
@@ -68,7 +68,7 @@ class Unary(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Binary(Node):
-    """Two operands; ``and`` and ``or`` are read as ``&&`` and ``||``."""
+    """An operator with two operands; ``and`` and ``or`` are read as ``&&`` and ``||``."""
 
     left: Expression
     op: str
@@ -105,7 +105,7 @@ class Assignment(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Increment(Node):
-    """``++`` or ``--``; ``before``: its value is the new one."""
+    """``++`` or ``--``; if ``before``, the value of the expression is the new value."""
 
     op: str
     target: Expression
@@ -139,7 +139,7 @@ Expression = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TypeName(Node):
-    """A type as written: prefixes, base name, bounds of a bounded int."""
+    """A type as written: prefixes, base name, and the bounds of a bounded int."""
 
     base: str
     prefixes: frozenset[str] = frozenset()
@@ -149,7 +149,7 @@ class TypeName(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Declarator(Node):
-    """A declared name with its array dimensions (an expression or a bounded type each) and its initialiser."""
+    """A declared name with its array dimensions (expressions or bounded types) and its initialiser."""
 
     name: str
     dimensions: tuple[Expression | TypeName, ...] = ()
@@ -183,7 +183,7 @@ class Parameter(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FunctionDefinition(Node):
-    """A function."""
+    """The definition of a function."""
 
     result: TypeName
     name: str
@@ -241,7 +241,7 @@ class Block(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluate(Node):
-    """An expression as a statement; none for a lone semicolon."""
+    """An expression as a statement; None for a lone semicolon."""
 
     expression: Expression | None
 
@@ -257,7 +257,7 @@ class If(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class For(Node):
-    """``for (first; test; then) body``, and ``while``: no first, no then."""
+    """``for (first; test; then) body``; a ``while`` loop has no first and no then."""
 
     first: tuple[Expression, ...]
     test: Expression | None
@@ -293,7 +293,7 @@ Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
 
 
 def walk(node: object) -> Iterator[Node]:
-    """A node and all nodes inside it, but not the process before a dot."""
+    """Yield a node and all nodes inside it, except the process before a dot."""
     if isinstance(node, tuple):
         for item in node:
             yield from walk(item)
@@ -306,7 +306,7 @@ def walk(node: object) -> Iterator[Node]:
 
 
 def changed(node: object) -> set[str]:
-    """The names that assignments in an expression change; what its calls change is not among them."""
+    """Return the names that assignments in an expression change, without those that called functions change."""
     names = set()
     for each in walk(node):
         if isinstance(each, Assignment | Increment):

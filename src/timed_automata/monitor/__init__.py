@@ -1,4 +1,4 @@
-"""Whether what happened is a run of the network: the third user of the one semantics."""
+"""Judges whether recorded events are a run of the network; uses the same semantics as execution and exploration."""
 
 from ._monitor import Monitor, Objection
 

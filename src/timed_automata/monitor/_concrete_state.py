@@ -1,4 +1,4 @@
-"""A network in one concrete state: where its processes are, the values of its clocks, what may come next."""
+"""A network in one concrete state: its locations, the values of its clocks, and the transitions that may follow."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class TimedTransition(NamedTuple):
     """A transition that can be taken from ``due`` on.
 
     Attributes:
-        transition: which.
-        since: when its data guards began to hold.
-        reached: when its clocks reach the last of its lower bounds; far in the past without one.
-        due: the later of the two.
+        transition: the transition.
+        since: time since which its data guards hold.
+        reached: time at which its clocks reach the last of its lower bounds; far in the past without one.
+        due: the later of ``since`` and ``reached``.
     """
 
     transition: Transition
@@ -30,7 +30,7 @@ class TimedTransition(NamedTuple):
 
 
 class ConcreteState:
-    """Follows a run; says nothing against it.
+    """Follows a run without judging it.
 
     Args:
         network: a loaded network.
@@ -39,8 +39,8 @@ class ConcreteState:
 
     Attributes:
         state: locations and values.
-        entered: when this discrete state was entered.
-        timed: what can be taken in it, in the order of the file.
+        entered: time at which this discrete state was entered.
+        timed: transitions that can be taken in it, in the order of the file.
     """
 
     def __init__(self, network: Network, ours: Collection[int], unit: int) -> None:
@@ -49,23 +49,23 @@ class ConcreteState:
         self.begin(0)
 
     def begin(self, at: int) -> None:
-        """All clocks are zero at ``at``."""
+        """Start in the initial state with all clocks zero at ``at``."""
         self._zero = [at] * len(self.network.clocks)
         self.timed: tuple[TimedTransition, ...] = ()
         self._renew(self.network.initial, at, None)
 
     def resume(self, resumed: Resumed, entered: int) -> None:
-        """Stand where an execution stood that has entered its discrete state at ``entered``."""
+        """Continue from the state of an execution that entered its discrete state at ``entered``."""
         self._zero = list(resumed.zeros)
         self.state, self.entered = resumed.state, entered
         self.timed = tuple(self._found({}))
 
     def snapshot(self, at: int) -> ExecutionSnapshot:
-        """Where it stands at ``at``."""
+        """Return the state at ``at`` as a snapshot."""
         return snapshot_of(self.network, self.state, self._zero, at=at, entered=self.entered)
 
     def write(self, writes: Mapping[str, int], at: int) -> None:
-        """The environment sets variables."""
+        """Set variables on behalf of the environment."""
         values = list(self.state.values)
         for name, value in writes.items():
             values[self.network.offset(name)] = value
@@ -74,46 +74,46 @@ class ConcreteState:
             self._renew(state, at, None)
 
     def move(self, transition: Transition, fired: Fired, at: int) -> None:
-        """A transition is taken."""
+        """Take a transition."""
         for clock, value in fired.resets:
             self._zero[clock] = at - value * self._unit
         self._renew(fired.state, at, transition)
 
     def fire(self, edges: tuple[Edge, ...], writes: Mapping[str, int] | None = None) -> Fired:
-        """What a transition leads to; raises RangeError."""
+        """Return the result of a transition; raise RangeError if a value leaves its range."""
         offsets = {self.network.offset(name): value for name, value in (writes or {}).items()}
         return self._semantics.fire(self.state, edges, offsets)
 
     def transitions(self) -> Iterator[Transition]:
-        """Those whose data guards hold."""
+        """Yield the transitions whose data guards hold."""
         return self._semantics.transitions(self.state)
 
     def reception(self, channel: int) -> Transition | None:
-        """What a broadcast of the environment does; None: no edge receives it."""
+        """Return the transition that receives a broadcast of the environment, or None if no edge does."""
         found = next(self._semantics.received(self.state, channel), None)
         return found if found is not None and found.edges else None
 
     def may_delay(self) -> bool:
-        """Whether time may pass."""
+        """Return whether time may pass."""
         return self._semantics.may_delay(self.state)
 
     def holds(self, bounds: Iterable[Bound], at: int) -> bool:
-        """Whether clock constraints hold at an instant."""
+        """Return whether clock constraints hold at an instant."""
         unit = self._unit
         return all(
             COMPARISONS[b.op](at - self._zero[b.clock] if b.clock else 0, b.value * unit) for b in bounds
         )
 
     def enabled(self, transition: Transition, at: int) -> bool:
-        """Whether the lower bounds of its guards hold, and those of the target."""
+        """Return whether the lower bounds of its guards hold, and those of the target's invariant."""
         return self.holds(_lower([*transition.bounds, *self._kept(transition)]), at)
 
     def stays(self, at: int) -> bool:
-        """Whether the invariants hold at an instant."""
+        """Return whether the invariants hold at an instant."""
         return self._semantics.allowed(self.state) and self.holds(self._semantics.invariant(self.state), at)
 
     def in_time(self, transition: Transition, at: int) -> bool:
-        """Whether upper bounds and invariants, those of the target included, allow a transition at an instant."""
+        """Return whether upper bounds and invariants, including the target's, allow a transition at an instant."""
         return self.stays(at) and self.holds(_upper([*transition.bounds, *self._kept(transition)]), at)
 
     def _renew(self, state: State, at: int, taken: Transition | None) -> None:
@@ -137,16 +137,16 @@ class ConcreteState:
                 yield TimedTransition(transition, since, reached, due)
 
     def _instant(self, bound: Bound) -> int:
-        """The first whole instant at which a lower bound holds."""
+        """Return the first whole instant at which a lower bound holds."""
         return self._zero[bound.clock] + bound.value * self._unit + (bound.op == ">")
 
     def _kept(self, transition: Transition) -> list[Bound]:
-        """What the target asks of the clocks that are not set on the way."""
+        """Return the bounds of the target's invariant on clocks that the transition does not set."""
         bounds, values = self._target(transition)
         return [bound for bound in bounds if bound.clock not in values]
 
     def _enters(self, transition: Transition) -> bool:
-        """Whether the target allows the values that clocks are set to."""
+        """Return whether the target's invariant allows the values that the transition sets."""
         bounds, values = self._target(transition)
         return all(bound.allows(values[bound.clock]) for bound in bounds if bound.clock in values)
 

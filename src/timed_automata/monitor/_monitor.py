@@ -1,7 +1,7 @@
-"""Following a run that was recorded: each step must be one that the network allows, then and there.
+"""Follows a recorded run: every step must be one that the network allows at that time.
 
-It shares the rules of the network (`Semantics`) with the executor, and nothing else: when an edge is due, which one
-comes first and what is late is found here once more, from the values of the clocks.
+It shares the rules of the network (`Semantics`) with the executor, and nothing else: due times, order and lateness are
+computed here once more, from the values of the clocks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from timed_automata.monitor._words import changes_in_words, in_words, named, sam
 from timed_automata.network import Network, State, Transition, changes_between
 
 _LONGEST_US = 2**63
-"""No clock shows more."""
+"""Largest plausible lateness, µs; no clock shows more."""
 ObjectionKind = Literal["no run", "missed", "requirement"]
 
 
@@ -36,10 +36,10 @@ class Objection:
     """One finding about a run.
 
     Attributes:
-        at: when, in the time of the run.
-        kind: ``no run``: the network does not allow it; ``missed``: a reaction bound was exceeded, as
-            recorded; ``requirement``: a query ``A[]`` of the file did not hold.
-        what: in words.
+        at: time of the finding, in the time of the run.
+        kind: ``no run``: the network does not allow it; ``missed``: a reaction bound was exceeded, as recorded;
+            ``requirement``: a query ``A[]`` of the file did not hold.
+        what: the finding, in words.
     """
 
     at: int
@@ -50,21 +50,21 @@ class Objection:
 class Monitor:
     """Judges a run, observation by observation.
 
-    The edges that a step names are not believed: what it does must be what the network does then and there. Where
-    exactly one transition does it, that one is followed. What follows a step that the network does not have is not
-    judged: the state after it is unknown.
+    The edges that a step names are not trusted: its effect must be that of a transition that the network has then. If
+    exactly one transition has this effect, the monitor follows that one. After a step that the network does not have,
+    nothing more is judged: the state is unknown.
 
     Args:
         network: a loaded network, with the constants that were executed.
         executed: names of processes or templates; everything else is the environment. None: all of them.
         interface: names of the variables that both sides share.
         unit_us: length of the model's unit of time, in units of the run's time.
-        requirements: judge the queries of the file, too, as far as they can be judged.
+        requirements: judge also the queries of the file, as far as they can be judged.
 
     Attributes:
-        objections: what there is to say against the run, in order.
-        steps: how many steps were judged.
-        queries: those of the file that are judged.
+        objections: the findings against the run, in order.
+        steps: number of steps that were judged.
+        queries: the queries of the file that are judged.
     """
 
     def __init__(
@@ -90,11 +90,11 @@ class Monitor:
 
     @property
     def state(self) -> State:
-        """Locations and values after what was observed."""
+        """Locations and values after the last observation."""
         return self._concrete.state
 
     def begin(self, at: int, writes: Mapping[str, int] | None = None) -> None:
-        """A run begins, all clocks at zero, with these values of the interface."""
+        """Start a run with all clocks at zero and these values of the interface."""
         self._begun = self._following = True
         self._event, self._broken = None, set()
         self._now = at
@@ -105,7 +105,7 @@ class Monitor:
         self._judge()
 
     def resume(self, snapshot: ExecutionSnapshot) -> None:
-        """What was recorded begins in the middle of a run, in this state."""
+        """Start in the middle of a run, in the recorded state."""
         self._begun, self._event, self._broken = True, None, set()
         self._now = snapshot.at
         try:
@@ -122,11 +122,11 @@ class Monitor:
 
     @property
     def snapshot(self) -> ExecutionSnapshot | None:
-        """Where the run stands, as far as it was observed; None: it could not be followed to here."""
+        """The state of the run after the last observation; None if the monitor could not follow the run."""
         return self._concrete.snapshot(self._now) if self._following else None
 
     def observe(self, observation: Observation) -> None:
-        """Judge what comes next."""
+        """Judge the next observation."""
         if not self._begun and not isinstance(observation, Begun):
             self._begun = True
             self._refuse(observation.at, "The beginning is missing.")
@@ -142,7 +142,7 @@ class Monitor:
             self._refuse(observation.at, str(error))
 
     def end(self, at: int) -> None:
-        """Nothing else happened until ``at``."""
+        """Judge the end of the run: nothing else happened until ``at``."""
         self._forget_event()
         if self._pass(at):
             self._judge()
@@ -165,7 +165,7 @@ class Monitor:
             self._event = observation
 
     def _pass(self, at: int) -> bool:
-        """Time passes; whether the run is being followed."""
+        """Let time pass; return whether the run is still followed."""
         if self._following and at < self._now:
             self._refuse(at, f"Time runs backwards, by {self._now - at} µs.")
         elif self._following and at > self._concrete.entered and not self._concrete.may_delay():
@@ -174,7 +174,7 @@ class Monitor:
         return self._following
 
     def _forget_event(self) -> None:
-        """No edge received the last event: no edge must have been able to."""
+        """Judge an event that no edge received: no edge must have been able to receive it."""
         event, self._event = self._event, None
         if event is None or not self._following:
             return
@@ -199,7 +199,7 @@ class Monitor:
         else:
             if not same_edges(self.network, transition, step):
                 who = in_words(self.network, transition.edges)
-                what = f"'{event.channel}' is recorded as received by {named(step)}, and was by {who}."
+                what = f"'{event.channel}' is recorded as received by {named(step)}, but {who} received it."
                 self._object(step.at, "no run", what)
             if step.due is not None or step.late_us != 0:
                 self._object(step.at, "no run", f"{named(step)} received an event, and is recorded as due.")
@@ -213,10 +213,10 @@ class Monitor:
         found = self._explanation(step, recorded) or recorded
         if recorded is None:
             why = why_not(self.network, concrete.state, step)
-            self._object(step.at, "no run", f"{named(step)} was taken and not enabled: {why}.")
+            self._object(step.at, "no run", f"{named(step)} was taken but not enabled: {why}.")
         elif found is not None and found.edges != recorded.edges:
             who = in_words(self.network, found.edges)
-            what = f"{named(step)} is recorded, but {who} comes first, and does what was seen."
+            what = f"{named(step)} is recorded, but {who} comes first, and has the recorded effect."
             self._object(step.at, "no run", what)
         if found is None:
             self._following = False
@@ -229,9 +229,10 @@ class Monitor:
             self._fire(found, step)
 
     def _explanation(self, step: Step, recorded: Transition | None) -> Transition | None:
-        """What does the same as a step did, whatever edges it names.
+        """Return a transition with the same effect as a step, independent of the edges that the step names.
 
-        That which comes first, of an execution; that which is recorded; or the only one.
+        For an execution the recorded one is preferred if it comes first, then one that comes first; otherwise the
+        recorded one; else the only one.
         """
         doing = [t for t in self._concrete.transitions() if self._does(t, step)]
         known = self._first(step.at) if self._boundary is not None else []
@@ -244,10 +245,10 @@ class Monitor:
         return doing[0] if len(doing) == 1 else None
 
     def _first(self, at: int) -> list[Transition]:
-        """What is due first; of what is due at once, what stands first in the file.
+        """Return the transitions that may come first: the one that is due first; of several, the first in the file.
 
-        An execution takes what reaches a lower bound at this very instant when all events of the instant have come:
-        before, it may take what waits for no clock. So there may be two.
+        An execution takes a transition that reaches a lower bound at this very instant after all events of the
+        instant; before that, it may take one that waits for no clock. So there may be two.
         """
         timed = self._concrete.timed
         waiting = (each for each in timed if each.reached < at and each.due <= at)
@@ -271,7 +272,7 @@ class Monitor:
     # What is asked of a step
 
     def _judge_lateness(self, step: Step, *, in_time: bool) -> None:
-        """Object to a step that came too late, and to a record that says otherwise."""
+        """Object to a step that came too late, and to a record with the wrong lateness."""
         if not in_time and not step.missed:
             self._object(
                 step.at, "no run", f"{named(step)} came after its time, and is not recorded as late."
@@ -284,7 +285,7 @@ class Monitor:
             self._object(step.at, "missed", f"{named(step)} was taken {behind}: beyond its bound.")
 
     def _judge_order(self, step: Step, taken: Transition) -> None:
-        """What is due first is taken first; of what is due at once, what stands first in the file."""
+        """Object to a step that is not due first; of those due at once, the first in the file comes first."""
         timed = self._concrete.timed
         due = next((each.due for each in timed if each.transition.edges == taken.edges), None)
         if due != step.due or step.late_us != step.at - (step.due or 0):
@@ -316,7 +317,7 @@ class Monitor:
             self._judge()
 
     def _judge(self) -> None:
-        """The queries of the file, now; each is objected to once until it holds again."""
+        """Judge the queries of the file now; a violated query is reported once until it holds again."""
         for number, query in enumerate(self.queries):
             cases = query.violations(self._concrete.state)
             broken = any(self._concrete.holds(case.bounds, self._now) for case in cases)

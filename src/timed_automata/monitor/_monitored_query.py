@@ -1,4 +1,4 @@
-"""The queries of a file that can be judged on a run: ``A[] p`` where p is about the executed side alone."""
+"""The queries of a file that can be judged on a run: ``A[] p`` where p refers only to the executed side."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from timed_automata.queries import Case, Formula, compile_formula, parse_query
 
 @dataclass(frozen=True, slots=True)
 class MonitoredQuery:
-    """One query.
+    """A query that can be judged on a run.
 
     Attributes:
-        text: as it stands in the file.
-        comment: its sentence.
+        text: the query as in the file.
+        comment: its comment in the file.
     """
 
     text: str
@@ -25,12 +25,12 @@ class MonitoredQuery:
     _violation: Formula = field(repr=False)
 
     def violations(self, state: State) -> list[Case]:
-        """Conjunctions of clock constraints; the query does not hold where one of them does."""
+        """Return conjunctions of clock constraints; the query is violated if one of them holds."""
         return self._violation.cases(state)
 
 
 def monitored_queries(network: Network, executed: Collection[int]) -> tuple[MonitoredQuery, ...]:
-    """Those queries of the file that speak of nothing but the processes with these indices.
+    """Return the queries of the file that refer only to the processes with these indices.
 
     Raises:
         ModelError: a query is outside of the supported subset.
@@ -56,7 +56,7 @@ def _compiled(network: Network, executed: Collection[int]) -> tuple[MonitoredQue
 
 
 def _speaks_of(network: Network, executed: Collection[int], content: str) -> bool:
-    """Whether all that a query names is executed, or read or written by what is."""
+    """Return whether all names of a query are executed processes, or variables that these read or write."""
     words = names_in(content)
     ours = [process for process in network.processes if process.index in executed]
     theirs = {_plain(process) for process in network.processes} - {_plain(process) for process in ours}

@@ -1,4 +1,4 @@
-"""Steps and transitions in words."""
+"""Descriptions of steps and transitions in words."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ _LONGEST = 10**30
 
 
 def same_edges(network: Network, transition: Transition, step: Step) -> bool:
-    """Whether a step names exactly the edges of this transition: by number, and by the locations that they join."""
+    """Return whether a step names exactly the edges of this transition, by number and by locations."""
     ours = [_names(network, edge) for edge in transition.edges]
     return ours == [(edge.process, edge.source, edge.target, edge.index) for edge in step.edges]
 
 
 def named(step: Step) -> str:
-    """``Gripper Step → Reset with Actuator(1) Pending → Off``."""
+    """Return the edges of a step in words: ``Gripper Step → Reset with Actuator(1) Pending → Off``."""
     return " with ".join(f"{edge.process} {edge.source} → {edge.target}" for edge in step.edges)
 
 
 def in_words(network: Network, edges: Iterable[Edge]) -> str:
-    """The same for the edges of a network."""
+    """Return edges of a network in the same words as `named`."""
     names = (_names(network, edge) for edge in edges)
     return " with ".join(f"{process} {source} → {target}" for process, source, target, _ in names)
 
 
 def changes_in_words(changes: Iterable[Change]) -> str:
-    """``ee 1 → 3, command 2 → -1``."""
+    """Return changes in words: ``ee 1 → 3, command 2 → -1``."""
     return ", ".join(f"{change.name} {change.old} → {change.new}" for change in changes) or "nothing"
 
 
 def why_not(network: Network, state: State, step: Step) -> str:
-    """Why a step cannot be taken in a state."""
+    """Return the reason why a step cannot be taken in a state."""
     known = {process.name: process for process in network.processes}
     for taken in step.edges:
         process = known.get(taken.process)
@@ -49,7 +49,7 @@ def why_not(network: Network, state: State, step: Step) -> str:
 
 
 def shortened(number: int | None) -> str:
-    """A recorded number, which may have any length."""
+    """Return a recorded number as text; a very long one is not printed."""
     return str(number) if number is None or abs(number) < _LONGEST else "a number of many digits"
 
 

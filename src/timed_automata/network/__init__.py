@@ -1,4 +1,4 @@
-"""A network of timed automata, made of a document, and its one semantics."""
+"""A network of timed automata, made from a document, and its semantics, which all users share."""
 
 from ._loader import export, load_network, make_network
 from ._network import Edge, Given, Location, Network, Process, State, effects_of

@@ -1,4 +1,4 @@
-"""Declarations: variables, clocks and channels get their places, constants their values, functions their code."""
+"""Processes declarations: places for variables, clocks and channels, values for constants, code for functions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from timed_automata.network._network import Channel, Given, Variable
 
 
 class Places:
-    """What has been given a place so far. Clock 0 is the reference clock, always zero."""
+    """The variables, clocks and channels with a place so far. Clock 0 is the reference clock, always zero."""
 
     def __init__(self) -> None:
         self.variables: list[Variable] = []
@@ -41,7 +41,7 @@ class Places:
         self.channels: list[Channel] = []
 
     def variable(self, name: str, type_: Type, values: list[int]) -> int:
-        """A variable with its initial values; where it stands among the values."""
+        """Add a variable with its initial values; return its offset in the values."""
         offset = len(self.initial)
         self.variables.append(Variable(name, type_, offset))
         self.offsets |= {element: offset + n for n, element in enumerate(_element_names(name, type_))}
@@ -49,12 +49,12 @@ class Places:
         return offset
 
     def clock(self, name: str, type_: Type) -> int:
-        """A clock or an array of clocks; the number of the first."""
+        """Add a clock or an array of clocks; return the number of the first."""
         self.clocks += _element_names(name, type_)
         return len(self.clocks) - type_.size
 
     def channel(self, name: str, type_: Type) -> int:
-        """A channel or an array of channels; the number of the first."""
+        """Add a channel or an array of channels; return the number of the first."""
         self.channels += [
             Channel(each, type_.broadcast, type_.urgent) for each in _element_names(name, type_)
         ]
@@ -62,9 +62,10 @@ class Places:
 
 
 class Declarations:
-    """Adds declarations to a scope. ``given`` replaces the initialisers of constants; ``prefix`` is the process.
+    """Adds declarations to a scope.
 
-    ``replaced`` collects the initialisers that were replaced, for writing the file back.
+    ``given`` replaces the initialisers of constants; ``prefix`` names the process; ``replaced`` collects the replaced
+    initialisers, for writing the file back.
     """
 
     def __init__(
@@ -119,7 +120,7 @@ class Declarations:
         return self.constant(node.name, type_, values)
 
     def constant(self, name: str, type_: Type, values: list[int]) -> Constant:
-        """A symbol for known values."""
+        """Return a constant with known values."""
         container = self.code.constant(tuple(values)) if type_.dimensions else ""
         return Constant(name, type_, tuple(values), container)
 
@@ -180,16 +181,16 @@ class Declarations:
 
 
 def _element_names(name: str, type_: Type) -> Iterator[str]:
-    """``a[0][0]``, ``a[0][1]``, … in row-major order; the name itself for a scalar."""
+    """Yield ``a[0][0]``, ``a[0][1]``, … in row-major order; for a scalar its name."""
     for indices in product(*(range(low, high + 1) for low, high in type_.dimensions)):
         yield name + "".join(f"[{index}]" for index in indices)
 
 
 def _flatten_given(value: Given, type_: Type, name: str) -> list[int]:
-    """The scalars of a constant given from outside.
+    """Return the scalars of a constant given from outside.
 
     Raises:
-        UsageError: its shape, a type or a range is not that of the declaration.
+        UsageError: its shape, a type or a range differs from the declaration.
     """
     if type_.dimensions:
         size = type_.dimensions[0].size
@@ -204,7 +205,7 @@ def _flatten_given(value: Given, type_: Type, name: str) -> list[int]:
 
 
 def _as_source(value: Given, type_: Type) -> str:
-    """A constant in UPPAAL's language."""
+    """Return a constant in UPPAAL's language."""
     if isinstance(value, Sequence):
         return "{" + ", ".join(_as_source(item, type_) for item in value) + "}"
     return ("true" if value else "false") if type_.kind == "bool" else str(int(value))

@@ -1,4 +1,4 @@
-"""The system section: what its names stand for, and the processes of the ``system`` line."""
+"""The system section: its definitions, and the processes of the ``system`` line."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from timed_automata.network._templates import ParsedTemplate, make_process
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Definition:
-    """A template, or a partial instantiation of another definition; ``scope``: where it is defined."""
+    """A template, or a partial instantiation of another definition; ``scope`` is the scope of the definition."""
 
     name: str
     parameters: tuple[ast.Parameter, ...]
@@ -43,7 +43,7 @@ class _Definition:
 
 
 class Definitions:
-    """Templates and their instantiations, by name; collects the ``processes`` that are made of them."""
+    """Templates and their instantiations, by name; collects the ``processes`` that are made from them."""
 
     def __init__(self, code: GeneratedCode, places: Places) -> None:
         self.code, self.places = code, places
@@ -51,12 +51,12 @@ class Definitions:
         self._by_name: dict[str, _Definition] = {}
 
     def add_template(self, parsed: ParsedTemplate, scope: Scope) -> None:
-        """A template."""
+        """Add a template."""
         definition = _Definition(parsed.name, parsed.parameters, scope, template=parsed)
         self._add(definition, ast.Node(parsed.template.name.whole))
 
     def add_instantiation(self, node: ast.Instantiation, scope: Scope) -> None:
-        """``name(parameters) = template(arguments);``"""
+        """Add an instantiation ``name(parameters) = template(arguments);``."""
         template = self._get(node.template)
         expected, found = len(template.parameters), len(node.arguments)
         if expected != found:
@@ -75,7 +75,7 @@ class Definitions:
         return self._by_name[name.name]
 
     def instantiate(self, name: ast.Name, scope: Scope) -> None:
-        """A name of the ``system`` line: one process, or one for each value of its free parameters."""
+        """Create the processes of a name on the ``system`` line: one, or one for each value of its free parameters."""
         definition = self._get(name)
         ranges = [self._free(definition, parameter, name) for parameter in definition.parameters]
         count = len(self.processes) + prod(max(0, each.stop - each.start) for each in ranges)
@@ -115,7 +115,7 @@ class Definitions:
         return self._process(self._get(node.template), node.arguments, scope, name, index, places)
 
     def check_unused(self) -> None:
-        """Templates without a process are checked all the same, if they can be made without arguments."""
+        """Check templates without a process, if they have no parameters."""
         used = {process.template for process in self.processes}
         for definition in self._by_name.values():
             if definition.template and definition.name not in used and not definition.parameters:
@@ -125,7 +125,7 @@ class Definitions:
 def _bind(
     code: GeneratedCode, parameter: ast.Parameter, argument: ast.Expression, caller: Scope, scope: Scope
 ) -> None:
-    """Declare a parameter in ``scope``: a constant by value, another name for what is passed by reference.
+    """Declare a parameter in ``scope``: a constant for a value, or an alias for an argument passed by reference.
 
     Raises:
         ModelError: the argument is of another type, not constant, or out of range.

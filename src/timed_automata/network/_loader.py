@@ -1,4 +1,4 @@
-"""From a file to a network, with the given constants put in, and back."""
+"""Makes a network from a file with given constants, and writes it back."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from timed_automata.network._templates import ParsedTemplate
 
 
 def load_network(path: str | Path, constants: Mapping[str, Given] | None = None) -> Network:
-    """Read a UPPAAL file, check it, and put in ``constants`` for the initialisers of its global constants.
+    """Read a UPPAAL file, check it, and replace the initialisers of its global constants by ``constants``.
 
     Args:
-        path: UPPAAL XML.
-        constants: by name; a list (of lists) for an array, of the shape that is declared. They are put in
-            before sizes are computed: an array whose size depends on a given constant changes its shape.
+        path: a UPPAAL XML file.
+        constants: values by name; a list (of lists) for an array, in its declared shape. They are inserted before
+            sizes are computed: an array whose size depends on a given constant changes its shape.
 
     Raises:
         ModelError: the file is not valid, or outside of the supported subset; with ``file:line:column``.
@@ -31,7 +31,7 @@ def load_network(path: str | Path, constants: Mapping[str, Given] | None = None)
 
 
 def make_network(document: Document, constants: Mapping[str, Given] | None = None) -> Network:
-    """A network of a document that was read; see :func:`load_network`."""
+    """Make a network from a document; see :func:`load_network`."""
     try:
         return _make(document, constants or {})
     except (RecursionError, MemoryError, SyntaxError):  # Python's own limits, for generated code as well
@@ -40,7 +40,7 @@ def make_network(document: Document, constants: Mapping[str, Given] | None = Non
 
 
 def export(network: Network) -> bytes:
-    """The concrete network for UPPAAL: the file with the given constants put in, the same each time."""
+    """Return the network as a UPPAAL file with the given constants inserted; the result is reproducible."""
     return write_document(network.document, network.replaced)
 
 
@@ -88,7 +88,7 @@ def _check_given(given: Collection[str], scope: Scope, path: str) -> None:
 
 
 def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> None:
-    """The instantiations and the ``system`` line; the section's own declarations are seen by it and by queries."""
+    """Process the instantiations and the ``system`` line; only they and queries see the section's own declarations."""
     system = parse_system(document.system)
     older = parse_instantiations(document.instantiations) if document.instantiations else ()
     declarations = Declarations(definitions.code, definitions.places, scope)

@@ -1,4 +1,4 @@
-"""A network of timed automata, ready to be explored, executed or monitored: numbers and compiled code."""
+"""A network of timed automata for exploration, execution and monitoring: numbers and compiled code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Update = Callable[[MutableSequence[int], list[tuple[int, int]]], None]
 
 
 class State(NamedTuple):
-    """The discrete part of a state: a location of each process, and all values side by side."""
+    """The discrete part of a state: one location per process, and all values in one tuple."""
 
     locations: tuple[int, ...]
     values: tuple[int, ...]
@@ -24,7 +24,7 @@ class State(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """Integers or booleans (0 and 1) from ``offset`` of the values on; row-major for an array."""
+    """A variable: integers or booleans (0 and 1) that begin at ``offset`` of the values, row-major for an array."""
 
     name: str
     type: Type
@@ -33,7 +33,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One channel; each element of an array of channels is one."""
+    """One channel; every element of an array of channels is a channel."""
 
     name: str
     broadcast: bool
@@ -42,7 +42,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Location:
-    """A location of a process; its invariant holds upper bounds of clocks only."""
+    """A location of a process, with its compiled invariant."""
 
     name: str
     index: int
@@ -55,19 +55,20 @@ class Location:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edge:
-    """An edge of a process, with the values of its ``select`` put in: one of these per combination.
+    """An edge of a process with fixed values of its ``select``; there is one edge per combination of values.
 
     Attributes:
-        process, index: it is ``network.processes[process].edges[index]``.
+        process, index: the edge is ``network.processes[process].edges[index]``.
         source, target: numbers of locations.
         direction: ``!`` sends, ``?`` receives, empty without synchronisation.
-        channel: its number, or a function of the values; None without synchronisation.
-        channels: all that it can be.
-        update: changes values (a list or an array) in place and appends ``(clock, value)`` for each clock that it sets.
+        channel: number of the channel, or a function of the values; None without synchronisation.
+        channels: all channels that ``channel`` can be.
+        update: changes values (a list or an array) in place and appends ``(clock, value)`` for every clock that it
+            sets.
         resets: clocks that the update sets in every state.
         selected: values of the names of ``select``.
         asks: the variables and clocks that guard and channel read.
-        effects: what guard, channel and update read and write.
+        effects: the names that guard, channel and update read and write.
     """
 
     process: int
@@ -101,7 +102,7 @@ class Process:
 
 
 def effects_of(processes: Iterable[Process]) -> Effects:
-    """What these processes touch, all together."""
+    """Return the names that these processes read and write, all together."""
     total = Effects()
     for process in processes:
         for location in process.locations:
@@ -113,15 +114,15 @@ def effects_of(processes: Iterable[Process]) -> Effects:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Network:
-    """All processes of the ``system`` line over shared variables, clocks and channels.
+    """All processes of the ``system`` line, with the variables, clocks and channels that they share.
 
     Attributes:
-        document: the file that it was made of.
+        document: the file from which the network was made.
         clocks: names; number 0 is the reference clock of zones and always zero.
-        offsets: of the values by name, in order: ``ee``, ``evidence[0]``, ``Gripper.i``.
-        constants: the global ones with their values.
-        replaced: initialisers in the file for which constants were given, and what was put in.
-        derived: what was worked out of it once, for all who work with it.
+        offsets: offsets of the values by name, in order: ``ee``, ``evidence[0]``, ``Gripper.i``.
+        constants: the global constants with their values.
+        replaced: initialisers in the file that given constants replace, and the new text.
+        derived: cache of results computed from the network, shared by all users.
         scope, code: global names and the generated code, for compiling more (queries).
     """
 
@@ -139,7 +140,7 @@ class Network:
     derived: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
 
     def offset(self, name: str) -> int:
-        """Where ``evidence[1]`` or ``Gripper.i`` stands among the values.
+        """Return the offset of ``evidence[1]`` or ``Gripper.i`` in the values.
 
         Raises:
             UsageError: no variable of that name.
@@ -150,11 +151,11 @@ class Network:
         return self.offsets[name]
 
     def variable(self, offset: int) -> Variable:
-        """The variable that a value belongs to."""
+        """Return the variable that a value belongs to."""
         return next(v for v in reversed(self.variables) if v.offset <= offset)
 
     def process(self, name: str) -> Process:
-        """A process by its name.
+        """Return a process by its name.
 
         Raises:
             UsageError: there is none.

@@ -1,4 +1,4 @@
-"""The network of an edited document, made of that of the document: only what was edited is compiled."""
+"""Makes the network of an edited document from the network of the original: only edited parts are compiled."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from timed_automata.network._templates import make_edges, make_location, parse_e
 
 
 def remake_network(network: Network, document: Document) -> Network | None:
-    """The network of a document that shares with that of a network all but edges, invariants and kinds of locations.
+    """Make the network of a document that differs from the network's only in edges, invariants and kinds of locations.
 
-    It shares the generated code of the network, too.
+    The result shares the generated code of the network.
 
     Returns:
-        None if more than these differs: then it is to be made as a whole.
+        The network, or None if more differs: then it must be made completely.
 
     Raises:
-        ModelError: what was edited is no valid model.
+        ModelError: an edited part is not valid.
     """
     known, templates = network.document.templates, document.templates
     if replace(document, templates=known) != network.document or not all(map(_alike, known, templates)):
@@ -35,7 +35,7 @@ def remake_network(network: Network, document: Document) -> Network | None:
 
 
 def _alike(old: Template, new: Template) -> bool:
-    """Whether nothing but edges, invariants and kinds of locations differs."""
+    """Return whether two templates differ only in edges, invariants and kinds of locations."""
     return replace(new, edges=old.edges, locations=old.locations) == old and [
         (each.id, each.name) for each in new.locations
     ] == [(each.id, each.name) for each in old.locations]

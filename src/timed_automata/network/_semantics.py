@@ -1,10 +1,10 @@
-"""The semantics of a network, once: which discrete transitions a state has, and what they lead to.
+"""The semantics of a network, defined once: the discrete transitions of a state, and their results.
 
-UPPAAL's rules. Binary synchronisation: one sender and one receiver of another process. Broadcast: one sender,
-and of every other process that has an enabled receiving edge one such edge; a sender never waits. Guards of all
-participants are evaluated before any update; the sender's update comes first, then the receivers' in the order
-of the system line. While a process is in a committed location, only transitions in which a process that is in
-one takes part happen. A transition into a violated invariant is disabled.
+UPPAAL's rules. Binary synchronisation: one sender and one receiver of another process. Broadcast: one sender, and one
+enabled receiving edge of every other process that has any; a sender never waits. Guards of all participants are
+evaluated before any update; the sender's update comes first, then the receivers' in the order of the system line.
+While any process is in a committed location, only transitions with a participant in a committed location are possible.
+A transition into a violated invariant is disabled.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Transition(NamedTuple):
     """A discrete transition whose data guards hold.
 
     Attributes:
-        edges: participants, the sender first.
+        edges: edges of the participants, the sender first.
         bounds: clock guards of all participants, a conjunction; evaluated before the transition.
         channel: number of the channel; None without synchronisation.
     """
@@ -32,14 +32,14 @@ class Transition(NamedTuple):
 
 
 class Fired(NamedTuple):
-    """What a transition leads to: the next discrete state, and the clocks set, in order, with their values."""
+    """The result of a transition: the next discrete state, and the clocks set, in order, with their values."""
 
     state: State
     resets: tuple[tuple[int, int], ...]
 
 
 class _ClockGuards:
-    """The clock constraints of a condition in a discrete state; evaluated once where no state matters."""
+    """The clock constraints of a condition in a discrete state; evaluated once if they do not depend on the state."""
 
     def __init__(self, condition: Condition) -> None:
         self._constraints = condition.clocks
@@ -60,7 +60,7 @@ _Receiver = tuple[Edge, Callable[[Values], Any] | None, _ClockGuards, Callable[[
 
 
 class _Outgoing:
-    """The edges that leave a location, by what they need; those that can never be taken are left out."""
+    """The edges that leave a location, grouped by synchronisation; edges that can never be taken are left out."""
 
     def __init__(self, edges: Sequence[Edge]) -> None:
         possible = [edge for edge in edges if not edge.guard.never]
@@ -80,7 +80,7 @@ class _Outgoing:
 
     @property
     def received(self) -> Iterable[int]:
-        """The channels that the edges can receive on."""
+        """Channels on which the edges can receive."""
         return self._receiving
 
     def receivers(self, channel: int, values: Values) -> Sequence[tuple[Edge, tuple[Bound, ...]]]:
@@ -98,7 +98,7 @@ class _Outgoing:
 
 
 class _Initiator(NamedTuple):
-    """An edge that may start a transition; ``free``: no matter who takes part."""
+    """An edge that may start a transition; ``free`` is true if the other participants do not matter."""
 
     process: int
     free: bool
@@ -119,11 +119,11 @@ def _computed(edge: Edge) -> Callable[[Values], int] | None:
 
 
 class Semantics:
-    """The transitions of a network, or of some of its processes while the rest is left to an environment.
+    """The transitions of a network, or of some of its processes if the others belong to an environment.
 
     Args:
         network: a loaded network.
-        processes: indices of those that move; all by default. The others keep their locations.
+        processes: indices of the processes that move; all by default. The others keep their locations.
     """
 
     def __init__(self, network: Network, processes: Collection[int] | None = None) -> None:
@@ -159,13 +159,13 @@ class Semantics:
         self._urgent = {number for number, channel in enumerate(network.channels) if channel.urgent}
 
     def transitions(self, state: State) -> Iterator[Transition]:
-        """All transitions whose data guards hold and that committed locations allow.
+        """Yield all transitions whose data guards hold and that committed locations allow.
 
-        In the order of the system line (of the sender), then of the edges in the file, then of the receivers.
-        Clock guards and the invariants of the target are left to the caller.
+        They come in the order of the system line (of the sender), then of the edges in the file, then of the
+        receivers. The caller must check clock guards and the invariants of the target.
 
         Raises:
-            RangeError: a guard divides by zero, or leaves an array.
+            RangeError: a guard divides by zero, or has an index outside of its array.
         """
         values = state.values
         committed, initiators = self._initiators(state.locations)
@@ -183,7 +183,7 @@ class Semantics:
                     yield Transition((edge, *receivers), clocks.at(values) + bounds, channel)
 
     def _initiators(self, locations: tuple[int, ...]) -> _Initiators:
-        """The committed processes, and the edges that can start a transition there; found once."""
+        """Return the committed processes, and the edges that can start a transition; cached."""
         found = self._known.get(locations)
         if found is None:
             committed = [p for p in self._processes if self._locations[p][locations[p]].committed]
@@ -201,12 +201,14 @@ class Semantics:
         return found
 
     def received(self, state: State, channel: int) -> Iterator[Transition]:
-        """What a broadcast of the environment does: every choice of receivers, first in file order first."""
+        """Yield the transitions that receive a broadcast of the environment, one per choice of receivers, in file
+        order.
+        """
         for receivers, bounds in self._receivers(state, channel, None):
             yield Transition(receivers, bounds, channel)
 
     def _receivers(self, state: State, channel: int, sender: int | None) -> Sequence[_Answer]:
-        """Who takes part besides the sender: every choice."""
+        """Return all choices of the participants besides the sender."""
         locations, values = state
         choices = [
             enabled
@@ -225,7 +227,7 @@ class Semantics:
         ]
 
     def fire(self, state: State, edges: Sequence[Edge], writes: Mapping[int, int] | None = None) -> Fired:
-        """Take a transition; ``writes`` (by offset) stand for the update of a sender in the environment.
+        """Take a transition; ``writes`` (by offset) replace the update of a sender in the environment.
 
         Raises:
             RangeError: an assignment is out of range.
@@ -241,7 +243,7 @@ class Semantics:
         return Fired(State(tuple(locations), tuple(values)), tuple(resets))
 
     def invariant(self, state: State) -> list[Bound]:
-        """Bounds of clocks in this state, a conjunction. A lower bound can be broken only as the state is entered."""
+        """Return the bounds of clocks in this state, a conjunction. A lower bound can be violated only on entry."""
         locations, values = state
         return [
             bound
@@ -250,17 +252,17 @@ class Semantics:
         ]
 
     def allowed(self, state: State) -> bool:
-        """Whether the data part of all invariants holds; otherwise no transition leads to this state."""
+        """Return whether the data part of all invariants holds; otherwise no transition leads to this state."""
         locations, values = state
         return all(self._locations[p][locations[p]].invariant.holds(values) for p in self._processes)
 
     def may_delay(self, state: State) -> bool:
-        """Whether time may pass: no urgent or committed location, no synchronisation on an urgent channel."""
+        """Return whether time may pass: no urgent or committed location, no synchronisation on an urgent channel."""
         locations = [self._locations[process][state.locations[process]] for process in self._processes]
         if any(location.urgent or location.committed for location in locations):
             return False
         return not self._urgent or not any(t.channel in self._urgent for t in self.transitions(state))
 
     def committed(self, state: State) -> bool:
-        """Whether any process is in a committed location."""
+        """Return whether any process is in a committed location."""
         return any(self._locations[p][state.locations[p]].committed for p in self._processes)

@@ -1,4 +1,4 @@
-"""Templates: their texts parsed once, and processes made of them, with locations and edges compiled."""
+"""Parses templates once, and makes processes from them, with compiled locations and edges."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Synchronised = tuple[Quantity | None, range, Literal["", "!", "?"]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ParsedEdge:
-    """An edge with its labels parsed; source and target by number."""
+    """An edge with parsed labels; source and target are numbers of locations."""
 
     drawn: DrawnEdge
     source: int
@@ -51,10 +51,10 @@ class ParsedEdge:
 
 
 class ParsedTemplate:
-    """A template with its texts parsed.
+    """A template with parsed texts.
 
     Raises:
-        ModelError: a text is not well-formed, or two locations have one name.
+        ModelError: a text is not well-formed, or two locations have the same name.
     """
 
     def __init__(self, template: Template) -> None:
@@ -68,7 +68,7 @@ class ParsedTemplate:
         self.edges = tuple(parse_edge(edge, self._numbers) for edge in template.edges)
 
     def _names(self) -> tuple[str, ...]:
-        """The id stands for the name of a location that has none."""
+        """Return the names of the locations; a location without a name is called by its id."""
         names: dict[str, None] = {}
         for location in self.template.locations:
             name = parse_name(location.name.text) if location.name else location.id
@@ -80,7 +80,7 @@ class ParsedTemplate:
 
 
 def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
-    """An edge of a template whose locations have these numbers, by their ids."""
+    """Parse an edge of a template; ``numbers`` are the numbers of its locations by id."""
     labels = {kind: label.text for kind, label in edge.labels.items()}
     sync = labels.get("synchronisation")
     parsed = ParsedEdge(
@@ -106,7 +106,7 @@ def parse_edge(edge: DrawnEdge, numbers: Mapping[str, int]) -> ParsedEdge:
 def make_process(
     code: GeneratedCode, places: Places, parsed: ParsedTemplate, scope: Scope, name: str, index: int
 ) -> Process:
-    """A process of a template whose parameters are declared in ``scope``.
+    """Make a process from a template whose parameters are declared in ``scope``.
 
     Raises:
         ModelError: a text does not type-check, or is outside of the supported subset.
@@ -144,14 +144,14 @@ def _add_parts(code: GeneratedCode, count: int, span: Span) -> None:
 def make_edges(
     code: GeneratedCode, scope: Scope, edge: ParsedEdge, process: int, first: int
 ) -> Iterator[Edge]:
-    """The edges of a process, one for each combination of selected values, with numbers from ``first`` on."""
+    """Yield the edges of a process, one per combination of selected values, numbered from ``first`` on."""
     selections = _selections(Expressions(code, Scope(scope)), edge)
     for number, (expressions, selected) in enumerate(selections, start=first):
         yield _edge(expressions, edge, selected, process, number)
 
 
 def make_location(expressions: Expressions, drawn: DrawnLocation, name: str, number: int) -> Location:
-    """A location of a process, with its number."""
+    """Make a location of a process."""
     label = drawn.labels.get("invariant")
     invariant = (
         compile_condition(expressions, parse_expression(label.text), "invariant") if label else Condition()
@@ -172,7 +172,7 @@ def make_location(expressions: Expressions, drawn: DrawnLocation, name: str, num
 
 
 def _selections(expressions: Expressions, edge: ParsedEdge) -> Iterator[tuple[Expressions, dict[str, int]]]:
-    """Expressions for each combination of selected values."""
+    """Yield expressions for every combination of selected values."""
     choices: list[tuple[Expressions, dict[str, int]]] = [(expressions, {})]
     for select in edge.selects:
         widened: list[tuple[Expressions, dict[str, int]]] = []
@@ -239,7 +239,7 @@ def _synchronisation(
 def _update(
     expressions: Expressions, nodes: tuple[ast.Expression, ...]
 ) -> tuple[Update | None, frozenset[int]]:
-    """The compiled update, and the clocks that it sets whatever the state is."""
+    """Return the compiled update, and the clocks that it sets in every state."""
     if not nodes:
         return None, frozenset()
     updates = Updates(expressions)

@@ -1,4 +1,4 @@
-"""A run of a network that shows something: what happens when, in numbers and in words."""
+"""A run of a network that shows a result, as data and as text."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from timed_automata.network._network import Edge, Network, State
 
 
 class TraceNames(Protocol):
-    """What elements and values are called in the text of a run."""
+    """Gives names to elements and values in the text of a run."""
 
     def element(self, name: str) -> str:
-        """Of ``evidence[0]``, ``Actuator(0)``."""
+        """Return the name of an element such as ``evidence[0]`` or ``Actuator(0)``."""
         ...
 
     def value(self, variable: str, value: int) -> str:
-        """Of a value of a variable."""
+        """Return the name of a value of a variable."""
         ...
 
 
 class _Numbers:
-    """As they stand in the network."""
+    """Keeps the names and numbers of the network."""
 
     def element(self, name: str) -> str:
         return name
@@ -34,7 +34,7 @@ class _Numbers:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A variable that got another value."""
+    """A change of a variable to another value."""
 
     name: str
     old: int
@@ -42,7 +42,7 @@ class Change:
 
 
 def changes_between(network: Network, old: State, new: State) -> tuple[Change, ...]:
-    """The variables that differ, in the order in which they are declared."""
+    """Return the variables that differ, in the order of declaration."""
     return tuple(
         Change(name, old.values[at], new.values[at])
         for name, at in network.offsets.items()
@@ -57,9 +57,9 @@ class TraceStep:
     Attributes:
         at: absolute time in the model's unit (ms).
         channel: name of the channel; None without synchronisation.
-        edges: the participants, the sender first.
+        edges: edges of the participants, the sender first.
         state: the discrete state that it leads to.
-        changes: of variables.
+        changes: changes of variables.
     """
 
     at: Fraction
@@ -74,10 +74,10 @@ class Trace:
     """A concrete run from the initial state.
 
     Attributes:
-        network: of which this is a run.
+        network: the network of the run.
         steps: its transitions.
-        end: the time at which it shows what it shows.
-        remark: how it ends, in words.
+        end: the time at which the run shows its result.
+        remark: the result or the end of the run, in words.
         loop: number of the step to which the run returns after the last one; None if it does not.
     """
 
@@ -89,14 +89,14 @@ class Trace:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The run as text: time, what happens, which variables change; the last line says what it shows.
+        """The run as text: time, event, and changes of variables; the last line is the result.
 
         ↻ marks the steps that are repeated without end.
         """
         return self.lines_with(_Numbers())
 
     def lines_with(self, names: TraceNames) -> tuple[str, ...]:
-        """The same in other names than those of the network."""
+        """Return the run as text with other names than those of the network."""
         return tuple(self._lines(names))
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""UPPAAL's requirement language: queries as text, and their conditions over data and clocks."""
+"""UPPAAL's query language: parses queries, and compiles their conditions over data and clocks."""
 
 from ._compile import (
     bounds_of,

@@ -1,6 +1,6 @@
-"""Compiling the conditions of queries; negations are pushed down to where a constraint can be turned round.
+"""Compiles the conditions of queries; negations are pushed down to comparisons, which can be inverted.
 
-Their names are those of the network, and what is declared in a process: ``Gripper.Step``, ``Actuator(0).x``.
+Names in queries are those of the network, and those declared in a process: ``Gripper.Step``, ``Actuator(0).x``.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ _CONTRARY: dict[Relation, tuple[Relation, ...]] = {
 
 
 def compile_formula(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
-    """A condition of a query, or its negation.
+    """Compile a condition of a query, or its negation.
 
     Raises:
-        ModelError: not well-formed, or with clocks in a way that is outside of the subset.
+        ModelError: the condition is not well-formed, or uses clocks in a way that is outside of the subset.
     """
     known, key = network.code.formulas, (node, negated)
     if key not in known:
@@ -58,7 +58,7 @@ def compile_formula(network: Network, node: ast.Expression, *, negated: bool = F
 
 
 def compile_without_deadlock(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
-    """A condition of a query in which the word ``deadlock`` is refused.
+    """Compile a condition of a query in which the word ``deadlock`` is refused.
 
     Raises:
         ModelError: as :func:`compile_formula`, or it mentions deadlocks.
@@ -70,7 +70,7 @@ def compile_without_deadlock(network: Network, node: ast.Expression, *, negated:
 
 
 def compile_clock(network: Network, node: ast.Expression) -> int | None:
-    """The number of the clock that an expression is; None if it is something else."""
+    """Return the number of the clock that an expression names, or None if it is something else."""
     expressions = _QueryExpressions(network)
     if not expressions.mentions_clock(node):
         return None
@@ -83,23 +83,23 @@ def compile_clock(network: Network, node: ast.Expression) -> int | None:
 
 
 def compile_integer(network: Network, node: ast.Expression) -> Callable[..., Any]:
-    """An integer expression, as a function of values and locations."""
+    """Compile an integer expression to a function of values and locations."""
     expressions = _QueryExpressions(network)
     return expressions.function_of(expressions.integer(node).source)
 
 
 def bounds_of(network: Network, type_: ast.TypeName) -> tuple[int, int]:
-    """What a quantifier of a query runs through, both ends included."""
+    """Return both ends, included, of the range of a quantifier in a query."""
     return _QueryExpressions(network).bounds(type_)
 
 
 def called(network: Network, node: ast.Call) -> Function:
-    """The function that a query calls, of the network or of a process."""
+    """Return the function that a query calls, of the network or of a process."""
     return _QueryExpressions(network).function(node)
 
 
 def location_of(network: Network, condition: ast.Expression | None) -> tuple[int, int] | None:
-    """A location without which a condition does not hold; None if it names none."""
+    """Return process and location that a condition requires, or None if it names none."""
     expressions = _QueryExpressions(network)
     for part in _conjuncts(condition):
         if isinstance(part, ast.Member):
@@ -140,7 +140,7 @@ class _QueryExpressions(Expressions):
         return self.symbol(symbol, node.span)
 
     def function(self, node: ast.Call) -> Function:
-        """The function that is called; also of a process."""
+        """Return the function that is called; it may belong to a process."""
         if node.process is None:
             return super().function(node)
         process = self.process(node.process)
@@ -151,7 +151,7 @@ class _QueryExpressions(Expressions):
         return symbol
 
     def process(self, node: ast.Expression) -> Process:
-        """The process before a dot."""
+        """Return the process before a dot."""
         name = node.span.snippet
         if isinstance(node, ast.Name):
             name = node.name
@@ -174,7 +174,7 @@ class _QueryExpressions(Expressions):
         return super()._quantified(node)
 
     def is_clock(self, node: ast.Node) -> bool:
-        """Whether it is the name of a clock, or of an array of clocks; also of a process."""
+        """Return whether the node names a clock or an array of clocks; it may belong to a process."""
         if not isinstance(node, ast.Member):
             return super().is_clock(node)
         if isinstance(node.base, ast.Call):
@@ -184,7 +184,7 @@ class _QueryExpressions(Expressions):
         return any(isinstance(p.scope.symbols.get(node.name), ClockSymbol) for p in processes)
 
     def formula(self, node: ast.Expression, wanted: bool) -> Formula:
-        """A condition, or what is the case where it does not hold."""
+        """Compile a condition, or its negation if ``wanted`` is false."""
         if not self.mentions_clock(node) and not _names_deadlock(node):
             return self._data(node, wanted)
         match node:
@@ -244,7 +244,7 @@ class _QueryExpressions(Expressions):
 
 
 def _joined(join: type[All | Some], parts: tuple[Formula, ...]) -> Formula:
-    """Without what constants decide: of clocks that are compared there nothing need be known."""
+    """Join formulas without those that constants decide, so that the clocks in these need not be tracked."""
     decides = join is Some
     open_ = tuple(part for part in parts if not isinstance(part, Data) or part.known in (None, decides))
     decided = next((part for part in open_ if isinstance(part, Data) and part.known is not None), None)

@@ -1,6 +1,7 @@
-"""Conditions of queries: over data they are code, over clocks they stay symbolic.
+"""Conditions of queries: conditions on data are compiled to code, those on clocks stay symbolic.
 
-In a discrete state a condition is a disjunction of cases, each a conjunction of clock constraints: a union of zones.
+In a discrete state a condition is a disjunction of cases; every case is a conjunction of clock constraints, so the
+condition is a union of zones.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ ARGUMENTS = "v, l, r=None"  # of compiled conditions: values, locations
 
 
 class Case(NamedTuple):
-    """A conjunction: clock constraints, and whether the state must (not) be deadlocked (None: no matter)."""
+    """A conjunction of clock constraints; ``deadlock`` requires a deadlock or its absence (None: neither)."""
 
     bounds: tuple[Bound, ...] = ()
     deadlock: bool | None = None
@@ -37,40 +38,40 @@ class Data:
     known: bool | None = None  # what constants make of it
 
     def cases(self, state: State) -> list[Case]:
-        """True or nothing."""
+        """Return the case without constraints if the condition holds, else nothing."""
         return [TRUE] if bool(self.holds(state.values, state.locations)) is self.wanted else []
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A clock against a number."""
+    """The comparison of a clock with a number."""
 
     constraint: ClockConstraint
 
     def cases(self, state: State) -> list[Case]:
-        """One constraint."""
+        """Return one case with one constraint."""
         return [Case((self.constraint.at(state.values, state.locations),))]
 
 
 @dataclass(frozen=True, slots=True)
 class Deadlock:
-    """The word ``deadlock``."""
+    """The word ``deadlock`` in a query."""
 
     wanted: bool
 
     def cases(self, state: State) -> list[Case]:
-        """One case, left to the search."""
+        """Return one case that the search decides."""
         return [Case((), self.wanted)]
 
 
 @dataclass(frozen=True, slots=True)
 class All:
-    """A conjunction; what follows a part that is false is not evaluated."""
+    """A conjunction; parts after a false one are not evaluated."""
 
     parts: tuple[Formula, ...]
 
     def cases(self, state: State) -> list[Case]:
-        """The product of the cases of the parts."""
+        """Return the product of the cases of the parts."""
         cases = [TRUE]
         for part in self.parts:
             if isinstance(part, Data):
@@ -88,12 +89,12 @@ class All:
 
 @dataclass(frozen=True, slots=True)
 class Some:
-    """A disjunction; what follows a part that is true is not evaluated."""
+    """A disjunction; parts after a true one are not evaluated."""
 
     parts: tuple[Formula, ...]
 
     def cases(self, state: State) -> list[Case]:
-        """The cases of all parts."""
+        """Return the cases of all parts."""
         found: list[Case] = []
         for part in self.parts:
             cases = part.cases(state)
@@ -114,16 +115,16 @@ def _joined(left: Case, right: Case) -> Case | None:
 
 
 def mentions_deadlock(formula: Formula) -> bool:
-    """Whether a formula asks for deadlocks."""
+    """Return whether a formula contains the word ``deadlock``."""
     if isinstance(formula, All | Some):
         return any(map(mentions_deadlock, formula.parts))
     return isinstance(formula, Deadlock)
 
 
 class ConditionFilter(Generic[K]):
-    """Tells which of some conditions can hold in a discrete state, whatever the clocks say.
+    """Finds the conditions that can hold in a discrete state for some values of the clocks.
 
-    One expression for all of them, as in most states none can; one for each of them.
+    It evaluates one expression for all of them first, because in most states none can hold, then one for each.
     """
 
     def __init__(self, network: Network, conditions: Mapping[K, Formula]) -> None:
@@ -133,7 +134,7 @@ class ConditionFilter(Generic[K]):
         self._each = network.code.expression(ARGUMENTS, f"({' '.join(f'{part},' for part in parts)})")
 
     def __call__(self, state: State) -> tuple[K, ...]:
-        """The keys of those that can."""
+        """Return the keys of the conditions that can hold."""
         locations, values = state
         if not self._any(values, locations):
             return ()
@@ -141,7 +142,7 @@ class ConditionFilter(Generic[K]):
 
 
 def _possible(formula: Formula) -> str:
-    """Code of an expression that is true wherever the formula has cases, whatever the clocks say."""
+    """Return the code of an expression that is true if the formula has cases for some values of the clocks."""
     if isinstance(formula, Data):
         return f"({formula.source})" if formula.wanted else f"(not ({formula.source}))"
     if isinstance(formula, All | Some):

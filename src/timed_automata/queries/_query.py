@@ -1,4 +1,4 @@
-"""Queries as text: which kind, over which expressions. ``_compile`` says what they mean in a network."""
+"""Parses queries into kind and expressions. ``_compile`` gives them a meaning in a network."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _REFUSED = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Query:
-    """A query as read.
+    """A parsed query.
 
     Attributes:
-        kind: what is asked.
-        text: where it stands.
-        condition: p in ``A[] p`` and the like, the left side of ``-->``, the braces of ``sup{}`` (None: true).
+        kind: the kind of question.
+        text: its text, with its place.
+        condition: p in ``A[] p`` and similar, the left side of ``-->``, the braces of ``sup{}`` (None: true).
         then: the right side of ``-->``.
-        targets: what ``sup`` and ``inf`` are about.
+        targets: the clocks or expressions of ``sup`` and ``inf``.
     """
 
     kind: QueryKind
@@ -47,10 +47,10 @@ class Query:
 
 
 def parse_query(text: Text | str) -> Query:
-    """A query of UPPAAL's requirement language.
+    """Parse a query of UPPAAL's query language.
 
     Raises:
-        ModelError: not well-formed, or outside of the supported subset; with the position.
+        ModelError: the query is not well-formed, or outside of the supported subset; with the position.
     """
     if isinstance(text, str):
         text = Text.plain(text, "query")
@@ -92,7 +92,7 @@ def _refuse(text: Text) -> None:
 
 
 def _top_level(content: str, token: str, start: int = 0) -> int:
-    """Where a token stands outside of all brackets; -1 if nowhere."""
+    """Return the position of a token outside of all brackets, or -1."""
     depth = 0
     for at in range(start, len(content)):
         if not depth and content.startswith(token, at):
@@ -114,7 +114,7 @@ def _extreme(text: Text, found: re.Match[str]) -> Query:
     if not (colon := re.match(r"\s*:", content[start:])):
         raise fault(
             Span(text, start, start + 1),
-            "What is this about?",
+            "The clock or expression is missing.",
             f"Expected ':' and a clock after '{found[1]}'.",
         )
     start += colon.end()

@@ -1,4 +1,4 @@
-"""What guides a run: the next transition, by its channel or by what it makes true, and when."""
+"""Guides a simulated run: chooses the next transition by its channel or by its effect, and its time."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Choice:
     """One step of a guided run.
 
     Attributes:
-        text: as written.
-        channel: its name, where it is chosen by its channel.
-        holds: what it makes true, otherwise.
-        at: µs since the start; None: as soon as possible.
-        after: µs since the step before; None: as soon as possible.
+        text: the text of the choice.
+        channel: number of the channel, if the transition is chosen by its channel.
+        holds: otherwise the condition that the transition makes true.
+        at: time since the start, µs; None: as soon as possible.
+        after: time since the previous step, µs; None: as soon as possible.
     """
 
     text: str
@@ -40,7 +40,7 @@ class Choice:
     after: int | None = None
 
     def fits(self, option: Option, state: State) -> bool:
-        """Whether a transition out of ``state`` is meant; not whether the time is right."""
+        """Return whether a transition out of ``state`` matches the choice, without its time."""
         if self.holds is None:
             return option.transition.channel == self.channel
         if not isinstance(option.fired, tuple):
@@ -48,19 +48,20 @@ class Choice:
         return not self.holds(state) and self.holds(option.fired.state)
 
     def instant(self, now: int) -> int | None:
-        """The instant that is asked for, µs since the start; None: as soon as possible."""
+        """Return the chosen instant, µs since the start; None: as soon as possible."""
         return now + self.after if self.after is not None else self.at
 
 
 def parse_choices(network: Network, text: str) -> tuple[Choice, ...]:
-    """Choices from text: ``world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350; Gripper.Gripped``.
+    """Parse choices: ``world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350; Gripper.Gripped``.
 
-    Separated by ``;``. Each is the name of a channel, or a condition of UPPAAL's requirement language that the
-    transition makes true. ``@`` is followed by the time since the start, ``+`` by that since the step before, ms.
+    Choices are separated by ``;``. A choice is the name of a channel, or a condition of UPPAAL's query language that
+    the transition makes true. ``@`` is followed by the time since the start, ``+`` by the time since the previous
+    step, in ms.
 
     Raises:
-        UsageError: a time is not one, or the condition names a clock.
-        ModelError: a condition that does not type-check.
+        UsageError: a time is not valid, or the condition names a clock.
+        ModelError: a condition does not type-check.
     """
     return tuple(_choice(network, item.strip()) for item in text.split(";") if item.strip())
 

@@ -1,4 +1,4 @@
-"""A network in one concrete state: which transitions are possible when, and taking one of them."""
+"""A network in one concrete state: finds the possible transitions with their times, and takes one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ US_PER_UNIT = 1000  # the model's unit is the millisecond
 class Option(NamedTuple):
     """A transition that is possible at every instant from ``first`` to ``last``, µs since the start.
 
-    ``last`` is None where nothing limits it. ``fired`` is what it leads to, or why it cannot.
+    ``last`` is None if there is no limit. ``fired`` is its result, or the error that prevents it.
     """
 
     transition: Transition
@@ -49,17 +49,17 @@ class Machine:
 
     @property
     def urgent(self) -> bool:
-        """No time may pass: a location is urgent or committed, or an urgent channel is ready."""
+        """Whether no time may pass: a location is urgent or committed, or an urgent channel is ready."""
         return not self._semantics.may_delay(self.state)
 
     @property
     def latest(self) -> int | None:
-        """The last instant at which the run may still be in this discrete state; None: without end."""
+        """The last instant at which the run may still be in this discrete state, µs; None if there is no limit."""
         latest = self.now if self.urgent else self._latest()
         return None if latest == NEVER else latest
 
     def options(self) -> list[Option]:
-        """What is possible now or after a delay that nothing interrupts, in the order of the file."""
+        """Return the transitions possible now or after an undisturbed delay, in the order of the file."""
         latest = self.now if self.urgent else self._latest()
         options = []
         for successor in self._successors.at(self.state).successors:
@@ -71,10 +71,10 @@ class Machine:
         return options
 
     def fire(self, option: Option, at: int) -> TraceStep:
-        """Wait until ``at``, an instant at which it is possible, and take a transition.
+        """Wait until ``at``, an instant at which the option is possible, and take its transition.
 
         Raises:
-            RangeError: it leads out of a range.
+            RangeError: a value leaves its range.
         """
         self.now = at
         if isinstance(option.fired, RangeError):

@@ -1,4 +1,4 @@
-"""Simulating a network: the choices that are given, then whatever a generator of numbers chooses."""
+"""Simulates a network: takes the given choices first, then random transitions."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ _ENDS = "The run ends here."
 
 
 class Chooser(Protocol):
-    """Where numbers come from: ``random.Random``, or a test."""
+    """A source of random numbers: ``random.Random``, or a test."""
 
     def randrange(self, stop: int, /) -> int:
-        """A number from 0 to ``stop - 1``."""
+        """Return a number from 0 to ``stop - 1``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run that was simulated.
+    """A simulated run.
 
     Attributes:
         trace: its steps, end and last remark.
-        error: the model left a range; the run ends before that transition.
+        error: a value left its range; the run ends before that transition.
     """
 
     trace: Trace
@@ -46,21 +46,23 @@ def simulate(
     steps: int | None = None,
     until: int | None = None,
 ) -> Run:
-    """Simulate a concrete run from the initial state, delays within the invariants.
+    """Simulate a concrete run from the initial state, with delays that the invariants allow.
 
-    The choices are taken first. Before each of them, what cannot wait (committed and urgent locations, urgent
-    channels) is taken at random unless it is what is chosen. After the last one, the run goes on at random.
+    The choices are taken first. Before each choice, transitions that cannot wait (committed and urgent locations,
+    urgent channels) are taken at random unless the choice matches one. After the last one, the run continues at
+    random.
 
     Args:
         network: a loaded network.
-        chooser: every decision that is left open is taken by its numbers: the same numbers, the same run.
+        chooser: its numbers make all open decisions: the same numbers give the same run.
         choices: see :func:`parse_choices`.
-        steps: at most so many; by default 100, or with choices those and what cannot wait after them.
-        until: µs since the start; the run ends then at the latest.
+        steps: largest number of steps; by default 100, or with choices those and the transitions after them that
+            cannot wait.
+        until: latest end of the run, µs since the start.
 
     Raises:
-        UsageError: a choice is not possible when its turn comes.
-        ModelError: no run begins.
+        UsageError: a choice is not possible at its turn.
+        ModelError: the initial state violates an invariant.
     """
     return _Simulation(network, chooser, until).run(choices, steps)
 
@@ -83,7 +85,7 @@ class _Simulation:
         return Run(Trace(self._machine.network, tuple(self._taken), end, remark), error)
 
     def _take(self, option: Option, at: int) -> Run | None:
-        """Take a transition; the run if it ends instead."""
+        """Take a transition; return the run if it ends before the transition."""
         if self._until is not None and at > self._until:
             return self._end(at=self._until)
         self._at_once = self._at_once + 1 if at == self._machine.now else 0
@@ -107,7 +109,7 @@ class _Simulation:
         return None
 
     def _found(self, number: int, choice: Choice) -> tuple[Option, int] | None:
-        """The transition that is meant and its instant; None where something else must happen at once."""
+        """Return the chosen transition and its instant, or None if another transition must be taken immediately."""
         machine = self._machine
         options = machine.options()
         fitting = [option for option in options if choice.fits(option, machine.state)]
@@ -127,7 +129,7 @@ class _Simulation:
         now = f"at {_ms(self._machine.now)} ms"
         if fitting:
             windows = ", ".join(sorted({_window(option) for option in fitting}))
-            return UsageError(f"{what}, {now}: its time is {windows}.")
+            return UsageError(f"{what}, {now}: it is possible {windows}.")
         names = list(dict.fromkeys(f"{self._name(option)} ({_window(option)})" for option in options))
         listed = "; ".join(names[:12]) + (f"; and {len(names) - 12} more" if len(names) > 12 else "")
         return UsageError(f"{what}, {now}.", todo=f"Possible: {listed or 'nothing'}.")
@@ -168,7 +170,7 @@ class _Simulation:
         return self._end(f"Deadlock: nothing can happen, and time may not pass{beyond}.")
 
     def _one_of(self, options: list[Option]) -> Option:
-        """Every drawn edge is as likely as any other, however many values it selects."""
+        """Choose an option at random; all drawn edges are equally likely, however many values they select."""
         drawn: dict[tuple[int, int], list[Option]] = {}
         for option in options:
             first = option.transition.edges[0]

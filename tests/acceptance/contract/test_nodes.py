@@ -125,7 +125,8 @@ def test_a_goal_ends_when_its_node_dies_and_the_tool_is_unwound(resting: Hal) ->
         status, result = goal.end()
         assert (status, result["outcome_name"]) == ("ABORTED", "UNREACHABLE")
         assert result["reason"] == (
-            "The node Grip has gone: what became of the command is unknown. Read the state before the next one."
+            "The node Grip has gone: it is unknown whether the command was executed. "
+            "Read the state before the next one."
         )
     resting.until("the last will", lambda: len(resting.edges()) >= len(edges) + 3)
     assert resting.edges()[len(edges) :] == [(line, 0) for line in reversed(GRIP_LINES)]

@@ -236,13 +236,13 @@ def test_the_tests_of_a_codec_s_author_find_such_frames(fault: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        ({"name": 7}, "a name that is no name"),
-        ({"name": "a\nb"}, "a name that is no name"),
+        ({"name": 7}, "an invalid name"),
+        ({"name": "a\nb"}, "an invalid name"),
         ({"channels": {}}, "0 channels, expected 1 to 262"),
         ({"channels": {f"c{n}": Kind.BIT for n in range(263)}}, "263 channels, expected 1 to 262"),
-        ({"channels": {"Bottom": Kind.BIT}}, "a channel that is no name"),
-        ({"channels": {"none": Kind.BIT}}, "a channel that is no name"),
-        ({"channels": {7: Kind.BIT}}, "a channel that is no name"),
+        ({"channels": {"Bottom": Kind.BIT}}, "an invalid channel name"),
+        ({"channels": {"none": Kind.BIT}}, "an invalid channel name"),
+        ({"channels": {7: Kind.BIT}}, "an invalid channel name"),
         ({"channels": {"bottom": "pressure"}}, "no Kind for the channel bottom"),
         ({"period_us": 0}, "a period_us that is no whole number from 1 to 600000000"),
         ({"period_us": 0.02}, "a period_us that is no whole number"),

@@ -254,7 +254,7 @@ def test_rule_5_a_program_that_has_gone_or_was_started_again(room: Room) -> None
     assert goal.phase is Phase.RUNNING
     room.do(room.goals.tick(room.at, ("grip",)))
     assert end(goal)[0] is Outcome.UNREACHABLE
-    assert end(goal)[1].startswith("The node Grip has gone: what became of the command is unknown.")
+    assert end(goal)[1].startswith("The node Grip has gone: it is unknown whether the command was executed.")
     room.see(session=5, count=6)
     again = room.begun()
     room.see(session=6, count=9)

@@ -98,10 +98,10 @@ def test_where_inputs_cannot_be_played(tool: Description) -> None:
         match=r"mixed has no sensor link: there is nothing for --port /dev/ttyS0\. Leave out --port\.",
     ):
         open_ports("/dev/ttyS0", tool, None)
-    with pytest.raises(UsageError, match=r"digital inputs .* cannot be played at 'rpi3'"):
+    with pytest.raises(UsageError, match=r"digital inputs .* cannot be simulated at 'rpi3'"):
         open_sensors("rpi3", tool)
     kernels = tool.model_copy(update={"inputs": None})
-    with pytest.raises(UsageError, match="cannot be played in the kernel's own folder"):
+    with pytest.raises(UsageError, match="cannot be simulated in the kernel's own folder"):
         open_sensors(None, kernels)
 
 

@@ -47,7 +47,7 @@ def test_levels_and_edges_of_lines_on_two_chips(kernel: Kernel) -> None:
 
 @pytest.mark.parametrize(("name", "count"), [("GPIO99", "no"), ("TWIN", "2")])
 def test_a_name_that_is_missing_or_ambiguous(kernel: Kernel, name: str, count: str) -> None:
-    with pytest.raises(LineNotFoundError, match=rf"{name} \(bottom\) stands on {count} GPIO chip"):
+    with pytest.raises(LineNotFoundError, match=rf"{name} \(bottom\) is on {count} GPIO chip"):
         inputs(bottom=name).start(ignore)
 
 

@@ -70,9 +70,9 @@ def test_ports(verdin: Description) -> None:
     ("text", "message"),
     [
         (None, "the description has no virtual lines"),  # the HAL's own outputs are never taken as inputs
-        ("virtual", "lines cannot be seen at 'virtual'"),
-        ("virtual:", "lines cannot be seen"),
-        ("virtual-gpio:x", "lines cannot be seen at 'virtual-gpio:x'"),
+        ("virtual", "lines cannot be read from 'virtual'"),
+        ("virtual:", "lines cannot be read from"),
+        ("virtual-gpio:x", "lines cannot be read from 'virtual-gpio:x'"),
         ("rpi4", "Expected: virtual:PATH, gpiod"),
         ("gpiod:SODIMM_206=A", "Expected: gpiod:SODIMM_206=NAME,SODIMM_208=NAME"),
         ("gpiod:SODIMM_206=,SODIMM_208=B,SODIMM_210=C,SODIMM_212=D", "does not name each line once"),

@@ -106,7 +106,7 @@ def test_the_answer_of_another_device_is_none(tool: Description) -> None:
 @pytest.mark.parametrize(
     ("scenario", "sentence"),
     [
-        ("late-answers:jaws:20", "'late-answers:jaws:20' is a fault of a polled link, and jaws does not."),
+        ("late-answers:jaws:20", "'late-answers:jaws:20' is a fault of a polled link, and jaws is not polled."),
         ("noise:cup:0.1", "'noise:cup:0.1': no link is named 'cup'. Did you mean 'cups'?"),
         ("no-answers:cups:2", "'no-answers:cups:2': rate must be a number from 0 to 1."),
         ("leak:cups", "'leak:cups': no actuator is named 'cups'. Did you mean 'cup'?"),
@@ -131,7 +131,7 @@ def test_a_link_has_faults_of_its_own_and_those_of_all(tool: Description) -> Non
 
 
 def test_a_tool_whose_link_does_not_ask_refuses_them(verdin: Description) -> None:
-    with pytest.raises(UsageError, match=r"is a fault of a polled link, and verdin_gripper does not\."):
+    with pytest.raises(UsageError, match=r"is a fault of a polled link, and verdin_gripper is not polled\."):
         parse_scenario("no-answers:0.5", verdin)
     with pytest.raises(UsageError, match="the links of this tool have no names"):
         parse_scenario("noise:left:0.5", verdin)

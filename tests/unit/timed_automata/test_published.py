@@ -79,7 +79,7 @@ def test_a_crossing_with_a_queue() -> None:
     made = load_network(CROSSING)
     (note,) = made.document.notes
     assert str(note).startswith(f"{CROSSING}:")
-    assert "rate means nothing here" in note.what
+    assert "rate is ignored" in note.what
     explorer = Explorer(made)
     for query in made.document.queries:
         assert explorer.check(query.formula.content).holds, query.formula.content
@@ -120,7 +120,8 @@ def test_every_way_through_a_branch_point_is_an_edge() -> None:
     ("first", "second", "said"),
     [
         ('<label kind="assignment">k = 1</label>', "", "Join the two there."),
-        ("", '<label kind="guard">k == 1</label>', "A branch has a guard. It stands before the branch point."),
+        ("", '<label kind="guard">k == 1</label>',
+         "A branch has a guard. Move it to the edge before the branch point."),
     ],
 )  # fmt: skip
 def test_a_branch_point_that_says_two_things_is_refused(first: str, second: str, said: str) -> None:
@@ -238,7 +239,7 @@ def test_a_run_with_lower_bounds_is_simulated_and_judged(load: Callable[[str], N
 def test_a_lower_bound_is_not_executed(load: Callable[[str], Network]) -> None:
     made = load(LOWER.format(invariant="x >= 3", edge=""))
     with pytest.raises(
-        ModelError, match="'x >= 3' cannot be executed: what arrives cannot be made to wait for it"
+        ModelError, match="'x >= 3' cannot be executed: an event cannot wait for a lower bound"
     ):
         Execution(made, ["P", "Q"])
 

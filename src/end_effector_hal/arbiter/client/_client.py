@@ -18,36 +18,40 @@ from end_effector_hal.wires import now_us
 _log = logging.getLogger("end_effector_hal.arbiter")
 RENEW_S = 0.25
 Steps = Iterable[LastWillStep | Mapping[str, object]]
-"""A last will, also as it stands in JSON."""
+"""A last will as steps, or in its JSON form."""
 VALID = 0.9
-"""Share of the time-out during which a write may be executed: never once it was given up."""
+"""Share of the time-out within which a write may be executed, so that it is never executed after the client has given
+up.
+"""
 
 
 class WriteResult(NamedTuple):
-    """The reply to a write: the levels of all lines now, and µs until it is applied (0: it is applied; IL-10)."""
+    """The reply to a write: the present levels of all lines, and µs until the write is applied (0: it is applied;
+    IL-10).
+    """
 
     levels: dict[str, bool]
     delay_us: int
 
 
 class ArbiterClient:
-    """Writes some lines through the arbiter; thread-safe. A thread renews the lease, every 0.25 s.
+    """Writes some lines through the arbiter; thread-safe. A thread renews the lease every 0.25 s.
 
-    When the connection is lost, one call fails with ArbiterError, at the latest the next one: levels may have
-    changed, because the arbiter may have executed the last will. The calls after it work again once the arbiter
-    does. A client that only reads connects again by itself.
+    After a lost connection one call fails with ArbiterError, at the latest the next one: levels may have changed,
+    because the arbiter may have executed the last will. Later calls work again as soon as the arbiter does. A client
+    that only reads reconnects by itself.
 
     Args:
-        socket_path: of the arbiter.
-        client: own name, for the messages to people.
-        lines: that it writes; none: it only reads.
+        socket_path: the socket of the arbiter.
+        client: own name, for messages.
+        lines: lines that it writes; none: it only reads.
         will: the last will until the first `set` leaves another.
         timeout_s: longest wait for a reply.
-        patience_s: how long to wait now for an arbiter to appear.
+        patience_s: longest wait for an arbiter to appear, now.
 
     Raises:
         ArbiterError: there is no arbiter, or it does not answer.
-        LineBusyError: another client writes one of the lines; says which.
+        LineBusyError: another client writes one of the lines; the message names it.
     """
 
     def __init__(
@@ -88,12 +92,13 @@ class ArbiterClient:
         on_lost: Callable[[ArbiterError], None] | None = None,
         on_faults: Callable[[Mapping[str, str]], None] | None = None,
     ) -> None:
-        """Callbacks of the thread that renews the lease, from now on.
+        """Set the callbacks of the thread that renews the lease.
 
         Args:
-            alive: called before each renewal; while it returns False, the lease runs out and the last will is executed.
-            on_lost: called when that thread finds the connection lost.
-            on_faults: called with the latched faults, sentences by name, now and when they change; at first none.
+            alive: called before each renewal; while it returns False, the lease runs out and the last will is
+                executed.
+            on_lost: called when the thread finds the connection lost.
+            on_faults: called with the latched faults, sentences by name, now (if there are any) and when they change.
         """
         with self._lock:
             self._alive, self._faults = alive, {}
@@ -102,11 +107,13 @@ class ArbiterClient:
             on_lost(lost)
 
     def levels(self) -> dict[str, bool]:
-        """Levels of all lines of the arbiter, read back: they prove the claim, not the actuator."""
+        """Return the levels of all lines of the arbiter, read back. They prove that the lines are written, not that an
+        actuator moved.
+        """
         return dict(self._call("levels")["levels"])
 
     def declared_dead(self) -> bool:
-        """Whether the arbiter declared this client dead, and executed its last will, since the last call."""
+        """Return whether, since the last call, the arbiter declared this client dead and executed its last will."""
         with self._lock:
             declared, self._declared_dead = self._declared_dead, False
         return declared
@@ -114,16 +121,16 @@ class ArbiterClient:
     def set(
         self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
     ) -> WriteResult:
-        """Write some of the lines, at once.
+        """Write some of the lines together.
 
         Args:
-            levels: True is active.
-            will: what the arbiter does should this client die from now on; None: as before.
-            drop: a person asked for what is deactivated; see `LineArbiter.write`.
+            levels: levels by line; True is active.
+            will: the last will that the arbiter executes if this client dies from now on; None: unchanged.
+            drop: a person asked for the deactivations; see `LineArbiter.write`.
 
         Raises:
-            LineRefusedError: an interlock refuses, its id first in the sentence; nothing has changed.
-            ArbiterError: the arbiter is gone or does not answer; read the levels before anything else.
+            LineRefusedError: an interlock refuses; the message begins with its id. Nothing has changed.
+            ArbiterError: the arbiter is gone or does not answer; read the levels before any other call.
         """
         steps = None if will is None else self._read(will)
         with self._lock:
@@ -137,10 +144,10 @@ class ArbiterClient:
     def ask(
         self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
     ) -> Callable[[], int]:
-        """As `set`, in two parts: this one sends and never waits; the function that it returns waits for the reply.
+        """Do `set` in two parts: send now, without waiting; the returned function waits for the reply.
 
-        It returns µs until the write is applied, with all before it (0: it is; IL-10). It must be called once, in any
-        thread: the calls of all others wait for it.
+        That function returns µs until this write and all before it are applied (0: they are; IL-10). It must be called
+        exactly once, from any thread: until then all other calls of this client wait.
         """
         steps = None if will is None else self._read(will)
         if not self._lock.acquire(blocking=False):
@@ -159,34 +166,34 @@ class ArbiterClient:
         return wait
 
     def _read(self, will: Steps) -> LastWill:
-        """The same last will comes again and again: it is examined once."""
+        """Check a last will; one that equals the previous one is not checked again."""
         if will != self._examined:
             self._examined = read_last_will(will)
         return self._examined
 
     def status(self) -> dict[str, Any]:
-        """The arbiter's pid, its clients with lease and last will, and the activations that it ended (IL-03)."""
+        """Return the arbiter's pid, its clients with lease and last will, and the activations that it ended (IL-03)."""
         return dict(self._call("status")["status"])
 
     def latch(self, fault: str, why: str) -> None:
-        """Keep a fault that the arbiter's policy lists; `status` shows it, the first ``why`` stays.
+        """Latch a fault that the arbiter's policy lists; `status` shows it, and the first ``why`` stays.
 
-        While this client lives only its `clear` ends it; after that a `reset` does. What could not be sent now is said
-        with the next connection.
+        While this client lives, only its `clear` ends the fault; after that a `reset` does. If the fault cannot be
+        sent now, it is sent with the next connection.
         """
         why = printable(why)
         self._tell_faults("latch", {**self._latched, fault: why}, fault=fault, why=why)
 
     def clear(self, fault: str) -> None:
-        """End a fault that this client has latched, once it has been reset itself; as `latch`."""
+        """End a fault that this client has latched, after its own reset; sent like `latch`."""
         left = {name: why for name, why in self._latched.items() if name != fault}
         self._tell_faults("clear", left, fault=fault)
 
     def reset(self) -> dict[str, str]:
-        """Clear the latched faults; returns those of clients that live and have not been reset, sentences by name.
+        """Clear the latched faults; return the faults of live clients that have not been reset, sentences by name.
 
         Raises:
-            LineRefusedError: some stay, because their cause persists; says which.
+            LineRefusedError: some faults stay because their cause persists; the message names them.
         """
         return {str(name): printable(str(why)) for name, why in self._call("reset").get("stays", {}).items()}
 
@@ -195,7 +202,7 @@ class ArbiterClient:
         self._call("stop")
 
     def close(self, will: Steps | None = None) -> None:
-        """Leave in order: ``will`` is executed at once; none: the lines stay as they are.
+        """End the session in order: ``will`` is executed at once; None: the lines keep their levels.
 
         Raises:
             ArbiterError: ``will`` was given and could not be delivered.
@@ -225,7 +232,7 @@ class ArbiterClient:
             self._abandon()
 
     def _say_bye(self, will: LastWill) -> None:
-        """Also to a new arbiter, which without a bye would declare this client dead."""
+        """Send ``bye``, also to a restarted arbiter, which would otherwise declare this client dead."""
         fields = {"will": [step.as_json() for step in will]}
         with self._lock:
             was_connected = self._arbiter.connected
@@ -252,7 +259,9 @@ class ArbiterClient:
                 _log.exception("a callback of the client %s failed", self._client)
 
     def _renew(self) -> ArbiterError | None:
-        """Returns the error if the connection was lost just now; later failures to connect again are not reported."""
+        """Renew the lease; return the error if the connection was lost just now. Later failures to reconnect return
+        None.
+        """
         with self._lock:
             connected, known = self._arbiter.connected, self._faults
             try:
@@ -297,7 +306,7 @@ class ArbiterClient:
             raise lost
 
     def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool) -> OSError | None:
-        """Send it; returns the error if that failed."""
+        """Send the write; return the error if sending failed."""
         fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
         # this side gives up after the time-out: it must not be executed later
         fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)

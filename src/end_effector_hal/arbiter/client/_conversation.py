@@ -1,4 +1,4 @@
-"""Requests to the line arbiter and its replies, one after the other over one socket."""
+"""Exchanges requests and replies with the line arbiter, one at a time over one socket."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ERRORS: dict[str, type[ReportedError]] = {
 
 
 class Conversation(Client):
-    """A client that numbers its requests, and turns a refusal into its error."""
+    """A client that numbers its requests and raises a refusal as the matching error."""
 
     _number = 0
 
@@ -32,11 +32,11 @@ class Conversation(Client):
             ) from error
 
     def exchange(self, op: str, fields: Mapping[str, object]) -> dict[str, Any]:
-        """Send a request and wait for its reply; raises what `reply` does."""
+        """Send a request and wait for its reply; raises the errors of `reply`."""
         return self.reply(self.request(op, fields))
 
     def request(self, op: str, fields: Mapping[str, object]) -> OSError | None:
-        """Send a request; returns the error if that failed, for `reply`, which must follow."""
+        """Send a request; return the error if that failed. `reply` must follow and receives this error."""
         self._number += 1
         try:
             self.send(write_message({"id": self._number, "op": op, **fields}))
@@ -47,11 +47,11 @@ class Conversation(Client):
         return None
 
     def reply(self, failed: OSError | None = None) -> dict[str, Any]:
-        """Wait for the reply to what was sent.
+        """Wait for the reply to the request just sent.
 
         Raises:
             ArbiterError: the arbiter is gone or does not answer; the connection is closed.
-            ReportedError: the refusal of the arbiter.
+            ReportedError: the arbiter refuses the request.
         """
         try:
             if failed is not None:

@@ -1,4 +1,4 @@
-"""Sends what the sensors prove to the line arbiter; never waits for it."""
+"""Sends predicates to the line arbiter; never waits for it."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 AGAIN_US = 200_000
-"""Pause after a refusal: another process reads the sensors, and perhaps ends soon."""
+"""Pause after a refusal, µs: another process reads the sensors and may end soon."""
 
 
 class PredicateSender:
-    """A connection in the role of the sensors, made again whenever it can be. Not thread-safe.
+    """A connection with the role ``sensors`` that reconnects whenever possible. Not thread-safe.
 
-    What cannot be sent at once is not sent later: it would be old by then.
+    A report that cannot be sent at once is discarded: later it would be too old.
 
     Args:
-        socket_path: of the arbiter; it need not exist yet.
-        client: own name, for the messages to people.
+        socket_path: the socket of the arbiter; it need not exist yet.
+        client: own name, for messages.
     """
 
     def __init__(self, socket_path: str | Path, client: str = SENSORS) -> None:
@@ -34,11 +34,11 @@ class PredicateSender:
         self._not_before, self._refused = 0, ""
 
     def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
-        """Send predicates; returns whether the whole message was sent.
+        """Send predicates; return whether the whole message was sent.
 
         Args:
-            predicates: by name; see `Need`.
-            at_us: when the sensors proved it, monotonic clock.
+            predicates: whether each predicate holds, by name; see `Need`.
+            at_us: time at which the sensors proved them, monotonic clock.
         """
         if now_us() < self._not_before:
             return False
@@ -78,7 +78,7 @@ class PredicateSender:
         return self._socket
 
     def _read_replies(self, sock: socket.socket) -> None:
-        """Raises ArbiterError when the arbiter has refused something, or has gone."""
+        """Raise ArbiterError if the arbiter has refused a message or closed the connection."""
         try:
             data = sock.recv(LONGEST_MESSAGE)
         except BlockingIOError:
@@ -99,5 +99,5 @@ class PredicateSender:
     def _failed(self, error: OSError) -> None:
         if self._socket is not None and str(error) != self._refused:
             self._refused = str(error)
-            _log.warning("the sensor report cannot be sent to the line arbiter: %s", error)
+            _log.warning("the predicates cannot be sent to the line arbiter: %s", error)
         self.close()

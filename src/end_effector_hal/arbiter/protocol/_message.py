@@ -1,4 +1,4 @@
-"""A message as a line of JSON. What comes in is bounded here, so that repeating it cannot harm anybody."""
+"""Messages as lines of JSON. Incoming content is limited here, so that it is safe to repeat in replies and logs."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ T = TypeVar("T")
 
 
 def write_json(value: object) -> bytes:
-    """Compact, without a line break."""
+    """Return compact JSON without a line break."""
     return _ENCODER.encode(value).encode()
 
 
 def read_json(content: bytes, read: Callable[[Any], T]) -> T:
-    """What ``read`` makes of the content.
+    """Parse JSON and return the result of ``read`` on it.
 
     Raises:
-        UsageError: it is not JSON, or ``read`` does not find in it what it looks for.
+        UsageError: the content is not JSON, or ``read`` does not find what it needs.
     """
     try:
         return read(json.loads(content))
@@ -35,10 +35,10 @@ _NO_OBJECT = "a message must be a JSON object in UTF-8."
 
 
 def read_message(line: bytes) -> dict[str, Any]:
-    """The object in a line; its sentence ``why`` is made printable.
+    """Parse a line into an object; its sentence ``why`` is made printable.
 
     Raises:
-        UsageError: it is not an object, or it holds a number or a text that no message needs.
+        UsageError: the line is not an object, or contains a number or a text that no message needs.
     """
     try:
         given = _DECODER.decode(line.decode())
@@ -54,12 +54,12 @@ def read_message(line: bytes) -> dict[str, Any]:
 
 
 def read_reply(line: bytes) -> dict[str, Any]:
-    """A reply of the arbiter; the caller makes its texts printable. Raises UsageError."""
+    """Parse a reply of the arbiter; the caller makes its texts printable. Raises UsageError."""
     return read_json(line, _object)
 
 
 def write_message(message: Mapping[str, object]) -> bytes:
-    """The line to send."""
+    """Return the line to send."""
     return write_json(message) + b"\n"
 
 
@@ -83,10 +83,10 @@ def _check(message: dict[str, Any], deepest: int) -> None:
                 level.append(value)
             elif isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
                 raise UsageError(
-                    f"a text in a message has at most {LONGEST_SENTENCE} characters, all printable."
+                    f"a text in a message may have at most {LONGEST_SENTENCE} characters, all printable."
                 )
     if level:
-        raise UsageError(f"a message is nested at most {deepest} levels deep.")
+        raise UsageError(f"a message may be nested at most {deepest} levels deep.")
 
 
 def _integer(text: str) -> int:
@@ -96,7 +96,7 @@ def _integer(text: str) -> int:
 
 
 def _no_number(_text: str) -> object:
-    raise UsageError(f"a number in a message is an integer of at most {DIGITS} digits.")
+    raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
 
 
 _ENCODER = json.JSONEncoder(separators=(",", ":"))

@@ -16,61 +16,70 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
     {"id": 9, "op": "stop"}
     {"id": 10, "op": "clear", "fault": "sensor_fault"}
 
-    {"id": 1, "op": "hello", "role": "sensors", "client": "pressure", "token": "0d5f6c6e2b8a4f0d9b7e3a1c5d2f4b68"}
+    {"id": 1, "op": "hello", "role": "sensors", "client": "pressure",
+                           "token": "0d5f6c6e2b8a4f0d9b7e3a1c5d2f4b68"}
     {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
 
-**Writing lines.** ``hello`` names the lines that the client will write; each line has one writing client. ``token``
-is 32 random digits from 0 to f, made once by the client: a client with the same name and token is the one before,
-which connects again after a lost connection or a restart of the arbiter; any other is another program, and the last
-will of the one before is executed. A pid would not tell them apart: the arbiter sees pid 0 for every client in a PID
-namespace of its own, as in a container. Tokens are shown to nobody. While the last will of the client before is
-executed, ``hello`` is refused with the code EE-402 and ``retry_us``: a last will runs to its end first, so that the
-next client adopts lines that do not change. ``set`` is atomic, and leaves a last will (left out: the one before stays
-valid); an empty last will holds. With ``"drop": true`` a person asked for what it deactivates: that is written also
-where it counts as inactive already, and a device on a bus may be acknowledged and activated before it, as described,
-unless an interlock refuses an activation now. After ``until_us`` (monotonic clock; left out: no limit) the whole
-``set`` is refused, because its sender has stopped waiting for it. ``renew`` renews the lease and is answered with the
-latched ``faults``; any ``set`` renews it, too. ``bye`` ends in order: the last will in it is executed at once, the
-one left before is void. A socket that is closed without it, or a lease that expires, is the death of the client: its
-last will is executed. The last step of a last will is due at most 10 s after the death, or as late as the description
-of the tool needs it.
+**Writing lines.** ``hello`` names the lines that the client will write; each line has one writing client. ``token`` is
+32 random hexadecimal digits (0 to f) that the client makes once. A client with the same name and token is the same
+client, connecting again after a lost connection or a restart of the arbiter. A client with another token is another
+program, and the last will of the earlier one is executed. A pid would not distinguish them: the arbiter sees pid 0 for
+every client in a PID namespace of its own, as in a container. No reply contains a token. While the last will of the
+earlier client is executed, ``hello`` is refused with the code EE-402 and ``retry_us``: a last will is finished first,
+so that the next client adopts lines that do not change.
 
-**Predicates.** The clients that write lines cannot report what the sensors prove. A ``hello`` with the role
-``sensors`` takes that role for its connection; there is one at a time. Another connection is refused with EE-402 while
-the first one sends, and a fault is latched: another process claims to read the sensors. A connection with the token
-and the user (SO_PEERCRED) of the first one counts as the first one. Once the first was silent for 150 ms, another
-process of the same user may take the role; one of another user only when the connection has ended, which the arbiter
-does after 10 s of silence. ``tell`` counts only from the connection with this role. It is sent on change and at least
-every 50 ms, and says what was proven at ``at_us`` (monotonic clock, never ahead of now). It names only predicates
-that a line needs and that the arbiter does not prove by input lines of its own. It counts for 150 ms from then on. A
-line whose activation needs a predicate (IL-01, IL-02, IL-05, IL-07, IL-13) is refused without it;
-nothing is ever deactivated because one is missing. Without an ``id`` it gets no reply
-unless it is refused.
+``set`` is atomic and leaves a last will (left out: the previous one stays valid); an empty last will holds. ``"drop":
+true`` means that a person asked for the deactivations: they are written even where the line counts as inactive
+already, and a device on a bus may be acknowledged and activated first, as described, unless an interlock refuses an
+activation now. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is refused, because its
+sender has stopped waiting for it. ``renew`` renews the lease, and its reply has the latched ``faults``; ``set`` renews
+the lease too.
 
-**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, through
-a restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client says so once it has been reset
-itself. The policy names the client that shows a fault: that one may also clear a fault that it has not latched, which
-a disk has given back late, and finds it in ``status``. A ``hello`` has all faults that the client has latched and not
-cleared: what it said to an arbiter or over a connection that was lost counts (left out: those that its last session
-had). What the arbiter latches itself for an interlock (IL-03, IL-13) has no limit that a client could use up.
-``reset`` clears all faults; it is refused with EE-403 for those whose cause persists (an open e-stop). A fault of a
-client that lives, and has not cleared it, stays as well, whichever client has latched it (restart a client that never
-shows it): the reply has ``stays``, a sentence by name. ``stop`` latches what an open e-stop latches (IL-13): until a
-reset, also through a restart, nothing is activated, and no line is changed. A program that
-hears of it cancels the grip that runs.
+``bye`` ends the session in order: its last will is executed at once, and the earlier last will is void. If the socket
+is closed without ``bye``, or the lease expires, the client counts as dead, and its last will is executed. The last
+step of a last will is due at most 10 s after the death, or later if the description of the tool needs that.
 
-``levels``, ``status``, ``reset`` and ``stop`` need no hello: they change no line and no lease, a reset clears only what
-is over, and a stop only refuses. Such a connection is closed after 10 s without a message, and the oldest of them when
-there are more than 32: connections that write lines or send predicates do not count among these.
+**Predicates.** Clients that write lines cannot report predicates. A ``hello`` with the role ``sensors`` gives that
+role to its connection; one connection at a time has it. While that connection sends, another one is refused with
+EE-402, and a fault is latched: another process claims to read the sensors. A connection with the token and the user
+(SO_PEERCRED) of the first one counts as the first one. Once the first one was silent for 150 ms, another process of
+the same user may get the role; a process of another user gets it only when the first connection has ended (the arbiter
+closes a connection after 10 s of silence).
 
-Replies: ``{"id", "ok", "error", "levels"}``, levels of all lines, active is true. ``error`` is a sentence, with
+``tell`` is accepted only from the connection with this role. It is sent on every change and at least every 50 ms, and
+reports the predicates that were proven at ``at_us`` (monotonic clock, never ahead of now). It names only predicates
+that a line needs and that the arbiter does not prove by input lines of its own. A predicate is valid for 150 ms after
+``at_us``. If the activation of a line needs a predicate (IL-01, IL-02, IL-05, IL-07, IL-13), it is refused without
+that predicate; a missing predicate never deactivates a line. A ``tell`` without an ``id`` gets a reply only if it is
+refused.
+
+**Faults.** ``latch`` keeps a fault of a client that writes lines, by a name that the arbiter's policy lists, also
+through a restart; ``status`` shows it, and it refuses nothing. ``clear`` ends it: the client sends ``clear`` after its
+own reset. The policy names the client that shows a fault. That client may also clear the fault if it has not latched
+it itself but finds it in ``status``, because the journal was read late. A ``hello`` has all faults that the client has
+latched and not cleared; this list replaces earlier reports to another arbiter or over a lost connection (left out: the
+faults of its last session). Faults that the arbiter latches itself for an interlock (IL-03, IL-13) have no limit that
+a client could use up.
+
+``reset`` clears all faults; it is refused with EE-403 for faults whose cause persists (an open e-stop). A fault of a
+live client that has not cleared it also stays, no matter which client has latched it (restart a client that never
+shows it); ``stays`` in the reply has a sentence for each, by name. ``stop`` latches what an open e-stop latches
+(IL-13): until a reset, also through a restart, nothing is activated, and no line is changed. A program that finds this
+fault cancels its running grip.
+
+``levels``, ``status``, ``reset`` and ``stop`` need no ``hello``: they change no line and no lease, a reset clears only
+faults whose cause is over, and a stop only refuses. A connection without ``hello`` is closed after 10 s without a
+message, and the oldest of them when there are more than 32; connections that write lines or send predicates do not
+count.
+
+Replies: ``{"id", "ok", "error", "levels"}``; ``levels`` has all lines, true is active. ``error`` is a sentence, with
 ``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further keys: ``stays``
-of ``reset``, ``delay_us`` of ``set`` (until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the client
-was declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the connection
-and says why.
+of ``reset``, ``delay_us`` of ``set`` (time until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the
+client was declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the
+connection and gives the reason.
 
-Every text has printable characters only, a name at most 64, a sentence at most 500; numbers are integers of at most
-18 digits. A message has at most 128 lines, 528 predicates and 262,144 bytes: what a tool of 64 actuators needs.
+Texts have printable characters only; a name has at most 64, a sentence at most 500; numbers are integers of at most 18
+digits. A message has at most 128 lines, 528 predicates and 262,144 bytes: enough for a tool of 64 actuators.
 """
 
 from __future__ import annotations
@@ -89,7 +98,7 @@ class LastWillRunsError(LineBusyError):
 
     Args:
         what: one sentence.
-        retry_us: how long that takes, µs; say hello again after it.
+        retry_us: time until the last will is finished, µs; send ``hello`` again after it.
     """
 
     def __init__(self, what: str, retry_us: int) -> None:
@@ -98,17 +107,17 @@ class LastWillRunsError(LineBusyError):
 
 
 MOST_FAULTS = 16
-"""Of one client."""
+"""Most faults in the ``hello`` of a client."""
 _TOKEN = re.compile("[0-9a-f]{32}")
 
 
 def make_token() -> str:
-    """A new token."""
+    """Return a new random token."""
     return secrets.token_hex(16)
 
 
 def is_token(given: object) -> TypeGuard[str]:
-    """Whether it is 32 digits from 0 to f."""
+    """Return whether the value is a text of 32 digits from 0 to f."""
     return isinstance(given, str) and _TOKEN.fullmatch(given) is not None
 
 
@@ -117,7 +126,7 @@ SENSORS = "sensors"
 
 
 class Request(NamedTuple):
-    """A request that is well formed."""
+    """A well-formed request."""
 
     op: str
     role: str = ""
@@ -136,10 +145,10 @@ class Request(NamedTuple):
 
 
 def read_id(message: Mapping[str, Any]) -> int | str | None:
-    """The id that the reply repeats; None: there is none.
+    """Return the id that the reply repeats; None: the message has none.
 
     Raises:
-        UsageError: it is neither an integer nor a short text.
+        UsageError: the id is neither an integer nor a short text.
     """
     number = message.get("id")
     if number is None or type(number) is int or is_name(number):
@@ -148,10 +157,10 @@ def read_id(message: Mapping[str, Any]) -> int | str | None:
 
 
 def read_request(message: Mapping[str, Any]) -> Request:
-    """Check every field.
+    """Check every field and return the request.
 
     Raises:
-        UsageError: says which one is wrong.
+        UsageError: a field is wrong; the message names it.
     """
     op = message.get("op")
     if op not in OPS:
@@ -234,7 +243,7 @@ def _is_sentences(given: object) -> TypeGuard[dict[str, str]]:
 
 
 def _is_flags(given: object, most: int) -> bool:
-    """Whether it is an object of at most so many names, each true or false."""
+    """Return whether the value is an object of at most ``most`` names, each true or false."""
     return (
         isinstance(given, dict)
         and len(given) <= most

@@ -1,7 +1,8 @@
-"""The latched faults on a disk, where they survive a loss of power. The arbiter never waits for the disk.
+"""The journal: latched faults on a disk, where they survive a power loss. The arbiter never waits for the disk.
 
-A thread writes and syncs; what it has not written within a second, or could not write, is an alarm of the arbiter,
-and is tried again at each change and every second. The sessions of the clients are not in here: see `_session_store`.
+A thread writes and syncs. If the thread has not written a change within a second, or a write fails, the arbiter raises
+an alarm; the write is repeated at each change and every second. The sessions of the clients are kept elsewhere: see
+`_session_store`.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 PATIENCE_US = 1_000_000
-"""A disk that does not answer for so long is said to hang."""
+"""Time without an answer after which the disk counts as hanging, µs."""
 RETRY_S = 1.0
 READ_S = 2.0
-"""Longest wait for the disk, at the start and at the end of an arbiter."""
+"""Longest wait for the disk at the start and at the end of an arbiter, s."""
 
 NONE: Driven = MappingProxyType({})
 
@@ -33,12 +34,13 @@ class JournalEntry(NamedTuple):
 
     Attributes:
         faults: sentences by name, latched until a reset.
-        clean: the arbiter ended in order.
-        boot: the start of the machine in which it was written.
+        clean: whether the arbiter ended in order.
+        boot: identifies the boot of the machine in which the journal was written.
         doubt: why faults may be missing, a clause; empty: none is missing.
-        pulsed: levels of the outputs that leave none on their lines.
-        unread: the disk has not answered yet; what stands on it comes late.
-        driven: the role of each line; whether it may be active only of those that stay so without this machine.
+        pulsed: levels of the outputs whose level cannot be read from their lines (driven by pulses).
+        unread: the disk has not answered yet; its content follows later.
+        driven: the role of each line. Whether a line may be active is recorded only for lines that stay active without
+            this machine.
     """
 
     faults: Mapping[str, str]
@@ -53,15 +55,15 @@ class JournalEntry(NamedTuple):
 NO_ANSWER = JournalEntry(
     {}, clean=False, doubt="its journal cannot be read (the disk does not answer)", unread=True
 )
-"""For a disk that has not answered in time."""
+"""The entry for a disk that has not answered in time."""
 
 
 class Journal:
-    """Keeps the faults of one arbiter. Only `read`, `write_next` and `close` wait for the disk.
+    """Keeps the faults of one arbiter. Only `read`, `begin`, `write_next` and `close` wait for the disk.
 
     Args:
-        storage: where; None: keep nothing.
-        boot: names this start of the machine.
+        storage: the file; None: nothing is kept.
+        boot: identifies this boot of the machine.
         clock: monotonic, µs.
     """
 
@@ -70,14 +72,14 @@ class Journal:
         self._storage, self._boot, self._clock = storage, boot, clock
         self._lock = threading.Lock()
         self.changed = threading.Event()
-        """Set when there may be something to write."""
+        """Set when there may be a change to write."""
         self._asked: tuple[object, ...] = ()
         self._wanted = self._written = b""
         self._since: int | None = None  # when the oldest of what is not on the disk was wanted
         self._error = ""
 
     def read(self) -> JournalEntry:
-        """What an earlier arbiter has written; waits for the disk."""
+        """Return the entry of an earlier arbiter; waits for the disk."""
         if self._file is None:
             return JournalEntry({})
         try:
@@ -104,7 +106,7 @@ class Journal:
         *,
         clean: bool = False,
     ) -> None:
-        """Have this written, if it differs from the last request; returns at once."""
+        """Request that this state be written, if it differs from the last request; returns at once."""
         wanted = dict(faults), dict(pulsed), dict(driven), clean
         if self._file is None or wanted == self._asked:
             return
@@ -117,10 +119,11 @@ class Journal:
         self.changed.set()
 
     def begin(self, entry: JournalEntry) -> JournalEntry:
-        """Another arbiter begins: ``entry`` is not the last word on outputs that stay any more; waits for the disk.
+        """Mark the previous arbiter's entry as unclean on the disk, because outputs may change now; waits for the
+        disk.
 
-        Before the next pulse, or a loss of power a moment later would leave "inactive" on the disk of what is active by
-        then. Returns what the next arbiter may believe.
+        Without this, a power loss just after the next pulse would leave "inactive" on the disk for an output that is
+        active. Returns the entry that the new arbiter may believe.
         """
         idle = False in entry.pulsed.values() or any(each.active is False for each in entry.driven.values())
         if self._file is None or not entry.clean or not idle:
@@ -142,7 +145,7 @@ class Journal:
         return write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
 
     def write_next(self) -> bool:
-        """Write what `keep` asked for last; returns whether it is on the disk now. Waits for the disk."""
+        """Write the latest state that `keep` requested; return whether it is on the disk now. Waits for the disk."""
         with self._lock:
             payload = self._wanted
             if self._file is None or payload == self._written:
@@ -162,13 +165,13 @@ class Journal:
         return True
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close the file."""
         if self._storage is not None:
             self._storage.close()
 
     @property
     def trouble(self) -> str:
-        """Why the faults are not on the disk, a clause; empty: they are, or will be in a moment."""
+        """Why the faults are not on the disk, a clause; empty: they are there or will be in a moment."""
         with self._lock:
             if self._error:
                 return self._error
@@ -177,10 +180,10 @@ class Journal:
 
 
 class JournalThread:
-    """Waits for the disk in a thread, so that the arbiter need not.
+    """Reads and writes a journal in a thread, so that the arbiter does not wait for the disk.
 
     Args:
-        journal: used by this thread alone from now on.
+        journal: the journal; from now on only this thread uses it.
     """
 
     def __init__(self, journal: Journal) -> None:
@@ -190,19 +193,19 @@ class JournalThread:
         self._thread.start()
 
     def read(self) -> JournalEntry:
-        """What an earlier arbiter has written; after 2 s without an answer of the disk: see `late`."""
+        """Return the entry of an earlier arbiter; `NO_ANSWER` if the disk does not answer within 2 s, see `late`."""
         self._was_read.wait(READ_S)
         return self.late() or NO_ANSWER
 
     def late(self) -> JournalEntry | None:
-        """What an earlier arbiter has written, once; nothing is written before it was fetched here."""
+        """Return the entry of an earlier arbiter, once; else None. Nothing is written before it was returned."""
         if self._taken.is_set() or not self._was_read.is_set():
             return None
         self._taken.set()
         return self._entry
 
     def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven = NONE) -> None:
-        """Have this written; returns at once."""
+        """Request that this state be written; returns at once."""
         self._journal.keep(faults, pulsed, driven)
 
     @property
@@ -211,7 +214,9 @@ class JournalThread:
         return self._journal.trouble
 
     def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven = NONE) -> None:
-        """The arbiter ends in order; waits at most 2 s for what was not read yet, and 2 s for what is to be written."""
+        """Write the final state of an arbiter that ends in order; wait at most 2 s for a pending read, and 2 s for
+        this.
+        """
         if not self._taken.is_set():
             self._was_read.wait(READ_S)
             if (late := self.late()) is None:

@@ -1,7 +1,7 @@
-"""Records in a file of fixed size: the last whole one counts, and the file shows when a later one was begun.
+"""Records in a file of fixed size: the last whole one is valid, and the file shows if a later one was begun.
 
-Two slots are written in turn. Each record has a generation number and a checksum. A record that was begun and not
-finished (the process died, the write was torn) makes the one before it *outdated*: it is whole, but something has
+Two slots are written in turn. Each record has a generation number and a checksum. If a record was begun and not
+finished (the process died, the write was torn), the record before it is *outdated*: it is whole, but something has
 happened since.
 """
 
@@ -18,32 +18,32 @@ from end_effector_hal.arbiter.records._storage import Storage
 
 MAGIC = b"EEHALREC"
 _HEADER = struct.Struct("<8sQII")
-"""Magic, generation, length of the payload, checksum of these two and of the payload."""
+"""The header's fields: magic, generation, payload length, and checksum of generation, length and payload."""
 SLOT = 1 << 18
-"""Bytes of a slot; a longer record is refused."""
+"""Size of a slot, bytes; a record that does not fit is refused."""
 _UNFINISHED = 0xFFFFFFFF
-"""The length of a record that was only begun."""
+"""Value of the length field in a record that was only begun."""
 _NEVER_WRITTEN = _HEADER.pack(MAGIC, 0, _UNFINISHED, 0)
 
 
 class Standing(Enum):
-    """What was found in a file of records."""
+    """The condition of the records found in a file."""
 
     ABSENT = "absent"
     WHOLE = "whole"
     OUTDATED = "outdated"
-    """A whole record, and a later one that was begun and not finished, or may have been lost."""
+    """There is a whole record; a later one was begun and not finished, or may have been lost."""
     DAMAGED = "damaged"
-    """Something stands there, but no whole record."""
+    """The file has content, but no whole record."""
 
 
 class FoundRecord(NamedTuple):
     """The last whole record of a file.
 
     Attributes:
-        standing: how far it can be trusted.
-        payload: empty if there is none.
-        generation: of the payload; 0 if there is none.
+        standing: how far the record can be trusted.
+        payload: content of the record; empty if there is none.
+        generation: number of the record; 0 if there is none.
     """
 
     standing: Standing
@@ -52,10 +52,10 @@ class FoundRecord(NamedTuple):
 
 
 class RecordFile:
-    """Keeps the last record; every method may raise OSError, and may be called again then.
+    """Keeps the last record in a file. Every method may raise OSError and may be called again after it.
 
     Args:
-        storage: where.
+        storage: the file.
     """
 
     def __init__(self, storage: Storage) -> None:
@@ -64,7 +64,7 @@ class RecordFile:
         self._made = self._begun = self._foul = False
 
     def read(self) -> FoundRecord:
-        """The last record of an earlier process."""
+        """Return the last record of an earlier process."""
         content = self._storage.read()
         self._made = len(content) == 2 * SLOT
         found = _read(content)
@@ -76,17 +76,17 @@ class RecordFile:
 
     @property
     def next_generation(self) -> int:
-        """The number of the record that `keep` writes next."""
+        """The generation number of the record that `keep` writes next."""
         return self._generation + 1
 
     def begin(self) -> None:
-        """Something is about to change: until the next `keep`, the record before is outdated."""
+        """Mark the last record as outdated until the next `keep`, because a change is about to happen."""
         if self._made and not self._begun:
             self._write(self._generation + 1, _HEADER.pack(MAGIC, self._generation + 1, _UNFINISHED, 0))
             self._begun = True
 
     def keep(self, payload: bytes, *, synced: bool = False) -> None:
-        """Make this the last record; ``synced``: it survives a loss of power when this returns."""
+        """Write a new last record; if ``synced``, it survives a power loss once this method returns."""
         if len(payload) > SLOT - _HEADER.size:
             raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
         record = _record(self._generation + 1, payload)
@@ -105,12 +105,12 @@ class RecordFile:
         self._begun = self._foul = False
 
     def remove(self) -> None:
-        """Delete the file; the next record makes a new one."""
+        """Delete the file; the next record creates a new one."""
         self._storage.remove()
         self._made = False
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close the file."""
         self._storage.close()
 
     def _write(self, generation: int, data: bytes) -> None:
@@ -165,4 +165,4 @@ def _generation(slot: FoundRecord) -> int:
 
 
 _UNKNOWN = 1 << 64
-"""The generation of what cannot be read: later than everything that can."""
+"""Generation of a slot that cannot be read; it counts as later than every readable one."""

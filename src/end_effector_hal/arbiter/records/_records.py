@@ -1,4 +1,4 @@
-"""Both records of an arbiter, in memory and on a disk, and how far the next one believes them."""
+"""Both records of an arbiter, in memory and on a disk, and how far the next arbiter believes them."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 def recall(record: ArbiterState | None, journal: JournalEntry, boot: str = "") -> ArbiterState:
-    """The state to begin with: from the session record of this boot; without one, the faults of the journal.
+    """Return the state to start with: from the session record of this boot; without one, the faults of the journal.
 
-    In doubt more faults are latched rather than fewer, no last will is executed, and any line may be active.
-    ``boot`` names this start of the machine.
+    In doubt more faults are latched rather than fewer, no last will is executed, and any line may be active. ``boot``
+    identifies this boot of the machine.
     """
     if record is not None and not record.doubt and not record.unread:
         return record
@@ -59,7 +59,7 @@ def recall(record: ArbiterState | None, journal: JournalEntry, boot: str = "") -
 
 
 def _driven(journal: JournalEntry, boot: str) -> dict[str, DrivenLine]:
-    """Lines that may be active by the journal alone: a machine that was started again has reset its own."""
+    """Return each line's role and possible state by the journal alone; a reboot has made board lines inactive."""
     restarted, certain = journal.boot != boot and bool(boot), journal.clean and not journal.doubt
     return {
         line: DrivenLine(role, not restarted if active is None else active or not certain)
@@ -68,7 +68,7 @@ def _driven(journal: JournalEntry, boot: str) -> dict[str, DrivenLine]:
 
 
 def _to_disk(state: ArbiterState, policy: Policy) -> dict[str, DrivenLine]:
-    """The roles for the journal: a line of the board changes too often for a disk, and a restart resets it."""
+    """Return the roles for the journal; levels of board lines change too often for a disk, and a reboot resets them."""
     return {
         line: each if policy.roles[line].stays else each._replace(active=None)
         for line, each in state.driven.items()
@@ -76,9 +76,9 @@ def _to_disk(state: ArbiterState, policy: Policy) -> dict[str, DrivenLine]:
 
 
 def recorded_left_behind(socket: Path, policy: Policy) -> str:
-    """See `left_behind`: by the newest session record in the folder of the socket that has lines of this policy.
+    """Apply `left_behind` to the newest session record in the socket's folder that has lines of this policy.
 
-    A tool with another name has another socket, and drives the same lines.
+    A tool of another name has another socket but may drive the same lines.
     """
     records = (each for each in socket.parent.glob("*.sessions") if each.is_file())
     for path in sorted(records, key=lambda each: each.stat().st_mtime_ns, reverse=True):
@@ -96,46 +96,46 @@ NO_JOURNAL = (
 
 
 class JournalKeeper(Protocol):
-    """What writes a journal without anybody waiting for the disk: a `JournalThread`."""
+    """Writes a journal without making the arbiter wait for the disk; see `JournalThread`."""
 
     @property
     def trouble(self) -> str:
-        """Why the faults are not on the disk; empty: they are, or will be in a moment."""
+        """Why the faults are not on the disk; empty: they are there or will be in a moment."""
         ...
 
     def read(self) -> JournalEntry:
-        """What an earlier arbiter has written."""
+        """Return the entry of an earlier arbiter."""
         ...
 
     def late(self) -> JournalEntry | None:
-        """The same, once, where the disk did not answer in time."""
+        """Return that entry, once, if the disk did not answer in time for `read`."""
         ...
 
     def keep(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
-        """Have this written."""
+        """Request that this state be written."""
         ...
 
     def close(self, faults: Mapping[str, str], pulsed: Mapping[str, bool], driven: Driven) -> None:
-        """The arbiter ends in order."""
+        """Write the final state of an arbiter that ends in order."""
         ...
 
 
 class Records:
-    """Reads and keeps them. Trouble with either is a latched fault and ends nothing."""
+    """Reads and writes the session record and the journal. A failure of either is a latched fault and ends nothing."""
 
     def __init__(self, sessions: SessionStore, journal: JournalKeeper) -> None:
         self._sessions, self._journal = sessions, journal
         entry = journal.read()
         self._unread = entry.unread
         self.before = recall(sessions.read(), entry, sessions.boot)
-        """The state of the arbiter before this one."""
+        """The state of the previous arbiter."""
 
     def before_change(self) -> None:
-        """Lines are about to be written: what is recorded is outdated until `keep`."""
+        """Mark the session record as outdated until `keep`, because lines are about to be written."""
         self._sessions.begin()
 
     def keep(self, arbiter: LineArbiter) -> None:
-        """Keep its state; call it before any client learns what has changed."""
+        """Save the arbiter's state; call this before any client learns of a change."""
         if late := self._journal.late():
             self._unread = False
             if not self.before.driven:
@@ -152,7 +152,7 @@ class Records:
         self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
 
     def troubles(self) -> dict[str, str]:
-        """Records that cannot be kept now, as faults: sentences by name."""
+        """Return the records that cannot be written now, as faults: sentences by name."""
         return {
             name: sentence.format(why)
             for name, sentence, why in (
@@ -163,7 +163,7 @@ class Records:
         }
 
     def close(self, state: ArbiterState, policy: Policy) -> None:
-        """The arbiter ends in order."""
+        """Save the final state of an arbiter that ends in order, and close the records."""
         self._sessions.keep(replace(state, clean=True, unread=self._unread))
         self._sessions.close()
         self._journal.close(dict(state.faults), state.pulsed, _to_disk(state, policy))

@@ -1,10 +1,10 @@
 """The session record: last wills and levels of the lines, for the next arbiter, in memory that outlives the process.
 
-It stands in a file of the run directory, which is memory (tmpfs): like the levels of the lines, it outlives the
-process and not the machine. Its room is taken at the start, so that a full disk does not matter later. Before a line
-changes, the record is marked as outdated; it is whole again once the last wills that go with the new levels are in
-it. A record that is outdated, damaged, of another boot, not the latest by its number, or that does not fit the levels
-that are found means *hold*: no last will is executed.
+The record is a file in the run directory, which is memory (tmpfs): like the levels of the lines, it outlives the
+process but not the machine. Its space is allocated at the start, so that a full disk does not matter later. Before a
+line changes, the record is marked as outdated; it is whole again once it contains the last wills for the new levels.
+If a record is outdated, damaged, from another boot, not the latest by its number, or does not match the levels found,
+the arbiter *holds*: no last will is executed.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ _MARK = struct.Struct("<Q")
 
 
 class SessionStore:
-    """Keeps the session record in one file; trouble with it is an alarm and ends nothing.
+    """Keeps the session record in one file; a failure to do so is an alarm and ends nothing.
 
     Args:
-        storage: where.
-        mark: where the number of the latest record stands, apart from the record: an older record that is whole, such
-            as a copy, does not match it.
-        boot: names this start of the machine.
+        storage: the file of the record.
+        mark: a second file with the number of the latest record: an older record that is whole, for example a copy,
+            does not match it.
+        boot: identifies this boot of the machine.
         clock: monotonic, µs.
     """
 
@@ -47,18 +47,18 @@ class SessionStore:
         self._tried: ArbiterState | None = None
         self._begun = False
         self.trouble = ""
-        """Why the record cannot be kept now, a clause; empty: it is kept."""
+        """Why the record cannot be written now, a clause; empty: it is written."""
 
     @classmethod
     def beside(cls, socket: Path) -> SessionStore:
-        """The record of the arbiter that serves, or served, this socket."""
+        """Return the store of the arbiter that serves, or served, this socket."""
         record, mark = (
             FileStorage(Path(f"{socket}.{name}"), durable=False) for name in ("sessions", "generation")
         )
         return cls(record, mark, this_boot(), now_us)
 
     def read(self) -> ArbiterState | None:
-        """The state of the arbiter before this one in this boot, with its doubt; None: there is none."""
+        """Return the state of the previous arbiter in this boot, with any doubt about it; None: there is none."""
         try:
             found, mark = self._file.read(), self._mark.read()
         except OSError as error:
@@ -85,7 +85,7 @@ class SessionStore:
         return replace(state, clean=False, doubt=doubt) if doubt else state
 
     def begin(self) -> None:
-        """A line is about to change: the record is outdated until the next `keep`."""
+        """Mark the record as outdated until the next `keep`, because a line is about to change."""
         if not self._begun:
             self._begun = True
             try:
@@ -94,7 +94,7 @@ class SessionStore:
                 self._fail(error)
 
     def keep(self, state: ArbiterState) -> None:
-        """Write it, if it differs from the last one, or that is outdated, or could not be written for a while."""
+        """Write the record if the state has changed, the record is outdated, or a failed write is due again."""
         due = bool(self.trouble) and self._clock() >= self._retry_at
         if state == self._tried and not self._begun and not due:
             return
@@ -109,7 +109,7 @@ class SessionStore:
             self.trouble = ""
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close both files."""
         self._file.close()
         self._mark.close()
 
@@ -133,7 +133,7 @@ class SessionStore:
 
 
 def this_boot() -> str:
-    """The kernel's name for this start of the machine; "" where it has none, which equals no other."""
+    """Return the kernel's identifier of this boot; "" if the kernel has none (it never equals another boot)."""
     try:
         return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     except OSError:

@@ -1,4 +1,4 @@
-"""A file of fixed size whose room is taken at once, so that a later write cannot fail for want of space."""
+"""A file of fixed size whose space is allocated at creation, so that a later write cannot fail for lack of space."""
 
 from __future__ import annotations
 
@@ -10,43 +10,43 @@ from typing import Protocol
 from end_effector_hal.owned import open_owned
 
 MOST = 1 << 20
-"""Bytes of a file that are read."""
+"""Most bytes of a file that are read."""
 
 
 class Storage(Protocol):
-    """Bytes that outlive the process; every method may raise OSError. `FileStorage` says what each one does."""
+    """Storage that outlives the process; every method may raise OSError. `FileStorage` documents the methods."""
 
     def read(self) -> bytes:
-        """Everything; empty if there is nothing yet."""
+        """Return the whole content; empty if there is none yet."""
         ...
 
     def create(self, content: bytes, size: int) -> None:
-        """Begin again with these bytes, in one step, and with room for ``size``."""
+        """Replace the whole content by these bytes in one step, and allocate ``size`` bytes."""
         ...
 
     def write(self, at: int, data: bytes) -> None:
-        """Overwrite from the byte ``at`` on."""
+        """Overwrite the bytes from offset ``at`` on."""
         ...
 
     def sync(self) -> None:
-        """Return when it would survive a loss of power."""
+        """Return once the content would survive a power loss."""
         ...
 
     def remove(self) -> None:
-        """Delete all."""
+        """Delete the content."""
         ...
 
     def close(self) -> None:
-        """Give it back."""
+        """Release the storage."""
         ...
 
 
 class FileStorage:
-    """Bytes that outlive the process; every method may raise OSError. No link is followed, no file of others used.
+    """A file that outlives the process; every method may raise OSError. Links and other users' files are refused.
 
     Args:
         path: the file; its folder exists.
-        durable: a new file survives a loss of power; otherwise no call waits for a disk.
+        durable: whether a new file survives a power loss; if not, no call waits for a disk.
     """
 
     def __init__(self, path: Path, *, durable: bool) -> None:
@@ -54,7 +54,7 @@ class FileStorage:
         self._fd = -1
 
     def read(self) -> bytes:
-        """Everything; empty if there is no file yet."""
+        """Return the whole content; empty if there is no file yet."""
         try:
             fd = self._opened()
         except FileNotFoundError:
@@ -65,7 +65,7 @@ class FileStorage:
         return content
 
     def create(self, content: bytes, size: int) -> None:
-        """A new file of ``size`` bytes in one step: whenever the power goes, there is the old one or the new one."""
+        """Create a new file of ``size`` bytes in one step: a power loss leaves either the old file or the new one."""
         self.close()
         fresh = self._path.with_name(f".{self._path.name}.new")
         fresh.unlink(missing_ok=True)
@@ -85,11 +85,11 @@ class FileStorage:
             self._sync_folder()
 
     def write(self, at: int, data: bytes) -> None:
-        """Overwrite from the byte ``at`` on; the room for it was taken. After an error a part may be written."""
+        """Overwrite allocated bytes from offset ``at`` on. After an error some of them may be written."""
         _write_all(self._opened(), at, data)
 
     def sync(self) -> None:
-        """Return when it would survive a loss of power."""
+        """Return once the content would survive a power loss."""
         os.fdatasync(self._opened())
 
     def remove(self) -> None:
@@ -98,7 +98,7 @@ class FileStorage:
         self._path.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Give the file back; the next call opens it again."""
+        """Close the file; the next call opens it again."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
@@ -117,7 +117,7 @@ class FileStorage:
 
 
 def _write_all(fd: int, at: int, data: bytes) -> None:
-    """As many calls as it takes: one may write less than it was given."""
+    """Write all bytes, with several calls if needed: one call may write only some of them."""
     while data:
         written = os.pwrite(fd, data, at)
         if not written:

@@ -1,4 +1,4 @@
-"""The rules of the lines: leases, interlocks, last wills. No sockets, no files; time is an argument, in µs."""
+"""The rules of the lines: leases, interlocks, last wills. No sockets and no files; time is an argument, in µs."""
 
 from ._arbiter import LineArbiter
 from ._coils import SecondCoil

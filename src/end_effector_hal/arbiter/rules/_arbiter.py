@@ -1,9 +1,9 @@
-"""The rules of the line arbiter, without sockets: time is an argument, in µs.
+"""The rules of the line arbiter, without sockets; time is an argument, in µs.
 
-A client's writes are applied in the order in which they came. One that would change a line within
-``min_switch_us`` of its last change waits, as a whole, and what the client writes after it waits behind it;
-so do the steps of a last will, and changes within the pause after a pulse. An activation that waits is forgotten when
-its line is to be deactivated.
+Writes of a client are applied in the order of their arrival. If a write would change a line within ``min_switch_us``
+of the line's last change, the whole write waits, and later writes of that client wait behind it. The steps of a last
+will wait in the same way, and so do changes within the pause after a pulse. A waiting activation is discarded when its
+line is to be deactivated.
 """
 
 from __future__ import annotations
@@ -25,31 +25,31 @@ from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 MOST_WAITING = 64
-"""Writes of one client."""
+"""Most waiting writes of one client."""
 LONGEST_PULSE_US = 2_000_000
-"""An arbiter that ends waits at most so long for a pulse, once the lease of its clients is over."""
+"""Longest time for which an arbiter that ends waits for a pulse after the lease of its clients is over, µs."""
 RETRY_US = 100_000
-"""Between two tries of a deactivation that the hardware refuses."""
+"""Time between two tries of a deactivation that the hardware refuses, µs."""
 DOUBT = "last wills"
-"""The name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
+"""Name of the fault that is latched when the last wills of an earlier arbiter are not executed."""
 LET_GO = "let go"
-"""The same, when a line went inactive while no arbiter ran."""
+"""Name of the fault that is latched when a line went inactive while no arbiter ran."""
 
 
 class LineArbiter:
-    """Claims the lines, and applies what its clients may write.
+    """Claims the lines and applies the writes of its clients as far as the policy allows them.
 
-    ``at`` must not decrease. After each call, `deadline` says when `expire` and `advance` are due.
+    ``at`` must not decrease. After each call, `deadline` is the time at which `expire` and `advance` are due.
 
     Args:
-        backend: the lines, not claimed yet.
-        policy: the lines by name, and their interlocks.
-        at: now.
-        state: of the arbiter before this one.
-        before_change: called before lines are written, so that what is recorded counts as outdated meanwhile.
+        backend: the lines; they are not claimed yet.
+        policy: the names of the lines, and their interlocks.
+        at: the time now.
+        state: the state of the previous arbiter.
+        before_change: called before lines are written, so that the session record counts as outdated meanwhile.
 
     Raises:
-        UsageError: a line may be active that the policy lacks, or gives another role; no line was claimed.
+        UsageError: a line that may be active is missing in the policy, or has another role there; no line was claimed.
         WireError: the lines cannot be claimed.
     """
 
@@ -80,20 +80,20 @@ class LineArbiter:
 
     @property
     def levels(self) -> dict[str, bool]:
-        """All lines, as written last; True is active."""
+        """Levels of all lines as last written; True is active."""
         return self._lines.levels
 
     def read_levels(self) -> dict[str, bool]:
-        """The same, read back from the hardware where they stand there."""
+        """Return the levels of all lines, read back from the hardware where it can report them."""
         return self._lines.read()
 
     @property
     def pulses(self) -> bool:
-        """Whether a pulse is under way."""
+        """Whether a pulse is active."""
         return self._lines.coils is not None and self._lines.coils.due is not None
 
     def end_pulses(self, at: int | None = None) -> None:
-        """End those that are over; None: all of them, for no coil stays active behind an arbiter that ends."""
+        """End the pulses that are over at ``at``; None: end all, because no coil may stay active without an arbiter."""
         if self._lines.coils is None:
             return
         try:
@@ -106,7 +106,7 @@ class LineArbiter:
 
     @property
     def state(self) -> ArbiterState:
-        """What the next arbiter must know."""
+        """The state that the next arbiter needs."""
         return ArbiterState(
             faults=dict(self.predicates.faults),
             clients=tuple(each.record for each in self.sessions),
@@ -137,15 +137,16 @@ class LineArbiter:
         program: str = "",
         faults: Mapping[str, str] | None = None,
     ) -> Session:
-        """A client connects to write these lines; one with the same name and token connects again.
+        """Open a session for a client that writes these lines; the same name and token continue its earlier session.
 
-        ``pid`` and ``program``, the command line of its process, are for the sentences only. ``faults`` are those that
-        it has latched and not cleared, sentences by name; None: those of its session before.
+        ``pid`` and ``program`` (the command line of its process) appear only in messages. ``faults`` are the faults
+        that the client has latched and not cleared, sentences by name; None: those of its previous session.
 
         Raises:
-            UsageError: there is no such line, or the last will names another one.
-            LastWillRunsError: the last will of the client before is being executed; try again after ``retry_us``.
-            LineBusyError: another client writes one of them, or has the same name; says which. Or its last will fails.
+            UsageError: a line does not exist, or the last will names a line that the client does not write.
+            LastWillRunsError: the last will of the previous client is being executed; try again after ``retry_us``.
+            LineBusyError: another client writes one of the lines or has the same name (the message names it), or its
+                last will cannot be executed.
         """
         self.advance(at)
         for line in lines:
@@ -193,17 +194,18 @@ class LineArbiter:
         *,
         drop: bool = False,
     ) -> int:
-        """Set some lines at once, and leave a last will (None: the one before stays valid); none: the will alone.
+        """Write some lines at once, and leave a last will (None: keep the previous one). Without levels only the last
+        will changes.
 
-        ``drop``: a person asked for what is deactivated. It is written also where it is inactive, and the device of a
-        remote line may be acknowledged and activated first, unless an interlock refuses an activation.
+        ``drop`` means that a person asked for the deactivations. They are written even to lines that are inactive, and
+        the device of a remote line may be acknowledged and activated first, unless an interlock refuses an activation.
 
         Returns:
-            µs until it is applied, with all before it; 0: it is applied.
+            µs until this write and all before it are applied; 0: they are applied.
 
         Raises:
             LineRefusedError: an interlock refuses; nothing has changed.
-            UsageError: not a line of this client.
+            UsageError: a line does not belong to this client.
             WireError: the hardware cannot be written.
         """
         self.advance(at)
@@ -230,11 +232,11 @@ class LineArbiter:
         return max(0, self._lines.last_ready_at(session.queue) - at) if session.queue else 0
 
     def renew(self, session: Session, at: int) -> None:
-        """The client lives: its lease begins again."""
+        """Restart the client's lease."""
         session.lease_until = at + self.policy.lease_us
 
     def bye(self, session: Session, will: LastWill, at: int) -> None:
-        """The client leaves in order; ``will`` is executed now, the last will that it left before is void."""
+        """End the session in order: execute ``will`` now; the client's earlier last will is void."""
         self._set_last_will(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
         session.forget_activations(session.lines)
@@ -246,24 +248,24 @@ class LineArbiter:
         """Latch a stop, as an open e-stop does (IL-13): nothing is activated until a reset, and no line changes.
 
         Args:
-            who: the process that gave it, for the sentence.
+            who: the process that requested it, for the message.
         """
         self.predicates.latch(
             STOP, f"IL-13: the tool was stopped ({who}): nothing is activated until a reset."
         )
 
     def latch(self, session: Session, name: str, why: str) -> None:
-        """Keep a fault that a client has found, until the client clears it, or it has gone and a reset comes.
+        """Keep a fault that a client has found until the client clears it; after the client's end a reset clears it.
 
         Raises:
-            UsageError: the policy lists no such fault.
+            UsageError: the policy lists no fault of this name.
         """
         self.predicates.check_client_fault(name)
         self.predicates.latch(name, why)
         session.faults.add(name)
 
     def clear(self, session: Session, name: str) -> None:
-        """A client has been reset: end a fault that it has latched, or that is its own by the policy."""
+        """End a fault after the client's reset, if the client has latched it or the policy assigns it to the client."""
         if name not in session.faults and self.policy.faults.get(name) != session.client:
             return
         session.faults.discard(name)
@@ -273,10 +275,10 @@ class LineArbiter:
     def reset(self, at: int, still: Mapping[str, str] | None = None) -> dict[str, str]:
         """Clear the latched faults and the list of ended activations; ``still``: faults that persist now.
 
-        What a client has latched that lives and has not cleared it stays, and is returned: a sentence by name.
+        A fault of a live client that has not cleared it stays. Such faults are returned, a sentence by name.
 
         Raises:
-            LineRefusedError: some stay, because their cause persists; the others are cleared.
+            LineRefusedError: the cause of some faults persists, and they stay; the others are cleared.
         """
         self.trips.clear()
         self._lines.unbounded.clear()
@@ -297,7 +299,7 @@ class LineArbiter:
     # Events
 
     def declare_dead(self, session: Session, why: str, at: int) -> None:
-        """The client died: none of its waiting activations is applied, its last will is executed."""
+        """Discard the waiting activations of a client that has died, and execute its last will."""
         will = session.will
         session.forget_activations(session.lines)
         if self._lines.remote is not None:
@@ -307,18 +309,18 @@ class LineArbiter:
         _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))  # not before it
 
     def expire(self, at: int) -> list[Session]:
-        """End the sessions whose lease has expired, and return them. Call it when every message was read."""
+        """End the sessions with an expired lease, and return them. Call this after all messages were handled."""
         over = [session for session in self.sessions if not session.ended and session.lease_until <= at]
         for session in over:
             self.declare_dead(session, f"it did not renew its lease for {self.policy.lease_us} µs", at)
         return over
 
     def written(self, at: int) -> None:
-        """Whatever was written since this was last called is done by ``at`` µs."""
+        """Record ``at`` µs as the completion time of all writes since the last call."""
         self._lines.written(at)
 
     def advance(self, at: int) -> None:
-        """Execute what is due: waiting writes, last wills, and the ends of activations."""
+        """Execute the actions that are due: waiting writes, last wills, and the ends of activations."""
         if self._lines.remote is not None:
             self._hear_devices(self._lines.remote, at)
         if self._lines.coils is not None:
@@ -334,18 +336,18 @@ class LineArbiter:
                 _log.error("%s", why)
             self.predicates.latch(name, why)
         for name in self._lines.recovered() & self.predicates.faults.keys():
-            _log.info("over, for it was activated again: %s", self.predicates.faults.pop(name))
+            _log.info("fault over, the output was activated again: %s", self.predicates.faults.pop(name))
         self._say_unbounded()
         for line in self.policy.max_active_us:
             if (end := self._lines.longest_end(line)) is not None and end <= at:
                 self._end_activation(line, at)
 
     def may_end(self, asked_at: int, at: int) -> bool:
-        """Whether an arbiter that was asked to end at ``asked_at`` has nothing to wait for any more.
+        """Return whether an arbiter that was asked to end at ``asked_at`` has nothing left to wait for.
 
-        A shutdown ends its clients a moment later: for the time of a lease it waits for those that have left a last
-        will. Last wills are executed to their end, but for one that cannot be: that is the next arbiter's. A pulse
-        lasts its time.
+        A system shutdown ends the clients shortly after the arbiter's signal. So the arbiter waits, for the time of a
+        lease, for clients that have left a last will. Last wills are executed to their end, except one that cannot be
+        executed: that is left to the next arbiter. A pulse is completed.
         """
         patient_until = asked_at + self.policy.lease_us
         if self.pulses and at < patient_until + LONGEST_PULSE_US:
@@ -358,7 +360,7 @@ class LineArbiter:
 
     @property
     def deadline(self) -> int | None:
-        """When the next thing is due, or None."""
+        """The time of the next action, µs; None: nothing is due."""
         times = [session.lease_until for session in self.sessions if not session.ended]
         times += [self._lines.ready_at(session.queue[0]) for session in self.sessions if session.queue]
         ends = [*map(self._lines.longest_end, self.policy.max_active_us)]
@@ -366,14 +368,14 @@ class LineArbiter:
         return min([*times, *(end for end in ends if end is not None)], default=None)
 
     def _hear_devices(self, devices: RemoteLines, at: int) -> None:
-        """What they have done by now; an activation under way ends where an interlock objects to it by now."""
+        """Process the news of the devices; cancel a pending activation if an interlock refuses it now."""
         self._lines.hear(at)
         for line in devices.activating():
             for interlock, why in self._interlocks.objections(line, at):
                 devices.withdraw((line,), f"{interlock}: {why}")
 
     def _take_over(self, session: Session, before: set[str], faults: Mapping[str, str] | None) -> None:
-        """Latch what a client says that it has latched; what it had before and does not name, it has cleared."""
+        """Match the latched faults to those that a reconnecting client reports; it has cleared the others."""
         session.faults = before
         if faults is None:
             return
@@ -383,7 +385,10 @@ class LineArbiter:
             self.latch(session, name, faults[name])
 
     def _latched_by(self) -> dict[str, str]:
-        """The clients that live, by the faults that they have latched, or will show: a journal may be read late."""
+        """Return the live clients, by the latched faults that they have latched or that the policy assigns to them.
+
+        The policy counts because a journal may be read late, after the client has connected.
+        """
         living = [each for each in self.sessions if not each.ended]
         names = {each.client for each in living}
         theirs = {name: client for name, client in self.policy.faults.items() if client in names}
@@ -391,7 +396,7 @@ class LineArbiter:
         return {name: client for name, client in theirs.items() if name in self.predicates.faults}
 
     def _resume(self, state: ArbiterState, at: int) -> None:
-        """Continue the sessions of the arbiter before this one; in doubt no last will is executed."""
+        """Continue the sessions of the previous arbiter; in doubt no last will is executed."""
         doubt = state.doubt or self._changed_meanwhile(state.levels)
         guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
         active = {line for line, level in self.levels.items() if level}
@@ -413,9 +418,11 @@ class LineArbiter:
             self._restore(record._replace(will=()) if doubt else record, at)
 
     def _bound(self, state: ArbiterState, at: int) -> None:
-        """A longest time (IL-03) goes on from the record; without a record of the time it is over.
+        """Continue the longest times (IL-03) from the record; if the record lacks the start time, the longest time is
+        over.
 
-        Without a record of the role nothing ends it before a reset: the line may have held a part.
+        If no record has the role of an active line, its activation is not ended before a reset: the line may hold a
+        part.
         """
         for line, longest in self.policy.max_active_us.items() if self.policy.roles else ():
             if not self.levels[line]:
@@ -429,7 +436,9 @@ class LineArbiter:
         self._say_unbounded()
 
     def _say_unbounded(self) -> None:
-        """Latch what no longest time ends; of a guess not before somebody who knows the sensors says: active."""
+        """Latch a fault for each active line without a time limit; a guessed line counts once its level is
+        confirmed.
+        """
         guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
         for line in self._lines.unbounded - guessed:
             interlock, called = self.policy.bounded_by(line), self.policy.called(line)
@@ -449,7 +458,7 @@ class LineArbiter:
         return f"{', '.join(others)} was changed while no line arbiter ran" if others else ""
 
     def _restore(self, record: SessionRecord, at: int) -> None:
-        """Lines that this arbiter does not have are left out."""
+        """Restore a recorded session, without lines that this arbiter does not have."""
         lines = frozenset(record.lines).intersection(self.levels)
         will = tuple(step for step in record.will if step.line in lines)
         session = Session(
@@ -488,10 +497,10 @@ class LineArbiter:
             _log.warning("%s", why)
 
     def _apply_due(self, session: Session, at: int) -> None:
-        """Execute what is due. What cannot be deactivated is tried again; what cannot be activated is not.
+        """Apply the due writes of a session. A failed deactivation is tried again; a failed activation is not.
 
         Raises:
-            WireError: an activation failed; deactivations of the same write wait to be tried again.
+            WireError: an activation failed; deactivations of the same write are tried again later.
         """
         while session.queue and self._lines.ready_at(session.queue[0]) <= at:
             write = session.queue.popleft()
@@ -510,8 +519,11 @@ class LineArbiter:
                     raise
 
     def _try_again(self, session: Session, write: Write, error: WireError) -> None:
-        """Nothing behind it happens before it: the order of an unwinding is that of the description. And nothing is
-        activated then, for the interlocks were asked when it was written, not when the hardware works again."""
+        """Queue a failed deactivation again, before all later writes, and discard the waiting activations.
+
+        The order of an unwinding is that of the description, so nothing may happen before it. Activations are
+        discarded because their interlocks were checked when they were written, not when the hardware works again.
+        """
         session.forget_activations(session.lines)
         session.queue.appendleft(write)
         off = write.levels

@@ -1,4 +1,4 @@
-"""From the level of an output to the wires that drive it: one line, or two coils of a valve."""
+"""Translates the level of an output into the lines that drive it: one line, or the two coils of a valve."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 class SecondCoil(NamedTuple):
-    """The second coil of an output: it drives the device back.
+    """The second coil of an output, which drives the device back.
 
     Attributes:
-        line: of that coil.
-        pulse_us: 0: one of the two coils is active all the time; else each change is a pulse of this length, and the
-            device keeps its position without power.
-        pause_us: from the end of a pulse to the next one; 0: a change cuts a pulse short.
+        line: the line of that coil.
+        pulse_us: length of the pulse at each change; the device keeps its position without power. 0: one of the two
+            coils is always active.
+        pause_us: time from the end of a pulse to the next pulse; 0: a change cuts a pulse short.
     """
 
     line: str
@@ -28,15 +28,15 @@ class SecondCoil(NamedTuple):
 
 
 class Coils:
-    """Writes outputs, and knows what was written; no coil is ever active together with its opposite.
+    """Writes outputs and records what was written; a coil is never active together with its opposite.
 
-    Where no coil is active and no record of an earlier arbiter says what was pulsed last, nobody knows how the device
-    stands; nor does anybody where its back-end leaves a line out. Such an output is a guess and counts as active, until
-    somebody writes it, or its back-end knows. A part that may be held is held.
+    The position of a device is unknown if no coil is active and no record of an earlier arbiter has the last pulse, or
+    if the back-end does not report a line. Its output is then a guess and counts as active, until a client writes it
+    or the back-end reports it, because a part may be held.
 
     Args:
-        backend: the lines, not claimed yet.
-        opposites: by the line of the output.
+        backend: the lines; they are not claimed yet.
+        opposites: the second coils, by the line of the output.
         before_change: called before a line is written.
     """
 
@@ -46,23 +46,23 @@ class Coils:
         self._backend, self._opposites, self._before_change = backend, opposites, before_change
         self._pulsed: dict[str, bool] = {}
         self._ends: dict[str, int] = {}
-        """When the pulse of a line is over, µs."""
+        """End of the current pulse by line, µs."""
         self._paused: dict[str, int] = {}
-        """When the pause of an output is over, µs."""
+        """End of the pause by output, µs."""
         self.guessed = frozenset[str]()
-        """Outputs of which nothing is known, and that count as active."""
+        """Outputs of unknown position; they count as active."""
         self._undriven = frozenset[str]()
-        """Held outputs that were taken as active as they stand: no coil of theirs is active."""
+        """Outputs with two held coils that were adopted as active although neither of their coils is active."""
 
     def request(self, lines: Sequence[str], believed: Mapping[str, bool], at: int) -> dict[str, bool]:
-        """Claim all lines and adopt them; returns the levels of the outputs. A start drives no coil.
+        """Claim all lines, adopt their state, and return the levels of the outputs. No coil is activated at the start.
 
-        A pulse that is found under way lasts its whole length from now: nobody knows how long it has lasted.
+        A pulse that is active at the start lasts its whole length from now, because its start is unknown.
 
         Args:
-            lines: of the outputs.
-            believed: how pulsed outputs stand, where a record says it.
-            at: now, µs.
+            lines: the lines of the outputs.
+            believed: recorded positions of the outputs that are driven by pulses.
+            at: the time now, µs.
         """
         found = self._backend.request([*lines, *(each.line for each in self._opposites.values())])
         levels, off = {line: found.get(line, True) for line in lines}, set[str]()
@@ -91,7 +91,7 @@ class Coils:
         return levels
 
     def read(self) -> dict[str, bool]:
-        """The levels of the outputs, read back where a level stands; without those of which nothing is known."""
+        """Return the levels of the outputs, read back where the hardware reports them; unknown ones are left out."""
         found = self._backend.levels()
         self.guessed -= found.keys() - self._opposites.keys()  # it has become known
         unread = {each.line for each in self._opposites.values()} | self.guessed
@@ -102,13 +102,13 @@ class Coils:
         }
 
     def decide(self, lines: Iterable[str]) -> None:
-        """Somebody who knows the sensors has written these outputs: they are no guess any more."""
+        """End the guess for these outputs, because a client that reads the sensors has written them."""
         decided = self.guessed.intersection(lines)
         self.guessed -= decided
         self._undriven |= decided & self._opposites.keys() - self._pulsed.keys()
 
     def set(self, changes: Mapping[str, bool], at: int) -> None:
-        """Write outputs: first what becomes inactive, then what becomes active; raises what the lines raise."""
+        """Write outputs: deactivations first, then activations. Raises the errors of the lines."""
         off, on, ends = set[str](), set[str](), dict[str, int]()
         for line, level in changes.items():
             opposite = self._opposites.get(line)
@@ -131,7 +131,7 @@ class Coils:
         self._undriven -= changes.keys()
 
     def ready_at(self, line: str) -> int:
-        """When the pause after the last pulse of an output is over, as far as is known, µs; 0: there is none."""
+        """Return the known end of the pause after an output's last pulse, µs; 0: there is no pause."""
         opposite = self._opposites.get(line)
         if opposite is None or not opposite.pause_us:
             return 0
@@ -140,16 +140,16 @@ class Coils:
 
     @property
     def due(self) -> int | None:
-        """When the next pulse is over, µs; None: there is none."""
+        """The time at which the next pulse ends, µs; None: there is none."""
         return min(self._ends.values(), default=None)
 
     @property
     def pulsed(self) -> dict[str, bool]:
-        """The levels of the outputs that leave none on their lines; a guess is not among them."""
+        """Levels of the outputs whose level cannot be read from their lines (driven by pulses), without guesses."""
         return {line: level for line, level in self._pulsed.items() if line not in self.guessed}
 
     def advance(self, at: int) -> None:
-        """End the pulses that are over; one that cannot be ended is tried again one pulse later."""
+        """End the pulses that are over; if ending one fails, it is tried again one pulse length later."""
         over = [line for line, end in self._ends.items() if end <= at]
         if not over:
             return
@@ -169,7 +169,7 @@ class Coils:
             raise failed
 
     def cut(self) -> None:
-        """End all pulses now; of what is cut short nobody knows how it stands. Raises what the lines raise."""
+        """End all pulses now; an output whose pulse is cut short becomes a guess. Raises the errors of the lines."""
         under_way = self._ends.keys()
         short = {line for line, each in self._opposites.items() if {line, each.line} & under_way}
         self.guessed |= short

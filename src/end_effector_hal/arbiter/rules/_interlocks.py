@@ -1,4 +1,4 @@
-"""What refuses the activation of a line: another line, what the sensors show, a stop."""
+"""The checks that refuse the activation of a line: another line, the sensors, a stop."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class LineInterlocks:
     """The interlocks of a policy; time is an argument, in µs.
 
     Args:
-        policy: exclusions, and what each line needs of the sensors.
-        lines: as they stand.
-        predicates: what the sensors prove, and whether a stop is latched.
+        policy: exclusions, and the predicates that each line needs.
+        lines: the lines in their present state.
+        predicates: the proven predicates, and whether a stop is latched.
     """
 
     def __init__(self, policy: Policy, lines: OutputLines, predicates: SensorPredicates) -> None:
@@ -25,7 +25,7 @@ class LineInterlocks:
         self._partners = {line: policy.partners(line) for line in policy.lines}
 
     def broken(self) -> list[str]:
-        """Lines that are active together with one that excludes them: they were found so."""
+        """Return lines that are active together with a line that excludes them; possible only at the start."""
         levels = self._lines.levels
         return [
             line
@@ -34,16 +34,16 @@ class LineInterlocks:
         ]
 
     def check(self, line: str, levels: Mapping[str, bool], sessions: Sequence[Session], at: int) -> None:
-        """Exclusions (IL-01, IL-05, IL-08), and what the sensors must prove (IL-01, IL-02, IL-05, IL-13).
+        """Check exclusions (IL-01, IL-05, IL-08) and the predicates that the line needs (IL-01, IL-02, IL-05, IL-13).
 
         Args:
-            line: that is to be activated.
-            levels: what is written with it.
-            sessions: with writes that wait.
-            at: now.
+            line: the line to be activated.
+            levels: levels in the same write.
+            sessions: sessions whose waiting writes count.
+            at: the time now.
 
         Raises:
-            LineRefusedError: an interlock refuses; its id stands first.
+            LineRefusedError: an interlock refuses; the message begins with its id.
         """
         called = self._policy.called(line)
         for other, interlock, gap_us in self._partners[line]:
@@ -62,7 +62,7 @@ class LineInterlocks:
             raise LineRefusedError(f"{interlock}: {called} is not activated: {why}.")
 
     def objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
-        """Interlocks that refuse an activation now by what the sensors show or a stop says, each with its reason."""
+        """Yield the interlocks that refuse an activation now because of the sensors or a stop, with their reasons."""
         if stopped := self._predicates.stopped:
             yield "IL-13", stopped
         unlocks = any(partner.interlock == "IL-01" for partner in self._partners[line])
@@ -73,7 +73,7 @@ class LineInterlocks:
                 yield need.interlock, why
 
     def _may_be_active(self, line: str, sessions: Sequence[Session]) -> bool:
-        """Whether it is active now, or will be before everything that waits in any queue is applied."""
+        """Return whether the line may be active now, or will be active after one of the waiting writes."""
         return self._lines.may_be_active(line) or any(
             write.levels.get(line) for session in sessions for write in session.queue
         )

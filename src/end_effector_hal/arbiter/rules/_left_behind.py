@@ -1,4 +1,4 @@
-"""Lines that an earlier arbiter left active, and that another description forgets or gives another role."""
+"""Finds lines that an earlier arbiter left active and that a new description lacks or gives another role."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNKNOWN_ROLES = (
 
 
 def left_behind(state: ArbiterState, policy: Policy) -> str:
-    """Which lines may be active in a role that the policy does not give them, a sentence; empty: none."""
+    """Return a sentence about lines that may be active in a role that the policy lacks; empty: there are none."""
     found = []
     for line, (role, active) in state.driven.items() if policy.roles else ():
         now = policy.roles.get(line)

@@ -1,4 +1,4 @@
-"""The claimed output lines: their levels, since when each of them stands so, and whether one may be activated now."""
+"""The claimed output lines: their levels, the time of their last change, and whether they may be active."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 
 class OutputLines:
-    """Claims the lines, and adopts the levels that they have.
+    """Claims the lines and adopts their present levels.
 
     Args:
-        backend: the lines, not claimed yet.
-        policy: their names, and how long each stays as it is (IL-10).
-        at: now, µs.
+        backend: the lines; they are not claimed yet.
+        policy: names of the lines, and the shortest time between two changes (IL-10).
+        at: the time now, µs.
         before_change: called before lines are written.
         believed: levels that an earlier arbiter has recorded.
     """
@@ -32,28 +32,30 @@ class OutputLines:
     ) -> None:
         self._policy, self._before_change = policy, before_change
         self.remote = backend if isinstance(backend, RemoteLines) else None
-        """Those that a device writes late; None: there are none."""
+        """The back-end, if it has lines that a device writes later; None: it has none."""
         guesses = policy.opposites or self.remote
         self.coils = Coils(backend, policy.opposites, before_change) if guesses else None
-        """Outputs of two coils, with all others; None: each output is one line, whose level can be read."""
+        """All outputs, if some have two coils or may be unknown; None: each is one line whose level can be read."""
         self._backend = backend
         self.levels = (
             self.coils.request(policy.lines, believed, at) if self.coils else backend.request(policy.lines)
         )
         self.changed_at = dict.fromkeys(policy.lines, at)
-        """The time of the last change of each line, µs."""
+        """Time of the last change of each line, µs."""
         self._changed: set[str] = set()
-        """What was changed since it was last said when that was done."""
+        """Lines written since the last call of `written`."""
         self._half_done: set[str] = set()
-        """What an activation that failed may have activated: of several chips, one may have been written."""
+        """Lines that a failed activation may have activated: of several chips, one may have been written."""
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
         self._renewed: set[str] = set()
-        """Lines of devices that were activated since they last had a trouble."""
+        """Lines of devices that were activated since their last trouble."""
         self.unbounded = set[str]()
-        """Lines that were found active and of which no record says what they drive: no longest time ends them."""
+        """Lines that were active at the start and whose role no record has: their activation has no time limit."""
 
     def set(self, levels: Mapping[str, bool], at: int, *, again: bool = False) -> None:
-        """Write those that have another level, and ``again`` those that are inactive already; raises WireError."""
+        """Write the lines whose level differs; with ``again`` also deactivations of inactive lines. Raises
+        WireError.
+        """
         changes = {
             line: level
             for line, level in levels.items()
@@ -91,13 +93,15 @@ class OutputLines:
             self._renewed |= {line for line, level in changes.items() if level}
 
     def written(self, at: int) -> None:
-        """What was changed just now is changed since ``at``: a write takes a moment, and IL-10 counts from its end."""
+        """Set the change time of the lines just written to ``at``: a write takes a moment, and IL-10 counts from its
+        end.
+        """
         if self._changed:
             self.changed_at |= dict.fromkeys(self._changed, at)
             self._changed.clear()
 
     def read(self) -> dict[str, bool]:
-        """The levels, read back from the hardware where they stand there."""
+        """Return the levels, read back from the hardware where it can report them."""
         if self.coils is None:
             return self._backend.levels()
         guessed, found = self.coils.guessed, self.coils.read()
@@ -105,20 +109,20 @@ class OutputLines:
         return found
 
     def hear(self, at: int) -> None:
-        """What a device has done by now, changed now: pauses are counted from there."""
+        """Set the change time of lines that a device has confirmed by now to ``at``: pauses are counted from there."""
         if self.remote is None:
             return
         before, self._unsure = self._unsure, self.remote.unsure()
         self.changed_at |= dict.fromkeys(before - self._unsure, at)
 
     def may_be_active(self, line: str) -> bool:
-        """Whether it is active, or nobody knows how it stands."""
+        """Return whether a line is active or its state is unknown."""
         if line in self._half_done:
             return True
         return self.levels[line] or (self.remote is not None and line in self.remote.unsure())
 
     def troubles(self) -> dict[str, str]:
-        """What is wrong with outputs that are not written here, a sentence by the name of a fault."""
+        """Return the troubles of outputs that a device writes: sentences by the name of the fault."""
         if self.remote is None:
             return {}
         found = self.remote.troubles()
@@ -126,17 +130,19 @@ class OutputLines:
         return {_fault(line): f"{self._policy.called(line)} {why}." for line, why in found.items()}
 
     def recovered(self) -> frozenset[str]:
-        """Names of the faults that are over: their line was activated again, and its device confirms that."""
+        """Return the names of faults that are over: the line was activated again, and its device confirms it."""
         if self.remote is None:
             return frozenset()
         return frozenset(map(_fault, self._renewed.difference(self.remote.unsure(), self._half_done)))
 
     def ready_at(self, write: Write) -> int:
-        """The earliest time at which a write may be applied, µs."""
+        """Return the earliest time at which a write may be applied, µs."""
         return self.last_ready_at([write])
 
     def last_ready_at(self, writes: Iterable[Write]) -> int:
-        """When the last of these writes can be applied, if each is applied as early as it may be, µs."""
+        """Return the time at which the last of these writes can be applied if all are applied as early as possible,
+        µs.
+        """
         levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
         paused = {line: self.coils.ready_at(line) for line in levels} if self.coils else {}
         for due, wanted, again in writes:
@@ -153,7 +159,7 @@ class OutputLines:
         return time
 
     def longest_end(self, line: str) -> int | None:
-        """When an active line has been active for its longest time (IL-03), µs; None: it is not active."""
+        """Return when an active line reaches its longest time (IL-03), µs; None: inactive, or without a limit."""
         active = self.levels[line] or line in self._half_done
         if not active or line in self.unbounded or (self.coils and line in self.coils.guessed):
             return None

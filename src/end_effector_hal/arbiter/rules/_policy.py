@@ -1,4 +1,4 @@
-"""What the line arbiter enforces: plain data, made from the description of the tool."""
+"""The rules that the line arbiter enforces: plain data, made from the description of the tool."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, LastWill
 
 
 class Exclusion(NamedTuple):
-    """Two lines that are never both active; the interlock that refuses each while the other is active."""
+    """Two lines that are never active together, with the interlocks that refuse one line while the other is active."""
 
     line_a: str
     line_b: str
     id_a: str = "IL-01"
     id_b: str = "IL-05"
     gap_us: int = 0
-    """Between the end of one and the activation of the other (IL-08)."""
+    """Shortest time between the end of one activation and the start of the other, µs (IL-08)."""
 
 
 class Role(NamedTuple):
-    """What a line drives.
+    """The device that a line drives.
 
     Attributes:
-        words: for a sentence; another role has other words.
-        stays: the device keeps its position without this machine (two coils, an output on a bus).
+        words: description for messages; different roles have different words.
+        stays: whether the device keeps its position without this machine (two coils, an output on a bus).
     """
 
     words: str
@@ -43,15 +43,15 @@ class Partner(NamedTuple):
 
 
 class Need(NamedTuple):
-    """What the sensors must freshly prove for a line to be activated.
+    """A predicate that the sensors must prove, and that must be fresh, before a line may be activated.
 
     Attributes:
         predicate: its name in a message.
-        interlock: that refuses without it.
-        means: for a sentence: "the tool is locked".
-        otherwise: what is the case when it does not hold: "the tool is not proven to be locked".
-        latched: once it did not hold, nothing is activated until a reset (IL-13), and this says why:
-            "the emergency stop was opened"; empty: it does not latch.
+        interlock: the interlock that refuses the activation without it.
+        means: words for a message: "the tool is locked".
+        otherwise: words for the case that it does not hold: "the tool is not proven to be locked".
+        latched: reason for a latched refusal: once the predicate did not hold, nothing is activated until a reset
+            (IL-13), for example "the emergency stop was opened"; empty: nothing is latched.
     """
 
     predicate: str
@@ -63,22 +63,23 @@ class Need(NamedTuple):
 
 @dataclass(frozen=True)
 class Policy:
-    """The lines of an arbiter and the interlocks on them (section 6 of the contract).
+    """The lines of an arbiter and their interlocks (section 6 of the contract).
 
     Attributes:
-        lines: all output lines, claimed at once.
+        lines: all output lines, claimed together.
         exclusions: pairs such as (unlock, vacuum); an `Exclusion` names its interlocks.
-        max_active_us: a line that is active for so long is made inactive (IL-03, blow-offs: IL-08).
-        min_switch_us: a line stays as it is for at least so long; a write waits (IL-10).
-        needs: by line, what the sensors must say for it to be activated (IL-01, IL-05, IL-13).
-        fresh_us: how long a proof of the sensors counts.
-        lease_us: a client that does not renew its lease for so long is dead.
-        longest_last_will_us: no step of a last will is later than that after the death.
-        faults: those that clients may latch, by name: the client that shows it, and whose reset ends it.
-        labels: what the lines drive, for the sentences.
-        roles: the same for the next arbiter, which may be started with another description.
-        opposites: second coils, by the line of their output; no client writes them.
-        proven: predicates that the arbiter proves by itself, by lines that it reads; nobody else is believed.
+        max_active_us: longest time for which a line may be active; then it is deactivated (IL-03, blow-offs: IL-08).
+        min_switch_us: shortest time between two changes of a line; an earlier write waits (IL-10).
+        needs: by line, the predicates that the sensors must prove before it is activated (IL-01, IL-05, IL-13).
+        fresh_us: how long a proof of the sensors is valid.
+        lease_us: a client that does not renew its lease for this time counts as dead.
+        longest_last_will_us: latest time after the death for a step of a last will.
+        faults: the faults that clients may latch. By name, the client that shows the fault, and whose reset ends it.
+        labels: by line, the device that it drives, for messages.
+        roles: by line, its role, for the next arbiter, which may be started with another description.
+        opposites: by line of an output, its second coil; no client writes these coils.
+        proven: predicates that the arbiter proves from lines that it reads itself; reports of other processes are
+            refused.
     """
 
     lines: Sequence[str]
@@ -110,7 +111,7 @@ class Policy:
             )
 
     def check_last_will(self, will: LastWill) -> None:
-        """Raises UsageError for a last will that takes so long that it would lock its lines."""
+        """Raise UsageError if a last will takes so long that it would block its lines."""
         late = [step for step in will if step.after_us > self.longest_last_will_us]
         if late:
             raise UsageError(
@@ -119,22 +120,24 @@ class Policy:
             )
 
     def settle_us(self, line: str) -> int:
-        """How long it stays as it is after a change (IL-10); with a pulse that has a pause, until that is over."""
+        """Return how long a line stays unchanged after a change (IL-10), µs; at least until the end of a pulse's
+        pause.
+        """
         coil = self.opposites.get(line)
         paused = coil.pulse_us + coil.pause_us if coil and coil.pause_us else 0
         return max(self.min_switch_us, paused)
 
     def partners(self, line: str) -> list[Partner]:
-        """The lines that must be inactive for this one to be activated."""
+        """Return the lines that must be inactive before this line may be activated."""
         pairs = [Exclusion(*pair) for pair in self.exclusions]
         return [Partner(p.line_b, p.id_a, p.gap_us) for p in pairs if p.line_a == line] + [
             Partner(p.line_a, p.id_b, p.gap_us) for p in pairs if p.line_b == line
         ]
 
     def bounded_by(self, line: str) -> str:
-        """The interlock that ends the activation of a line after its longest time."""
+        """Return the interlock that ends the activation of a line after its longest time."""
         return "IL-08" if any(partner.interlock == "IL-08" for partner in self.partners(line)) else "IL-03"
 
     def called(self, line: str) -> str:
-        """The line, for a sentence."""
+        """Return the line with its label, for messages."""
         return f"{line} ({self.labels[line]})" if line in self.labels else line

@@ -1,4 +1,4 @@
-"""What the sensors were last said to prove, for as long as it is fresh, and the faults that stay until a reset."""
+"""The last reported predicates, for as long as they are fresh, and the faults that stay until a reset."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import hint
 
 STOP = "stop"
-"""The name of the fault that a stop latches: without an e-stop input as well, it refuses what an open one does."""
+"""Name of the fault that a stop latches; it refuses activations like an open e-stop, also without that input."""
 
 FORMER = "former lines"
-"""The name of the fault that a line of a former description may be active: it refuses an unlock."""
+"""Name of the fault that a line of an earlier description may be active; it refuses an unlock."""
 
 CLOCKS = "the monotonic clock of that process and of the line arbiter differ: run both in one time namespace"
 SKEW_US = 10_000_000
-"""A time that is wrong by so much comes from another clock, not from a slow machine."""
+"""Error of a time stamp from which on another clock is assumed as the cause, not a slow machine, µs."""
 
 
 class ProvenPredicate(NamedTuple):
-    """Whether a predicate held at ``at`` µs, according to the process that reads the sensors."""
+    """Whether a predicate held at ``at`` µs, as reported by the process that reads the sensors."""
 
     holds: bool
     at: int
@@ -30,15 +30,15 @@ class ProvenPredicate(NamedTuple):
 class SensorPredicates:
     """Predicates that expire, and latched faults. Pure: time is an argument, in µs.
 
-    A predicate refuses activations; nothing in here ever makes a line inactive. All names are known at the start: no
-    message makes a table grow, and no fault of a client takes the room of one that the arbiter latches.
+    A predicate can refuse activations; it never makes a line inactive. All names are fixed at the start, so no message
+    makes a table grow, and faults of clients do not displace those of the arbiter.
 
     Args:
-        needs: of all lines; those that latch leave faults.
+        needs: the needs of all lines; some of them latch faults.
         valid_us: how long a predicate stays fresh.
-        faults: known from before a restart, sentence by name.
+        faults: faults from before a restart, sentences by name.
         client_faults: names of the faults that clients may latch.
-        own: predicates that the arbiter proves by itself; no message may name one.
+        own: predicates that the arbiter proves by itself; messages must not name them.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class SensorPredicates:
         needs = list(needs)
         self._own = own
         self.unread = ""
-        """Why the arbiter's own inputs cannot be read now, a sentence; empty: they are."""
+        """Why the arbiter's own inputs cannot be read now, a sentence; empty: they are read."""
         self.proofs: dict[str, ProvenPredicate] = {}
         self.faults = dict(faults)
         self._valid_us, self._told_at = valid_us, -SKEW_US
@@ -63,10 +63,10 @@ class SensorPredicates:
         self._latching = {need.predicate: need for need in needs if need.latched}
 
     def update(self, predicates: Mapping[str, bool], proven_at: int, at: int) -> None:
-        """Note what was proven at ``proven_at``; what is older than what is known already is ignored.
+        """Record predicates that were proven at ``proven_at``; a report older than the recorded one is ignored.
 
         Raises:
-            UsageError: no line needs one of them, or the time is ahead of now; none of them is noted.
+            UsageError: no line needs one of them, or the time is ahead of now; none of them is recorded.
         """
         for name in predicates:
             _check_known(name, self._names, "predicate")
@@ -76,7 +76,7 @@ class SensorPredicates:
         self._note(predicates, proven_at)
 
     def read(self, predicates: Mapping[str, bool], read_at: int) -> None:
-        """Note what the arbiter's own inputs prove at ``read_at``."""
+        """Record the predicates that the arbiter's own inputs prove at ``read_at``."""
         self._note({name: holds for name, holds in predicates.items() if name in self._own}, read_at)
 
     def _note(self, predicates: Mapping[str, bool], proven_at: int) -> None:
@@ -89,11 +89,11 @@ class SensorPredicates:
                 self.proofs[name] = ProvenPredicate(holds, proven_at)
 
     def latch(self, name: str, why: str) -> None:
-        """Keep a fault that the arbiter has found itself until a reset; the first reason stays."""
+        """Latch a fault until a reset; if it is latched already, its first reason stays."""
         self.faults.setdefault(name, why)
 
     def check_client_fault(self, name: str) -> None:
-        """Raises UsageError if clients may not latch it, for the policy does not list it."""
+        """Raise UsageError if the policy does not list this fault for clients."""
         _check_known(name, self.client_faults, "fault")
 
     @property
@@ -102,7 +102,7 @@ class SensorPredicates:
         return "the tool was stopped; reset the faults first" if STOP in self.faults else ""
 
     def objection(self, need: Need, at: int) -> str:
-        """Why an activation that needs this is refused, a clause; empty: it is not refused."""
+        """Why an activation with this need is refused, a clause; empty: it is not refused."""
         proof = self.proofs.get(need.predicate)
         if need.predicate in self._own and (proof is None or at - proof.at >= self._valid_us):
             since = f"for {(at - proof.at) / 1e6:.3g} s" if proof else "so far"
@@ -121,9 +121,9 @@ class SensorPredicates:
         return f"{need.latched}; reset the faults first" if latched else ""
 
     def reset(self, at: int, of_clients: Iterable[str]) -> list[str]:
-        """Clear all faults but ``of_clients``, and but those whose predicate is not freshly proven now.
+        """Clear all faults except ``of_clients`` and those whose predicate is not freshly proven now.
 
-        Returns a sentence for each of the latter.
+        Returns a sentence for every fault of the second group.
         """
         faults, self.faults = self.faults, {}
         stay = {

@@ -1,4 +1,4 @@
-"""The role of the predicate sender: one connection at a time. Pure: time is an argument, in µs."""
+"""The role of the predicate sender; one connection at a time has it. Pure: time is an argument, in µs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ class SecondSenderError(LineBusyError):
 
     Args:
         what: one sentence.
-        todo: what the reader can do about it.
-        active: whether the first one still sends.
+        todo: advice for the reader of the message.
+        active: whether the first process still sends.
     """
 
     def __init__(self, what: str, *, todo: str, active: bool) -> None:
@@ -24,10 +24,10 @@ class SecondSenderError(LineBusyError):
 
 
 class SenderRole(Generic[T]):
-    """The connection that may say what the sensors prove.
+    """The connection that may report predicates.
 
     Args:
-        silent_us: a connection that was silent for so long can lose the role to another process of its user.
+        silent_us: after this silence another process of the same user may get the role.
     """
 
     def __init__(self, silent_us: int) -> None:
@@ -36,17 +36,17 @@ class SenderRole(Generic[T]):
         self._uid, self._token, self._process, self._last_sent = -1, "", "", 0
 
     def assign(self, connection: T, uid: int, token: str, process: str, at: int) -> T | None:
-        """Give the role to a connection; returns the connection that had it, which has to be closed.
+        """Give the role to a connection; return the connection that had it and must be closed.
 
         Args:
-            connection: that asks for the role.
-            uid: of its process.
+            connection: the connection that asks for the role.
+            uid: user of its process.
             token: identifies its process when it connects again.
-            process: in words, for the sentences.
-            at: now.
+            process: the process in words, for messages.
+            at: the time now.
 
         Raises:
-            SecondSenderError: another one has it; says which.
+            SecondSenderError: another connection has the role; the message names its process.
         """
         before = self._holder
         if before is not None and (uid, token) != (self._uid, self._token):
@@ -64,13 +64,13 @@ class SenderRole(Generic[T]):
         return before
 
     def accepts(self, connection: T, at: int) -> bool:
-        """Whether this connection, which sends something now, has the role."""
+        """Return whether this connection, which sends a message now, has the role."""
         if connection is not self._holder:
             return False
         self._last_sent = at
         return True
 
     def leave(self, connection: T) -> None:
-        """The connection has ended; if it had the role, that is free."""
+        """Free the role if this connection, which has ended, had it."""
         if connection is self._holder:
             self._holder = None

@@ -1,4 +1,4 @@
-"""One client of the arbiter, and what the next arbiter must know of it and of this one."""
+"""The session of one client, and the records of the sessions and of the arbiter for the next arbiter."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from end_effector_hal.vocabulary import LastWill, LastWillStep, printable, read_
 
 
 class SessionRecord(NamedTuple):
-    """What is kept of the session of one client.
+    """The record of one client's session.
 
     Attributes:
-        client, token, lines: who it is, and what it writes; an empty token identifies nobody.
-        will: the last will that is valid.
+        client, token, lines: the client's name, token and lines; an empty token identifies no client.
+        will: the valid last will.
         ended: the client has gone, and its last will is being executed.
-        pid: for people only; another process may have it by now.
-        faults: names of those that it has latched.
+        pid: for messages only; by now the pid may belong to another process.
+        faults: names of the faults that the client has latched.
     """
 
     client: str
@@ -33,9 +33,9 @@ class SessionRecord(NamedTuple):
 
 
 class DrivenLine(NamedTuple):
-    """What a line drove for an earlier arbiter, and whether it may be active.
+    """The role of a line for an earlier arbiter, and whether the line may be active.
 
-    ``active`` None: the record does not say it; the line has lost its level if the machine was started again.
+    ``active`` None: not recorded; a reboot has made the line inactive.
     """
 
     role: str
@@ -47,19 +47,19 @@ Driven = Mapping[str, DrivenLine]
 
 @dataclass(frozen=True)
 class ArbiterState:
-    """An arbiter at one moment.
+    """The state of an arbiter at one moment.
 
     Attributes:
         faults: sentences by name, latched until a reset.
-        clients: those that write lines, and those whose last will is being executed.
-        clean: the arbiter ended in order.
-        levels: of the lines; a line that is missing here is not compared with the level that is found.
+        clients: clients that write lines, and those whose last will is being executed.
+        clean: whether the arbiter ended in order.
+        levels: levels of the lines; a line that is missing here is not compared with the level found.
         dead: names and tokens of clients that were declared dead and have not connected since.
-        pulsed: levels of the outputs that leave none on their lines; a line that is missing counts as active.
-        doubt: why the last wills of these clients must not be executed, a clause; empty: they may be.
-        unread: the disk had not given the journal back yet: faults in it are missing here.
-        driven: the role of each line, and whether it may be active; empty: no record says it.
-        since: when each line that has a longest time was activated, µs; only of lines that are active.
+        pulsed: levels of the outputs whose level cannot be read from their lines; a missing output counts as active.
+        doubt: why the last wills of these clients must not be executed, a clause; empty: they may be executed.
+        unread: whether the journal was not read yet, so that its faults are missing here.
+        driven: by line, its role and whether it may be active; empty: not recorded.
+        since: by line, the time of its activation, µs; only active lines that have a longest time.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -74,7 +74,7 @@ class ArbiterState:
     since: Mapping[str, int] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
-        """For the session record. The doubt is not in it: it arises when the record is read."""
+        """Return the state as JSON for the session record. ``doubt`` is left out: it arises when the record is read."""
         return (
             {
                 "faults": dict(self.faults),
@@ -94,10 +94,10 @@ class ArbiterState:
 
 
 def read_arbiter_state(given: Any) -> ArbiterState:
-    """The state that `ArbiterState.as_json` gave.
+    """Return the state from the output of `ArbiterState.as_json`.
 
     Raises:
-        UsageError: this is not such a state, or one of another version.
+        UsageError: the value is no such state, or has another version.
     """
     try:
         clients = tuple(_read_record(*client) for client in given["clients"])
@@ -114,14 +114,14 @@ def read_arbiter_state(given: Any) -> ArbiterState:
 
 
 def read_levels(given: Any) -> dict[str, bool]:
-    """Levels by line, from JSON; raises UsageError."""
+    """Read levels by line from JSON; raises UsageError."""
     if not isinstance(given, dict):
         raise UsageError("levels must be an object of true and false by line.")
     return {printable(str(line)): level is True for line, level in given.items()}
 
 
 def read_driven(given: Any) -> dict[str, DrivenLine]:
-    """The roles in a record, from JSON; raises what `read_arbiter_state` catches."""
+    """Read the roles in a record from JSON; raises the errors that `read_arbiter_state` catches."""
     return {
         printable(str(line)): DrivenLine(
             printable(str(role)), None if active is None else active is not False
@@ -131,10 +131,10 @@ def read_driven(given: Any) -> dict[str, DrivenLine]:
 
 
 def read_faults(given: Any) -> dict[str, str]:
-    """Sentences by name, from JSON.
+    """Read fault sentences by name from JSON.
 
     Raises:
-        UsageError: this is not such an object.
+        UsageError: the value is not an object.
     """
     if not isinstance(given, dict):
         raise UsageError("faults must be an object of sentences by name.")
@@ -157,13 +157,13 @@ def _read_record(
 
 
 def process_words(pid: int, program: str) -> str:
-    """A process for people: its pid and its command line; pid 0: it runs where the arbiter does not see it."""
+    """Return pid and command line for a message; pid 0: a process in a PID namespace that the arbiter does not see."""
     named = f", {program}" if program else ""
     return f"pid {pid}{named}" if pid else "in another container"
 
 
 class Write(NamedTuple):
-    """Levels that are applied together, not before ``due`` (µs); ``drop``: a person asked for its deactivations."""
+    """Levels that are applied together, at ``due`` (µs) or later; ``drop``: a person asked for the deactivations."""
 
     due: int
     levels: Mapping[str, bool]
@@ -172,21 +172,22 @@ class Write(NamedTuple):
 
 @dataclass(eq=False)
 class Session:
-    """One client that writes lines.
+    """The session of one client that writes lines.
 
     Attributes:
-        client, lines: its name, and what it writes.
-        token: identifies the client when it connects again; an empty token identifies nobody.
-        will: the last will that is valid now.
+        client, lines: the client's name and its lines.
+        token: identifies the client when it connects again; an empty token identifies no client.
+        will: the valid last will.
         lease_until: when the lease expires, µs.
-        pid, program: for people only; pid 0: it runs in a PID namespace that the arbiter does not see.
-        ended: the client has gone; its queue is still to be executed.
-        absent: an earlier arbiter knew it, and it has not connected since; it has the time of a lease to do so.
+        pid, program: for messages only; pid 0: the process runs in a PID namespace that the arbiter does not see.
+        ended: the client has gone; its queue still has to be executed.
+        absent: the session is from an earlier arbiter, and the client has not connected since; it has the time of a
+            lease to do so.
         declared_dead: its lease had expired, or its connection was lost, before it connected again.
         queue: writes that are not applied yet, in order.
-        faults: names of those that it has latched and not cleared.
-        stuck: why the first of them, a deactivation, cannot be applied; it is tried again, and nothing is activated
-            behind it.
+        faults: names of the faults that the client has latched and not cleared.
+        stuck: why the first write in the queue, a deactivation, cannot be applied; it is tried again, and nothing is
+            activated before it.
     """
 
     client: str
@@ -204,7 +205,7 @@ class Session:
     stuck: str = ""
 
     def forget_activations(self, lines: Iterable[str]) -> None:
-        """Remove from the queue what would activate one of these lines."""
+        """Remove from the queue all activations of these lines."""
         given_up, queue = set(lines), self.queue
         self.queue = deque()
         for due, levels, drop in queue:
@@ -213,16 +214,16 @@ class Session:
                 self.queue.append(Write(due, left, drop))
 
     def queued_level(self, line: str) -> bool | None:
-        """The level of a line once the queue is applied; None: no write of this line waits."""
+        """Return the level of a line after the queue is applied; None: no write of this line waits."""
         waiting = [write.levels[line] for write in self.queue if line in write.levels]
         return waiting[-1] if waiting else None
 
     @property
     def record(self) -> SessionRecord:
-        """What the next arbiter must know of it.
+        """The record of this session for the next arbiter.
 
-        Deactivations that still wait in the queue come first in its last will: they were accepted. Once it has ended
-        the queue holds the last will, too, and waits are those of other lines.
+        Deactivations that still wait in the queue become the first steps of its last will, because they were accepted.
+        After the client's end the queue also contains the last will; its steps are not repeated.
         """
         waits = {line for write in self.queue for line in write.levels}
         if self.ended:
@@ -235,5 +236,5 @@ class Session:
 
     @property
     def process(self) -> str:
-        """The process, for people."""
+        """The process of the client, in words."""
         return process_words(self.pid, self.program)

@@ -1,3 +1,3 @@
-"""The arbiter's process: its socket, its connections, and what it replies."""
+"""The process of the line arbiter: its socket, its connections and its replies."""
 
 from ._server import ArbiterServer, serve

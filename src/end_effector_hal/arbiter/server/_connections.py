@@ -1,4 +1,4 @@
-"""All connections of the arbiter: how many there may be, how long they may be silent, the order of their answers."""
+"""The connections of the line arbiter: their limits, their idle time and the order in which they are answered."""
 
 from __future__ import annotations
 
@@ -13,19 +13,22 @@ from end_effector_hal.wires import now_us, program_name
 from end_effector_hal.wires.rpc import Listener, Peer, Peers
 
 MOST_STRANGERS = 32
-"""Connections that neither write lines nor send predicates; there is one sender, and at most one writer per line."""
+"""Most connections that neither write lines nor send predicates.
+
+Of the others there are few: one sender, and at most one writer per line.
+"""
 IDLE_US = 10_000_000
 ACCEPTED = 8
 MESSAGES = 8
-"""In one round, from one connection; a quarter of that from one that neither writes nor sends predicates."""
+"""Messages per connection and round; a quarter for one that neither writes lines nor sends predicates."""
 
 
 class Connection(Peer):
-    """A client without a backlog: one that does not read its replies is treated as dead.
+    """A connection of one client. A client that does not read its replies counts as dead: replies are not queued.
 
     Args:
-        sock: accepted; it is closed by `close`.
-        at: now, µs.
+        sock: the accepted socket; `close` closes it.
+        at: the time now, µs.
     """
 
     def __init__(self, sock: socket.socket, at: int) -> None:
@@ -40,28 +43,28 @@ class Connection(Peer):
 
     @property
     def process(self) -> str:
-        """The process at the other end, for people."""
+        """The client's process, in words."""
         return process_words(self.pid, self.program)
 
     @property
     def rank(self) -> int:
-        """The order of answers: what the sensors prove was sent before any write that follows from it."""
+        """The order of answers, lowest first: predicates come before the writes that depend on them."""
         return 0 if self.sends_predicates else 1 if self.session else 2
 
 
 class Connections(Peers[Connection]):
-    """Those of the arbiter's socket.
+    """All connections to the socket of the arbiter.
 
     Args:
         listener: the arbiter's socket.
-        selector: reports those that have something to read.
+        selector: reports the connections that have data to read.
     """
 
     def __init__(self, listener: Listener, selector: selectors.BaseSelector) -> None:
         super().__init__(listener, selector, lambda sock: Connection(sock, now_us()))
 
     def admit(self) -> list[Connection]:
-        """Accept those that wait; returns connections to be closed for them: the oldest of the user that has most."""
+        """Accept waiting connections; return surplus ones to close: the oldest of the user that has the most."""
         for _ in range(ACCEPTED):
             if self.accept() is None:
                 break
@@ -73,19 +76,19 @@ class Connections(Peers[Connection]):
         return surplus
 
     def idle(self, at: int) -> list[Connection]:
-        """Those that were silent for too long; connections that write lines have a lease instead."""
+        """Return the connections that were silent for too long; those that write lines have a lease instead."""
         return [each for each in self._open if not each.session and at - each.heard_at >= IDLE_US]
 
     def due(self) -> int | None:
-        """When the next one will have been silent for too long."""
+        """Return when the next connection will have been silent for too long, µs; None: there is none."""
         return min((each.heard_at + IDLE_US for each in self._open if not each.session), default=None)
 
     def round(self, ready: set[Connection]) -> list[Connection]:
-        """Those that have messages, in the order in which they are answered."""
+        """Return the connections that have messages, in the order in which they are answered."""
         waiting = [each for each in self._open if each in ready or each.waits]
         return sorted(waiting, key=lambda each: each.rank)
 
     @property
     def wait(self) -> bool:
-        """Whether messages were received that are not fetched yet."""
+        """Whether received messages still have to be answered."""
         return any(each.waits for each in self._open)

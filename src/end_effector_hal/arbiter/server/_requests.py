@@ -1,4 +1,4 @@
-"""What the arbiter does on a request, and what it replies."""
+"""Executes the requests to the line arbiter and builds the replies."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 SECOND = "sensors"
-"""The name of the fault that another process claims to read the sensors."""
+"""Name of the fault that a second process claims to read the sensors."""
 
 
 class RequestHandler:
-    """From requests to replies.
+    """Executes requests and builds the replies.
 
     Args:
         arbiter: the rules of the lines.
         read_levels: reads the levels of all lines from the hardware.
-        unclean: the arbiter before this one did not end in order.
-        records: kept before each reply, so that the next arbiter knows what the client was told.
-        drop: ends a connection, for the reason that is given.
+        unclean: whether the previous arbiter did not end in order.
+        records: saved before each reply, so that the next arbiter has all that a client was promised.
+        drop: closes a connection for the given reason.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class RequestHandler:
         self._sender_role: SenderRole[Connection] = SenderRole(arbiter.policy.fresh_us)
 
     def handle(self, connection: Connection, line: bytes) -> dict[str, Any] | None:
-        """Execute a message; returns the reply, None: it gets no reply."""
+        """Execute a message and return the reply; None: the message gets no reply."""
         number = None
         connection.heard_at = at = now_us()
         try:
@@ -72,7 +72,7 @@ class RequestHandler:
         return {"id": number, "ok": True, "error": None, "levels": self._arbiter.levels} | more
 
     def left(self, connection: Connection) -> None:
-        """A connection has ended."""
+        """Free the role of a connection that has ended."""
         self._sender_role.leave(connection)
 
     def _execute(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
@@ -156,13 +156,13 @@ class RequestHandler:
 
 
 def refusal(number: int | str | None, error: ReportedError) -> dict[str, Any]:
-    """A reply that says why not; ``number`` None: it belongs to no request."""
+    """Return a reply that gives the reason of a refusal; ``number`` None: the reply belongs to no request."""
     retry = {"retry_us": error.retry_us} if isinstance(error, LastWillRunsError) else {}
     return {"id": number, "ok": False, "error": str(error), "code": error.code, "levels": {}} | retry
 
 
 def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
-    """Which client writes which lines, what the sensors were said to prove, and what is latched, at ``at`` µs."""
+    """Return the clients with their lines, the reported predicates and the latched faults, at ``at`` µs."""
     needs = (need for needs in arbiter.policy.needs.values() for need in needs)
     return {
         "lines": list(arbiter.policy.lines),

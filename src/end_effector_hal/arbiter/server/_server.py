@@ -35,36 +35,38 @@ _log = logging.getLogger("end_effector_hal.arbiter")
 
 
 class OwnInputs(Protocol):
-    """Input lines that the arbiter reads itself."""
+    """The input lines that the arbiter reads itself."""
 
     def fileno(self) -> int:
-        """Readable when there is something new."""
+        """Return a file descriptor that is readable when there is news."""
 
     def read(self) -> Iterator[tuple[Mapping[str, bool], int]]:
-        """What they have proven since the last call, each with its time, µs."""
+        """Yield the predicates proven since the last call, with the times of the readings, µs."""
 
     @property
     def error(self) -> str:
-        """Why they cannot be read now, a sentence; empty: they are."""
+        """Why the inputs cannot be read now, a sentence; empty: they are read."""
 
     def close(self) -> None:
-        """End."""
+        """Stop reading and release the inputs."""
 
 
 class ArbiterServer(Closing):
-    """Owns the lines of a back-end and serves them; `protocol` describes the messages.
+    """Owns the lines of a back-end and executes the requests of clients; `protocol` describes the messages.
 
     Args:
-        backend: not requested yet.
-        socket_path: Unix socket (mode 0660); its directory is made, the socket of a dead arbiter replaced.
-        policy: lines and interlocks.
-        journal: file that keeps latched faults through a loss of power; None: there is none. The session record stands
+        backend: the lines; they are not claimed yet.
+        socket_path: path of the Unix socket (mode 0660). Its folder is created, and the socket of a dead arbiter is
+            replaced.
+        policy: the lines and their interlocks.
+        journal: file that keeps latched faults through a power loss; None: no journal. The session record is a file
             beside the socket.
-        group: whose members may open the socket; default: that of the process.
-        inputs: makes those that it reads itself, once nobody else serves this path.
+        group: the group whose members may open the socket; default: the group of the process.
+        inputs: creates the inputs that the arbiter reads itself; called once it is certain that no other arbiter
+            serves this path.
 
     Raises:
-        LineBusyError: another arbiter serves this path, or another process has the lines; says which.
+        LineBusyError: another arbiter serves this path, or another process has the lines; the message names it.
         LineNotFoundError, WireError: see `LineBackend.request`.
     """
 
@@ -125,20 +127,20 @@ class ArbiterServer(Closing):
         )
 
     def levels(self) -> dict[str, bool]:
-        """All lines, as written last."""
+        """Return the levels of all lines as last written."""
         return dict(self._arbiter.levels)
 
     def faults(self) -> tuple[str, ...]:
-        """What is latched, sentences."""
+        """Return the latched faults as sentences."""
         return tuple(self._arbiter.predicates.faults.values())
 
     def run(self) -> None:
-        """Serve until `stop`; a last will that runs is executed to its end, then the lines stay as they are."""
+        """Serve until `stop`. A running last will is finished first; after that the lines keep their levels."""
         while not self._is_over():
             self.step(self._wait_s())
 
     def step(self, wait_s: float | None) -> None:
-        """One round: answer what comes within ``wait_s`` (None: wait for a message), and execute what is due."""
+        """Do one round: answer messages for at most ``wait_s`` (None: until one arrives), then execute due actions."""
         self._serve(wait_s)
         at = now_us()
         if any(session.lease_until <= at and not session.ended for session in self._arbiter.sessions):
@@ -151,7 +153,7 @@ class ArbiterServer(Closing):
         self._records.keep(self._arbiter)
 
     def _serve(self, wait_s: float | None) -> None:
-        """One round; the messages of one connection are limited in it, so that the others keep their leases."""
+        """Answer messages once; their number per connection is limited, so that the others keep their leases."""
         ready = set[Connection]()
         for key, _ in self._selector.select(wait_s):
             if key.fd == self._wake_read:
@@ -168,7 +170,7 @@ class ArbiterServer(Closing):
             self._answer(connection)
 
     def _read_inputs(self) -> None:
-        """Before any message is answered: a write rests on what they show by then."""
+        """Read the arbiter's own inputs; done before answering messages, because writes depend on them."""
         if self._inputs is not None:
             for proven, at in self._inputs.read():
                 self._arbiter.predicates.read(proven, at)
@@ -187,11 +189,11 @@ class ArbiterServer(Closing):
         return None if due is None else max(0, due - at) / 1e6
 
     def stop(self) -> None:
-        """Ends `run`, the second time at once; may be called in any thread and in a signal handler."""
+        """End `run`; a second call ends it at once. May be called from any thread and from a signal handler."""
         os.write(self._wake, b"x")
 
     def close(self) -> None:
-        """Give everything back, after `run`."""
+        """Release the lines, the socket and the records; call it after `run`."""
         self._connections.close()
         self._arbiter.end_pulses()
         state = self._arbiter.state
@@ -237,7 +239,7 @@ class ArbiterServer(Closing):
             self._arbiter.declare_dead(session, why, now_us())
 
     def _end(self, connections: Iterable[Connection], why: str) -> None:
-        """Close them, and say why."""
+        """Close connections after sending the reason."""
         for connection in connections:
             error = ArbiterError(f"the line arbiter ends this connection: {why}.")
             connection.put(write_message(refusal(None, error)))
@@ -270,11 +272,11 @@ def serve(
     inputs: Callable[[], OwnInputs] | None = None,
     on_ready: Callable[[ArbiterServer], None] | None = None,
 ) -> None:
-    """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; the lines stay as they are.
+    """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; after that the lines keep their levels.
 
     Args:
         backend, socket_path, policy, journal, group, inputs: see `ArbiterServer`, also for the errors.
-        on_ready: called once, when clients can come.
+        on_ready: called once, as soon as clients can connect.
     """
     with ArbiterServer(backend, socket_path, policy, journal, group=group, inputs=inputs) as server:
         before = {}

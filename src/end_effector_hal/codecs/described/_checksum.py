@@ -1,4 +1,4 @@
-"""Checksums of declared frames, by the names that a description has for them."""
+"""Checksums of declared frames, by their names in a description."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class Checksum(NamedTuple):
-    """How many bytes it has, and how it is computed."""
+    """The size of a checksum in bytes, and the function that computes it."""
 
     size: int
     of: Callable[[bytes], int]
@@ -19,7 +19,7 @@ class Checksum(NamedTuple):
 
 @cache
 def _table(polynomial: int, width: int, *, reflected: bool) -> tuple[int, ...]:
-    """What each byte makes of a CRC of this width."""
+    """Return the table of a CRC of this width: the entry of each byte."""
     top, mask = 1 << (width - 1), (1 << width) - 1
 
     def entry(byte: int) -> int:
@@ -53,4 +53,6 @@ CHECKSUMS: dict[str, Checksum] = {
     "crc16-ccitt": Checksum(2, lambda data: crc_hqx(data, 0xFFFF)),
     "crc32": Checksum(4, zlib.crc32),
 }
-"""CRC-8 is that of SMBus (07, from 0), CRC-16/CCITT-FALSE begins with FFFF, CRC-32 is that of zlib."""
+"""The checksums by name; crc8 is that of SMBus (07, from 0), crc16-ccitt is CRC-16/CCITT-FALSE (from FFFF),
+crc32 that of zlib.
+"""

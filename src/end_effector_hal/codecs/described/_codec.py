@@ -1,4 +1,4 @@
-"""What declared codecs have in common, whatever their format."""
+"""The common parts of declared codecs, for all formats."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from end_effector_hal.signals import Frame, Kind
 
 
 class SerialLine(NamedTuple):
-    """How the bytes come; ``period_us`` None: as fast as the format does."""
+    """Settings of a serial line; ``period_us`` None: the period follows from the format."""
 
     baudrate: int
     parity: str
@@ -21,17 +21,17 @@ class SerialLine(NamedTuple):
 
     @property
     def byte_bits(self) -> int:
-        """Of a byte on the line: start, 8, parity, stop."""
+        """Bits of a byte on the line: start, 8, parity, stop."""
         return 9 + (self.parity != "N") + self.stopbits
 
 
 class DescribedCodec(ABC):
-    """Everything but the format.
+    """The base of declared codecs: everything except the format.
 
     Args:
-        channels: those that come over the link.
-        line: of the link.
-        least_period_us: µs that a frame takes on it, at least.
+        channels: the channels of the link.
+        line: settings of the link.
+        least_period_us: shortest time to transmit a frame, µs.
     """
 
     name = "the declared frame"
@@ -47,15 +47,15 @@ class DescribedCodec(ABC):
 
     @abstractmethod
     def decoder(self) -> Decoder:
-        """A new one, for one stream."""
+        """Return a new decoder for one stream."""
 
     @abstractmethod
     def encode(self, frame: Frame) -> bytes:
-        """The bytes of a frame, each value as near as its raw type can hold."""
+        """Return the bytes of a frame; each value is rounded to the nearest one of its raw type."""
 
 
 def by_place(channels: Mapping[str, Channel], source: str) -> dict[Any, dict[str, Channel]]:
-    """The channels of one source, by their places on the wire."""
+    """Return the channels of one source, by their places on the wire."""
     found: dict[Any, dict[str, Channel]] = {}
     for name, each in channels.items():
         found.setdefault(getattr(each, source), {})[name] = each

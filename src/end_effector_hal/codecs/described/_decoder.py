@@ -1,4 +1,4 @@
-"""What the decoders of declared frames have in common: counters, and bytes that are not yet a frame."""
+"""The common parts of the decoders of declared frames: counters, and the bytes of an unfinished frame."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from end_effector_hal.codecs.described._field import Field
 from end_effector_hal.signals import Frame, Value
 
 GAP_PERIODS, GAP_MEASURED = 5, 3
-"""After a silence of so many periods, or of what was measured instead, the bytes may begin anywhere in a frame."""
+"""Length of a gap, in declared or in measured periods; after a gap the bytes may begin anywhere in a frame."""
 MEASURED, LONGEST_US = 5, 10_000_000
-"""Times between two frames of which the median is taken, and the longest that counts."""
+"""Number of times between two frames whose median is used, and the longest time that counts, µs."""
 
 
 class DescribedDecoder:
-    """Counters of one stream; a declared frame has no number and no clock.
+    """The counters of one stream; a declared frame has no sequence number and no clock.
 
     Args:
         period_us: nominal time between two frames.
 
     Attributes:
-        bytes, frames: taken in and given out.
-        errors: what was thrown away, by reason.
+        bytes, frames: number of bytes fed and of frames returned.
+        errors: counts of discarded data, by reason.
     """
 
     lost = 0
@@ -39,10 +39,11 @@ class DescribedDecoder:
         self._apart: deque[int] = deque(maxlen=MEASURED)
 
     def _interrupted(self, at: int, ended: int) -> bool:
-        """Whether there was a gap before the bytes that come at ``at`` µs; what is unfinished is thrown away then.
+        """Return whether there was a gap before the bytes that arrived at ``at`` µs; an unfinished frame is then
+        discarded.
 
-        A device may be slower than is declared: a gap is also longer than the time that lately was between two frames.
-        ``ended``: frames that may end in these bytes.
+        A device may be slower than declared, so a gap must also be longer than the recent time between two frames.
+        ``ended``: number of frames that may end in these bytes.
         """
         before, self._fed_at = self._fed_at, at
         usual = sorted(self._apart)[(len(self._apart) - 1) // 2] if len(self._apart) > 1 else 0
@@ -58,7 +59,7 @@ class DescribedDecoder:
         return True
 
     def _frame(self, at: int, fields: Sequence[Field], raws: Sequence[float | None]) -> Frame:
-        """The frame of these raw values."""
+        """Return the frame of these raw values."""
         values: dict[str, Value] = {}
         for field, raw in zip(fields, raws, strict=True):
             values |= field.values(raw)

@@ -1,4 +1,4 @@
-"""From the stanzas of a description to a codec."""
+"""Makes a codec from the stanzas of a description."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BAUDRATE, MODBUS_BAUDRATE = 115_200, 9_600
 
 
 def described_codec(link: Link, over: Mapping[str, Channel]) -> DescribedCodec:
-    """The codec that the ``frame`` of a link declares, with the channels that come over it.
+    """Return the codec that the ``frame`` of a link declares, with the channels of that link.
 
     Raises:
         MissingExtraError: Modbus needs a package that is not installed.

@@ -1,4 +1,4 @@
-"""One place on the wire, and the channels that are read from it: several where a number says several things."""
+"""One place on the wire, and the channels that are read from it; one number may contain several channels."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Limits = tuple[int, int] | None
 
 
 class Field:
-    """Raw value to values, and back.
+    """Converts a raw value to the values of its channels, and back.
 
     Args:
-        channels: by name; one, or bits that differ in what is on.
-        limits: the lowest and the highest raw value; None: a number with a fraction.
+        channels: the channels by name: one, or several bits with different ``on`` values.
+        limits: the lowest and the highest raw value; None: floating point.
     """
 
     def __init__(self, channels: Mapping[str, Channel], limits: Limits = None) -> None:
@@ -24,20 +24,21 @@ class Field:
         self._limits = limits
 
     def values(self, raw: float | None) -> dict[str, Value]:
-        """What a raw value means; None: there is none."""
+        """Return the values of a raw value; None: there is no raw value."""
         return {name: None if raw is None else each.value(raw) for name, each in self.channels.items()}
 
     def implausible(self, raw: float | None) -> bool:
-        """Whether no sensor means this; not where the device says that it has no value."""
+        """Return whether no sensor can send this raw value; False if it is a declared invalid value."""
         return raw is not None and any(
             raw == raw and raw not in each.invalid and each.value(raw) is None
             for each in self.channels.values()
         )
 
     def raw(self, values: Mapping[str, Value]) -> float | None:
-        """What a device sends for these values; None: it has no way to say that it has none.
+        """Return the raw value that a device sends for these values; None: the format cannot encode a missing value.
 
-        What lies beyond its range is shown at its end, as sensors do; what is in ``values`` not at all is 0.
+        A value beyond its range is sent as the end of the range, as sensors do; a channel that is missing in
+        ``values`` is sent as 0.
         """
         wanted = {name: values[name] for name in self.channels if name in values}
         first = next(iter(self.channels.values()))
@@ -60,7 +61,7 @@ class Field:
         return self._limits is None or self._limits[0] <= raw <= self._limits[1]
 
     def _invalid(self, channel: Channel) -> float | None:
-        """A raw value that no sensor means: as it is declared, or out of range."""
+        """Return a raw value that means "no value": a declared one, or one out of range; None: there is none."""
         if channel.invalid:
             return float(channel.invalid[0])
         if channel.range is None:
@@ -70,7 +71,7 @@ class Field:
         return next((raw for raw in beyond if self._fits(raw) and channel.value(raw) is None), None)
 
     def _nearest(self, channel: Channel, value: int | bool) -> float:
-        """The raw value that means this, or nearly."""
+        """Return the raw value nearest to this value."""
         raw = channel.raw(value)
         if channel.unit is None:
             return raw

@@ -1,4 +1,4 @@
-"""Registers and coils of Modbus devices: channels that stand near each other are read with one request."""
+"""Registers and coils of Modbus devices: channels with nearby addresses are read with one request."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from end_effector_hal.signals import Frame, Kind, Value
 
 FUNCTIONS = {"coil": COILS, "discrete_input": DISCRETE_INPUTS, "holding": HOLDING, "input": INPUT}
 LONGEST_READ = 100
-"""Registers, or bits; the standard allows 125."""
+"""Most registers or bits in one request; the standard allows 125."""
 LAST_ADDRESS = 0xFFFF
 LATENCY_US = 5_000
-"""How long a device may think, where the description gives no period."""
+"""Time that a device may need before it answers, if the description gives no period, µs."""
 
 
 class RegisterField:
     """A place in a device, and the channels that are read from it; a `Readout`.
 
     Args:
-        place: where.
-        channels: by name.
-        first: address of the first register that is read with it.
+        place: the place in the device.
+        channels: the channels by name.
+        first: address of the first register in the same request.
     """
 
     def __init__(self, place: RegisterValue, channels: Mapping[str, Channel], first: int) -> None:
@@ -53,11 +53,11 @@ class RegisterField:
         self._field = Field(channels, (0, 1) if self._type is None else self._type.limits)
 
     def values(self, words: Sequence[int]) -> dict[str, Value]:
-        """What the registers mean."""
+        """Return the values of the registers."""
         return self._field.values(self._raw(words))
 
     def implausible(self, words: Sequence[int]) -> bool:
-        """Whether no sensor means them."""
+        """Return whether no sensor can send these registers."""
         return self._field.implausible(self._raw(words))
 
     def _raw(self, words: Sequence[int]) -> float:
@@ -70,7 +70,7 @@ class RegisterField:
         return self._type.raw(word)
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
-        """Write what a device shows; False: it has no way to say that it has no value."""
+        """Write the device's values into the registers; return False if they cannot encode a missing value."""
         raw = self._field.raw(values)
         if raw is None:
             raw = self._type.none if self._type else None
@@ -85,7 +85,7 @@ class RegisterField:
 
 
 def _swapped(register: int) -> int:
-    """Its two bytes the other way round."""
+    """Return the register with its two bytes exchanged."""
     return (register & 0xFF) << 8 | register >> 8
 
 
@@ -93,9 +93,9 @@ class DescribedModbus(DescribedCodec):
     """The polled codec of declared registers and coils, of any number of units on one bus.
 
     Args:
-        frame: what holds for all of them.
-        channels: where each stands.
-        line: of the link.
+        frame: settings for all of them.
+        channels: the channels with their places.
+        line: settings of the link.
     """
 
     def __init__(self, frame: ModbusFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
@@ -125,33 +125,34 @@ class DescribedModbus(DescribedCodec):
         return self._bus.reads
 
     def decoder(self) -> ModbusMaster:
-        """A new one, which asks."""
+        """Return a new polled decoder."""
         return self._bus.decoder()
 
     def device(self) -> ModbusDevice:
-        """All devices of the bus in one."""
+        """Return one simulated device that answers for all devices of the bus."""
         return self._bus.device()
 
     def encode(self, frame: Frame) -> bytes:
-        """All answers of one cycle, in the order of the requests."""
+        """Return all answers of one cycle, in the order of the requests."""
         return self._bus.encode(frame)
 
 
 def is_bit(place: RegisterValue) -> bool:
-    """Whether it is a coil or a discrete input."""
+    """Return whether the place is a coil or a discrete input."""
     return place.register_type in ("coil", "discrete_input")
 
 
 def size_of(place: RegisterValue) -> int:
-    """Registers, or bits, that a value takes."""
+    """Return the number of registers or bits of a value."""
     return 1 if is_bit(place) or RawType(place.value_type).bits == 16 else 2
 
 
 def reads_of(places: Mapping[RegisterValue, Mapping[str, Channel]], gap: int) -> Iterator[Read]:
-    """The requests for these places, each for those of one unit and table between which at most ``gap`` lie.
+    """Yield the requests for these places; one request covers places of one unit and table with gaps of at most
+    ``gap`` addresses.
 
-    Two answers of one unit and table differ in length, so that a late one is never taken for the other: where they
-    would not, some registers more are read, at most ``gap``.
+    Two answers of one unit and table differ in length, so that a late answer is never mistaken for another one. If
+    their lengths would be equal, some more registers are read, at most ``gap``.
     """
     by_table = sorted(places, key=lambda each: (each.unit, each.register_type, each.address))
     for (unit, table), members in groupby(by_table, key=lambda each: (each.unit, each.register_type)):
@@ -170,7 +171,7 @@ def reads_of(places: Mapping[RegisterValue, Mapping[str, Channel]], gap: int) ->
 
 
 def _near(places: Sequence[RegisterValue], gap: int) -> list[list[RegisterValue]]:
-    """Sorted places, in groups that are read together."""
+    """Return the sorted places in groups that are read together."""
     groups: list[list[RegisterValue]] = []
     end = 0
     for each in places:

@@ -1,4 +1,4 @@
-"""From the bits of a place on the wire to a raw value, and back."""
+"""Converts the bits of a place on the wire to a raw value, and back."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ HIGHEST_FLOAT = 3.4e38
 
 
 class RawType(NamedTuple):
-    """How the bits of a value are read, all of them or some."""
+    """The type of a raw value, with an optional mask that selects some of its bits."""
 
     value_type: str
     bitmask: int | None = None
 
     @property
     def bits(self) -> int:
-        """Its width on the wire."""
+        """Width on the wire, bits."""
         return type_bits(self.value_type)
 
     @property
     def limits(self) -> tuple[int, int] | None:
-        """The lowest and the highest raw value; None: of a floating one."""
+        """The lowest and the highest raw value; None: floating point."""
         return raw_limits(self.value_type, self.bitmask)
 
     @property
     def none(self) -> float | None:
-        """The raw value that is no number; None: the type has none."""
+        """The raw value that is not a number (NaN); None: the type has none."""
         return math.nan if self.limits is None else None
 
     def raw(self, word: int) -> float:
-        """The raw value in an unsigned number of this width."""
+        """Return the raw value of an unsigned number of this width."""
         limits = self.limits
         if limits is None:
             found: float = struct.unpack(">f", word.to_bytes(4, "big"))[0]
@@ -43,7 +43,7 @@ class RawType(NamedTuple):
         return word if word <= limits[1] else word - (limits[1] - limits[0] + 1)
 
     def word(self, raw: float) -> int:
-        """The bits that mean this, 0 elsewhere."""
+        """Return the bits of a raw value; all other bits are 0."""
         limits = self.limits
         if limits is None:
             low = min(max(raw, -HIGHEST_FLOAT), HIGHEST_FLOAT)

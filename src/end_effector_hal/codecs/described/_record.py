@@ -1,4 +1,4 @@
-"""Binary records of a fixed length: behind start bytes, or between the delimiters of COBS or SLIP."""
+"""Binary records of a fixed length: after start bytes, or between the delimiters of COBS or SLIP."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SLIP = re.compile(rb"(?:[^\xdb\xc0]|\xdb[\xdc\xdd])*")
 
 @dataclass(frozen=True)
 class RecordLayout:
-    """How a record is made."""
+    """The layout of a record."""
 
     frame: RecordFrame
     places: tuple[RecordValue, ...]
@@ -31,28 +31,28 @@ class RecordLayout:
 
     @property
     def start(self) -> bytes:
-        """What begins each record, of framing: start."""
+        """The bytes at the beginning of each record, for ``framing: start``."""
         return bytes.fromhex(self.frame.start or "")
 
     @property
     def size(self) -> int:
-        """Bytes of a record with its checksum."""
+        """Size of a record with its checksum, bytes."""
         return self.frame.length + CHECKSUMS[self.frame.checksum].size
 
     @property
     def delimiter(self) -> bytes:
-        """What stands between two; empty: nothing does."""
+        """The delimiter between two records; empty: none."""
         return DELIMITERS.get(self.frame.framing, b"")
 
     @property
     def longest(self) -> int:
-        """Bytes of a record as it stands on the wire, without delimiters."""
+        """Largest size of a record on the wire without delimiters, bytes."""
         if self.frame.framing == "slip":
             return 2 * self.size
         return self.size + self.size // 254 + 1 if self.delimiter else len(self.start) + self.size
 
     def framed(self, data: bytes) -> bytes:
-        """A record with its checksum, as it stands on the wire."""
+        """Return the bytes on the wire of a record with its checksum."""
         match self.frame.framing:
             case "cobs":
                 return b"\0%s\0" % cobs.encode(data)
@@ -62,7 +62,7 @@ class RecordLayout:
                 return self.start + data
 
     def unframed(self, part: bytes) -> bytes:
-        """What stands between two delimiters; empty: nothing that could."""
+        """Return the record between two delimiters; empty: it is not valid."""
         if len(part) > self.longest:
             return b""
         if self.frame.framing == "slip":
@@ -76,7 +76,7 @@ class RecordLayout:
         return data
 
     def checksum(self, record: bytes) -> bytes:
-        """That of a record, in its order."""
+        """Return the checksum of a record, in the declared byte order."""
         size, of = CHECKSUMS[self.frame.checksum]
         return of(record).to_bytes(size, self.frame.checksum_order) if size else b""
 
@@ -85,9 +85,9 @@ class DescribedRecord(DescribedCodec):
     """The codec of declared binary records.
 
     Args:
-        frame: how they are made.
-        channels: where each stands in them.
-        line: of the link.
+        frame: the format of the records.
+        channels: the channels with their places in a record.
+        line: settings of the link.
     """
 
     def __init__(self, frame: RecordFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
@@ -99,7 +99,7 @@ class DescribedRecord(DescribedCodec):
         super().__init__(channels, line, shortest * line.byte_bits * 1_000_000 // line.baudrate)
 
     def decoder(self) -> Decoder:
-        """A new decoder."""
+        """Return a new decoder."""
         layout = self._layout
         if layout.delimiter:
             return DelimitedDecoder(layout, self.period_us)
@@ -107,7 +107,7 @@ class DescribedRecord(DescribedCodec):
         return kind(layout, self.period_us)
 
     def encode(self, frame: Frame) -> bytes:
-        """One record; none is sent where a channel has no value and its type has no way to say so."""
+        """Return one record; no bytes if a channel has no value and its type cannot encode that."""
         layout = self._layout
         record = bytearray(layout.frame.length)
         for place, field in zip(layout.places, layout.fields, strict=True):
@@ -123,14 +123,14 @@ class DescribedRecord(DescribedCodec):
 
 
 class RecordDecoder(DescribedDecoder):
-    """From records to frames."""
+    """Decodes records into frames."""
 
     def __init__(self, layout: RecordLayout, period_us: int) -> None:
         super().__init__(period_us)
         self._layout = layout
 
     def _decoded(self, data: bytes, at: int) -> Frame | None:
-        """The frame of a record with its checksum; None: the checksum is wrong."""
+        """Return the frame of a record with its checksum; None: the checksum is wrong."""
         layout = self._layout
         record = data[: layout.frame.length]
         if layout.checksum(record) != data[layout.frame.length :]:
@@ -144,10 +144,10 @@ class RecordDecoder(DescribedDecoder):
 
 
 class DelimitedDecoder(RecordDecoder):
-    """Keeps at most one unfinished record; a delimiter ends whatever came before it."""
+    """Keeps at most one unfinished record; a delimiter ends any unfinished record."""
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         self.bytes += len(data)
         *parts, rest = (self._rest + data).split(self._layout.delimiter)
         frames = [frame for part in parts if part and (frame := self._part(part, at))]
@@ -168,10 +168,10 @@ class DelimitedDecoder(RecordDecoder):
 
 
 class StartDecoder(RecordDecoder):
-    """Keeps less than one record; a record whose checksum is wrong is looked through for another start."""
+    """Keeps less than one record; a record with a wrong checksum is searched for another start."""
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         self.bytes += len(data)
         self._rest += data
         return [*self._frames(at)]
@@ -194,10 +194,10 @@ class StartDecoder(RecordDecoder):
 
 
 class UnprovenStartDecoder(RecordDecoder):
-    """Of records without a checksum: their start may stand in the data as well.
+    """Decodes records without a checksum, whose start bytes may also occur in the data.
 
-    Nothing is believed before `IN_A_ROW` records have followed each other, nor where the next one does not begin at
-    the end of the last; keeps less than that many records.
+    Records are accepted only after `IN_A_ROW` records have followed each other, and only as long as each record begins
+    at the end of the last one; less than `IN_A_ROW` records are kept.
     """
 
     IN_A_ROW = 3
@@ -207,7 +207,7 @@ class UnprovenStartDecoder(RecordDecoder):
         self._in_step = False
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         size = len(self._layout.start) + self._layout.size
         ended = (self.bytes + len(data)) // size - self.bytes // size
         self.bytes += len(data)
@@ -231,7 +231,7 @@ class UnprovenStartDecoder(RecordDecoder):
                 yield frame
 
     def _found(self, start: bytes, size: int) -> bool:
-        """Whether enough records follow each other; the last of them is what is left then."""
+        """Return whether enough records follow each other; then only the last of them is kept."""
         rest, first = self._rest, 0
         while first < len(rest):
             heads = [rest[first + n * size :][: len(start)] for n in range(self.IN_A_ROW)]

@@ -1,4 +1,4 @@
-"""Lines of text: separated fields or ``key=value``, between a start and a checksum where they are declared."""
+"""Lines of text: separated fields or ``key=value``, with a start and a checksum if these are declared."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from end_effector_hal.description import Channel, TextFrame, TextValue
 from end_effector_hal.signals import Frame
 
 LONGEST, OF_A_VALUE = 1024, 16
-"""Bytes of a line, and of each of its values where they take more."""
+"""Longest line, bytes: the larger of the first number and of the second one times the number of values."""
 _NUMBER = re.compile(rb"[+-]?([0-9]{1,15}(\.[0-9]{0,15})?|\.[0-9]{1,15})([eE][+-]?[0-9]{1,2})?")
 NO_VALUE = b"-"
-"""Stands for an empty field where blanks separate."""
+"""Text for an empty field where blanks separate the fields."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """How a line is made, in bytes."""
+    """The layout of a line, in bytes."""
 
     start: bytes
     separator: bytes
@@ -35,18 +35,18 @@ class Layout:
 
     @property
     def marked(self) -> bool:
-        """Whether a whole line can be told from the tail of one."""
+        """Whether a whole line can be distinguished from the end of one."""
         return bool(self.start) or self.checksum != "none"
 
     @property
     def longest(self) -> int:
-        """Bytes of a line, at the most."""
+        """Longest line, bytes."""
         values = max([len(self.places), *(each.field or 0 for each in self.places)])
         return max(LONGEST, OF_A_VALUE * values)
 
     @property
     def blanks(self) -> bool:
-        """Whether any number of blanks separates."""
+        """Whether any number of blanks separates the fields."""
         return self.separator == b" "
 
 
@@ -54,9 +54,9 @@ class DescribedText(DescribedCodec):
     """The codec of declared lines of text.
 
     Args:
-        frame: how they look.
-        channels: those that stand in them.
-        line: of the link.
+        frame: the format of the lines.
+        channels: the channels in them.
+        line: settings of the link.
     """
 
     def __init__(self, frame: TextFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
@@ -74,11 +74,11 @@ class DescribedText(DescribedCodec):
         )
 
     def decoder(self) -> Decoder:
-        """A new decoder."""
+        """Return a new decoder."""
         return TextDecoder(self._layout, self.period_us)
 
     def encode(self, frame: Frame) -> bytes:
-        """One line; what has no value is left out, and a line without any value is not sent."""
+        """Return one line, without channels that have no value; no bytes if no channel has a value."""
         layout = self._layout
         fields: dict[int, bytes] = {}
         keyed: list[bytes] = []
@@ -104,10 +104,10 @@ class DescribedText(DescribedCodec):
 
 
 class TextDecoder(DescribedDecoder):
-    """Keeps at most one unfinished line; where lines have a start, each start begins a new one.
+    """Keeps at most one unfinished line; if lines have a start, every start begins a new line.
 
-    Without start and checksum the first line may be the tail of one, and so may one after a gap or an error: it is
-    thrown away.
+    Without start and checksum, the first line (and the first one after a gap or an error) may be the end of a line: it
+    is discarded.
     """
 
     def __init__(self, layout: Layout, period_us: int) -> None:
@@ -115,7 +115,7 @@ class TextDecoder(DescribedDecoder):
         self._layout, self._in_step = layout, layout.marked
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames that end in ``data``."""
+        """Return the frames that end in ``data``."""
         self.bytes += len(data)
         if not self._layout.marked and self._interrupted(at, data.count(b"\n")):
             self._in_step = False
@@ -125,7 +125,10 @@ class TextDecoder(DescribedDecoder):
         return frames
 
     def _kept(self, rest: bytes) -> bytes:
-        """What can still be a line; one byte too many says that it is none, however the bytes came in pieces."""
+        """Return the bytes that can still become a line.
+
+        One byte too many is kept, so that a line that is too long is detected however the data is split.
+        """
         start, longest = self._layout.start, self._layout.longest
         if not start:
             self.errors["noise"] += max(0, len(rest) - longest - 1)
@@ -169,7 +172,7 @@ class TextDecoder(DescribedDecoder):
         return self._decoded(body, at)
 
     def _decoded(self, body: bytes, at: int) -> Frame | None:
-        """The frame; None, and counted, where it is too short, a key stands twice, or no number is in it."""
+        """Return the frame; None (a format error): the line is too short, repeats a key, or contains no number."""
         layout = self._layout
         tokens = [each.strip() for each in body.split(None if layout.blanks else layout.separator)]
         pairs = [

@@ -1,4 +1,4 @@
-"""Modbus RTU frames, by pymodbus: PDUs, address and CRC."""
+"""Modbus RTU frames, built with pymodbus: PDUs, address and CRC."""
 
 from __future__ import annotations
 
@@ -47,18 +47,18 @@ _FRAMER = FramerRTU(DecodePDU(is_server=False))
 
 
 def request(read: Read) -> bytes:
-    """The request, address to CRC."""
+    """Return the request for a read, from address to CRC."""
     pdu = _REQUESTS[read.function](address=read.address, count=read.count).encode()
     return _frame(read, read.function, pdu)
 
 
 def write_request(write: RegisterWrite) -> bytes:
-    """The request that writes, address to CRC: several registers or coils with function 16 or 15, one with 6 or 5."""
+    """Return the request for a write, address to CRC: function 16 or 15 for several values, 6 or 5 for one."""
     return _frame(write, *_writing(write))
 
 
 def acknowledgement(write: RegisterWrite) -> bytes:
-    """The only answer to it that says that it was done."""
+    """Return the only answer that confirms the write."""
     count = len(write.values)
     if write.single:
         return write_request(write)  # the device repeats it
@@ -67,7 +67,7 @@ def acknowledgement(write: RegisterWrite) -> bytes:
 
 
 def _writing(write: RegisterWrite) -> tuple[int, bytes]:
-    """Function and PDU."""
+    """Return the function code and the PDU of a write."""
     values, one = list(write.values), write.single
     if write.coils:
         bits = [value != 0 for value in values]
@@ -78,19 +78,19 @@ def _writing(write: RegisterWrite) -> tuple[int, bytes]:
 
 
 def answer(read: Read, words: list[int]) -> bytes:
-    """The answer with these registers, or bits."""
+    """Return the answer with these registers or bits."""
     if read.function in BITS:
         return _frame(read, read.function, _BITS[read.function](bits=[word != 0 for word in words]).encode())
     return _frame(read, read.function, _REGISTERS[read.function](registers=words).encode())
 
 
 def refusal(read: Read) -> bytes:
-    """The answer of a device that has no value: an exception, Server Device Failure."""
+    """Return the answer of a device without a value: the exception Server Device Failure."""
     return _frame(read, read.function | 0x80, ExceptionResponse(read.function, DEVICE_FAILURE).encode())
 
 
 def words_of(read: Read, adu: bytes) -> list[int]:
-    """The registers, or bits, in an answer whose CRC is right."""
+    """Return the registers or bits in an answer with a correct CRC."""
     if read.function in BITS:
         bits = _BITS[read.function]()
         bits.decode(adu[2:-2])
@@ -101,7 +101,7 @@ def words_of(read: Read, adu: bytes) -> list[int]:
 
 
 def is_whole(adu: bytes) -> bool:
-    """Whether the CRC is right."""
+    """Return whether the CRC is correct."""
     return bool(FramerRTU.check_CRC(adu[:-2], int.from_bytes(adu[-2:], "big")))
 
 

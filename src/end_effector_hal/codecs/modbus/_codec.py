@@ -1,4 +1,4 @@
-"""``modbus-rtu``: sensors that are asked one after the other, over RS-485."""
+"""``modbus-rtu``: sensors that are polled one after the other, over RS-485."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from end_effector_hal.signals import Frame, Kind, Value
 
 
 class ModbusDevice:
-    """Answers the requests for these reads and no others; keeps at most one unfinished request."""
+    """A simulated device that answers the requests for these reads only; keeps at most one unfinished request."""
 
     def __init__(self, reads: Iterable[Read]) -> None:
         self._reads = {adu.request(read): read for read in reads}
         self._rest = b""
 
     def answer(self, data: bytes, values: Mapping[str, Value]) -> bytes:
-        """The answers to the requests that end in ``data``; see `Device.answer`."""
+        """Return the answers to the requests that end in ``data``; see `Device.answer`."""
         answers = b""
         self._rest += data
         while len(self._rest) >= adu.REQUEST_BYTES:
@@ -30,7 +30,7 @@ class ModbusDevice:
         return answers
 
     def answer_to(self, read: Read, values: Mapping[str, Value]) -> bytes:
-        """The answer to one read; an exception if one of its channels has no value."""
+        """Return the answer to one read; an exception if one of its channels has no value."""
         words = [0] * read.count
         if not all(register.put(words, values) for register in read.registers):
             return adu.refusal(read)
@@ -38,22 +38,24 @@ class ModbusDevice:
 
 
 class ModbusRtu:
-    """A polled codec: a frame is what one cycle of reads has brought; who did not answer is invalid in it.
+    """A polled codec: a frame contains the results of one cycle of reads; channels of a device that did not answer are
+    invalid.
 
-    A tool with other devices needs a list of reads, no more: an instance of this class, or a subclass without
-    arguments, behind an entry point.
+    A tool with other devices needs only a list of reads: an instance of this class, or a subclass without arguments,
+    behind an entry point.
 
     Args:
-        name: as a description names it.
-        reads: in the order in which they are asked.
-        period_us: from the beginning of a cycle to that of the next; a slow device makes it longer.
-        baudrate, parity: of the line; parity ``N``, ``E`` or ``O``.
+        name: the codec's name in a description.
+        reads: the reads in the order of their requests.
+        period_us: time from the start of a cycle to the start of the next one; a slow device makes it longer.
+        baudrate, parity: settings of the line; parity ``N``, ``E`` or ``O``.
         timeout_us: longest wait for an answer.
-        alike: answers to two reads of one unit may have the same form; who has not answered one of them is not asked
-            the others for a second.
+        alike: whether answers to two reads of one unit may have the same form; then, after one of them got no answer,
+            the others are not requested for a second.
 
     Raises:
-        UsageError: a channel stands twice, or the late answer to one read could be taken for that to another.
+        UsageError: two reads have the same channel, or a late answer to one read could be mistaken for that to
+            another.
     """
 
     def __init__(
@@ -85,16 +87,16 @@ class ModbusRtu:
             )
 
     def decoder(self) -> ModbusMaster:
-        """A new one, which asks."""
+        """Return a new polled decoder."""
         return ModbusMaster(
             self.reads, baudrate=self.baudrate, period_us=self.period_us, timeout_us=self.timeout_us
         )
 
     def device(self) -> ModbusDevice:
-        """All devices of the bus in one."""
+        """Return one simulated device that answers for all devices of the bus."""
         return ModbusDevice(self.reads)
 
     def encode(self, frame: Frame) -> bytes:
-        """All answers of one cycle, in the order of the reads."""
+        """Return all answers of one cycle, in the order of the reads."""
         device = self.device()
         return b"".join(device.answer_to(read, frame.values) for read in self.reads)

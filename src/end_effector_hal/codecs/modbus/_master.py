@@ -1,4 +1,4 @@
-"""The asking end of a Modbus line, sans-IO."""
+"""The master of a Modbus line, sans-IO."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from end_effector_hal.codecs.modbus._read import Read
 from end_effector_hal.signals import Frame, Value
 
 MIX_UP_US = 1_000_000
-"""An answer that comes later than this is lost."""
+"""Time after which a missing answer is lost for good, µs."""
 FAULT_US = 2_000_000
-"""So long an answer must be well until what was wrong with the one before is no longer told."""
+"""Time of correct answers after which an earlier fault is no longer reported, µs."""
 EXCEPTIONS = {
     1: "illegal function", 2: "illegal data address", 3: "illegal data value", 4: "device failure", 6: "device busy",
     10: "gateway path unavailable", 11: "gateway target does not respond",
 }  # fmt: skip
-"""Names of the standard."""
+"""The standard's names of the exceptions."""
 
 
 def exception_words(code: int) -> str:
-    """``exception 2, illegal data address``."""
+    """Return an exception in words: ``exception 2, illegal data address``."""
     return f"exception {code}, {EXCEPTIONS.get(code, 'not of the standard')}"
 
 
 STANDSTILL_US = 500_000
-"""Who asks or reads so late stood still: nobody knows how old an answer is that waited."""
+"""Delay of this process after which the age of a waiting answer is unknown, µs."""
 
 
 class ReadCycle:
-    """Makes a frame of the answers to the reads of one cycle, and counts; see `Decoder` for the counters.
+    """Makes a frame from the answers of one cycle, and counts; see `Decoder` for the counters.
 
     Args:
-        reads: of a cycle.
+        reads: the reads of a cycle.
     """
 
     def __init__(self, reads: Sequence[Read]) -> None:
@@ -49,20 +49,22 @@ class ReadCycle:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What is wrong with the answers, or was a moment ago: sentences."""
+        """Present or recent faults of the answers: sentences."""
         return tuple([text for _, text in self._faulty.values()])
 
     def _unheard(self, read: Read, at: int) -> None:
         self.errors["timeout"] += 1
-        todo = "Is it powered, its wires A and B not exchanged; do unit, baud rate and parity fit?"
+        todo = "Check its power, the wires A and B, unit, baud rate and parity."
         self._faulty[read] = at, f"{read.place}: no answer. {todo}"
 
     def _taken(self, read: Read, answer: bytes, at: int) -> dict[str, Value]:
         if answer[1] != read.function:
             self.errors["refused"] += 1
-            todo = "See to the device and its sensor."
+            todo = "Check the device and its sensor."
             if answer[2] <= 3:
-                todo = "Does the device have them (register_type; address from 0 on; a smaller gap)?"
+                todo = (
+                    "Does the device have these registers? Check register_type, address (from 0 on) and gap."
+                )
             self._faulty[read] = at, f"{read.place}: refused with {exception_words(answer[2])}. {todo}"
             return {name: None for part in read.registers for name in part.channels}
         words = adu.words_of(read, answer)
@@ -76,8 +78,8 @@ class ReadCycle:
             self._faulty[read] = (
                 at,
                 (
-                    f"{read.place}: no sensor can mean the value of {names} ({shown}). "
-                    "Do value_type, word_order, byte_order, scale and range fit?"
+                    f"{read.place}: no sensor can send this value of {names} ({shown}). "
+                    "Check value_type, word_order, byte_order, scale and range."
                 ),
             )
         elif read in self._faulty and at - self._faulty[read][0] >= FAULT_US:
@@ -85,7 +87,7 @@ class ReadCycle:
         return values
 
     def _cycle_over(self, heard_at: int | None) -> tuple[Frame, ...]:
-        """The frame of a cycle, if anybody has answered; ``heard_at``: when the last one did, µs."""
+        """Return the frame of a cycle if a device has answered; ``heard_at``: time of the last answer, µs."""
         if heard_at is None:
             self.lost += 1
             return ()
@@ -100,28 +102,28 @@ class ReadCycle:
 
 
 class ModbusMaster(ReadCycle):
-    """Asks one read after the other; keeps at most the bytes since the last request that could be its answer.
+    """Sends the reads one after the other; keeps at most the bytes since the last request that could be its answer.
 
     Args:
         reads, baudrate, period_us, timeout_us: see `ModbusRtu`.
     """
 
     BITS = 11
-    """Of a byte on the line, at most: start, 8, parity, stop."""
+    """Most bits of a byte on the line: start, 8, parity, stop."""
 
     def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
         super().__init__(reads)
         self.due = 0
         self.free_at: int | None = 0
-        """µs, from when on the line is free for somebody else's request; None: an answer is awaited."""
+        """Time from which on the line is free for other requests, µs; None: an answer is awaited."""
         self.answers: tuple[bytes, ...] = ()
-        """To the reads of the last whole cycle, as they came, empty where none did; before that: empty."""
+        """The raw answers of the last complete cycle, b"" for a missing one; before that an empty tuple."""
         self.asked_at = 0
-        """µs, when the first read of the cycle was asked for."""
+        """Time of the first request of the cycle, µs."""
         self._baudrate = baudrate
         self._period_us, self._timeout_us = period_us, timeout_us
         self.silence_after_us = self.silence_us(baudrate)
-        """µs that the line is left alone after an answer."""
+        """Pause on the line after an answer, µs."""
         self._next = 0
         self._unanswered: dict[tuple[int, int, int], tuple[Read, int]] = {}
         self._pending: Read | None = None
@@ -131,11 +133,11 @@ class ModbusMaster(ReadCycle):
 
     @classmethod
     def silence_us(cls, baudrate: int) -> int:
-        """Between two frames, by the standard."""
+        """Return the silence that the standard requires between two frames, µs."""
         return max(1_750, int(3.5 * cls.BITS) * 1_000_000 // baudrate)
 
     def poll(self, at: int) -> Polled:
-        """The next request once it is due; what was asked before and is not answered counts as invalid."""
+        """Return the next request if it is due; a pending request without an answer counts as invalid."""
         if at < self.due:
             return Polled()
         frames: tuple[Frame, ...] = ()
@@ -159,7 +161,7 @@ class ModbusMaster(ReadCycle):
         return Polled(request, frames)
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frame of the cycle that ends with an answer in ``data``; what nobody asked for is noise."""
+        """Return the frame if its cycle ends with an answer in ``data``; bytes without a request are noise."""
         self.bytes += len(data)
         if self._pending is None:
             self.errors["noise"] += len(data)
@@ -176,16 +178,16 @@ class ModbusMaster(ReadCycle):
         return list(self._end(at, answer))
 
     def answered_within_us(self, request: bytes) -> int:
-        """How long to wait for the answer to a request from its first byte on."""
+        """Return the longest wait for the answer to a request, from the request's first byte on, µs."""
         return self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
 
     def _may_mix(self, read: Read, at: int) -> bool:
-        """Whether the answer to another read may still come, and would be taken for that to this one."""
+        """Return whether a late answer to another read may still arrive and be mistaken for the answer to this one."""
         other, since = self._unanswered.get(read.form, (read, 0))
         return other is not read and at - since < MIX_UP_US
 
     def _answer(self, read: Read) -> bytes | None:
-        """The answer in what came, without what stands before it; what cannot begin one is thrown away."""
+        """Return the answer in the received bytes; bytes that cannot begin an answer are discarded."""
         good = bytes([read.unit, read.function, read.answer_bytes])
         bad = bytes([read.unit, read.function | 0x80])
         rest, start = self._rest, 0
@@ -201,7 +203,7 @@ class ModbusMaster(ReadCycle):
         return self._rest[:size] if size and len(self._rest) >= size else None
 
     def _end(self, at: int, answer: bytes = b"") -> tuple[Frame, ...]:
-        """The pending read is over; the frame, if it was the last of the cycle and anybody has answered."""
+        """End the pending read; return the frame if it was the last read of the cycle and a device has answered."""
         self._pending, self._rest = None, b""
         self._heard[self._next] = answer
         self._next += 1
@@ -217,7 +219,7 @@ class ModbusMaster(ReadCycle):
 
 
 def _size(head: bytes, good: bytes, bad: bytes) -> int:
-    """Bytes of the answer that begins so; 0: none does."""
+    """Return the size of the answer that begins with these bytes; 0: no answer begins so."""
     if head and good.startswith(head):
         return len(good) + good[2] + 2
     return len(bad) + 3 if head and bad.startswith(head[:2]) else 0

@@ -1,4 +1,4 @@
-"""Devices whose registers are known. They are read only: what they grip with is switched by the lines."""
+"""Codecs of devices with known registers. They are only read: their actuators are switched by the lines."""
 
 from __future__ import annotations
 

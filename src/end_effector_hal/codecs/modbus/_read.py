@@ -1,4 +1,4 @@
-"""What is read from a Modbus device, and written to it, as data."""
+"""Reads from and writes to a Modbus device, as data."""
 
 from __future__ import annotations
 
@@ -20,43 +20,43 @@ TABLES = {
 
 
 class Readout(Protocol):
-    """What is taken from the registers, or the bits, of an answer."""
+    """The values in some registers or bits of an answer."""
 
     @property
     def channels(self) -> Mapping[str, Kind]:
-        """What it carries."""
+        """The kinds of its channels, by name."""
         ...
 
     @property
     def step_pa(self) -> float:
-        """Pa of one count; of a bit 1."""
+        """Pa of one count; 1 for a bit."""
         ...
 
     def values(self, words: Sequence[int]) -> dict[str, Value]:
-        """What they mean; None: no value that the device can mean."""
+        """Return the values of the registers; None: the device cannot send this value."""
         ...
 
     def implausible(self, words: Sequence[int]) -> bool:
-        """Whether the device cannot mean them."""
+        """Return whether the device cannot send these registers."""
         ...
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
-        """RegisterWrite what a device shows; False: it can only refuse, as there is no value."""
+        """Write the device's values into the registers; return False if a missing value cannot be encoded."""
         ...
 
 
 @dataclass(frozen=True)
 class Register:
-    """Where a gauge pressure stands in an answer: ``(raw - zero) * scale_pa``.
+    """The place of a gauge pressure in an answer: ``(raw - zero) * scale_pa``.
 
     Args:
         channel: its name on the link.
-        scale_pa: Pa per count; negative where the device counts vacuum as positive.
-        word: which of the registers that are read, from 0 on.
-        shift, bits: which bits of the register.
+        scale_pa: Pa per count; negative if the device counts vacuum as positive.
+        word: index of the register in the answer, from 0 on.
+        shift, bits: position and number of the bits in the register.
         signed: two's complement.
         zero: the raw value at ambient pressure.
-        lowest, highest: raw values that the device can mean; others are invalid. Default: all that fit.
+        lowest, highest: limits of the raw values that the device can send; others are invalid. Default: no limits.
     """
 
     channel: str
@@ -71,7 +71,7 @@ class Register:
 
     @property
     def channels(self) -> Mapping[str, Kind]:
-        """What it carries."""
+        """The kind of its channel, by name."""
         return {self.channel: Kind.PRESSURE}
 
     @property
@@ -80,15 +80,15 @@ class Register:
         return abs(self.scale_pa)
 
     def values(self, words: Sequence[int]) -> dict[str, Value]:
-        """Gauge Pa, or None: no value that the device can mean."""
+        """Return the value in gauge Pa; None: the device cannot send this value."""
         return {self.channel: self.value(words[self.word])}
 
     def implausible(self, words: Sequence[int]) -> bool:
-        """Whether the device cannot mean them."""
+        """Return whether the device cannot send this register."""
         return self.value(words[self.word]) is None
 
     def put(self, words: list[int], values: Mapping[str, Value]) -> bool:
-        """The bits of a register; False: there is no value."""
+        """Write the value into its register; return False if there is no value."""
         value = values.get(self.channel)
         if value is not None:
             words[self.word] |= self.word_of(value)
@@ -102,7 +102,7 @@ class Register:
         return low if self.lowest is None else self.lowest, high if self.highest is None else self.highest
 
     def value(self, word: int) -> Value:
-        """Gauge Pa, or None: no value that the device can mean."""
+        """Return the value in gauge Pa; None: the device cannot send this value."""
         raw = word >> self.shift & ((1 << self.bits) - 1)
         if self.signed and raw >> (self.bits - 1):
             raw -= 1 << self.bits
@@ -110,7 +110,7 @@ class Register:
         return round((raw - self.zero) * self.scale_pa) if low <= raw <= high else None
 
     def word_of(self, pascal: int) -> int:
-        """The bits of a register; what lies beyond the device's range is shown at its end, as sensors do."""
+        """Return the bits of a register; a value beyond the device's range becomes its end, as in sensors."""
         low, high = self.limits
         raw = min(max(round(pascal / self.scale_pa) + self.zero, low), high)
         return (raw & ((1 << self.bits) - 1)) << self.shift
@@ -118,13 +118,13 @@ class Register:
 
 @dataclass(frozen=True)
 class Read:
-    """One request: ``count`` registers, or bits, of a unit from ``address`` on.
+    """One request that reads ``count`` registers or bits of a unit from ``address`` on.
 
     Args:
         unit: address of the device, 1 to 247.
-        address: of the first, as it stands on the wire.
-        registers: what is taken from the answer.
-        count: how many are read.
+        address: first address, as on the wire.
+        registers: the values in the answer.
+        count: number of registers or bits.
         function: `HOLDING`, `INPUT`, `COILS` or `DISCRETE_INPUTS`.
     """
 
@@ -136,7 +136,7 @@ class Read:
 
     @property
     def place(self) -> str:
-        """For a sentence: ``Unit 3, holding registers 22 to 23 (bottom)``."""
+        """The place for messages: ``Unit 3, holding registers 22 to 23 (bottom)``."""
         last = self.address + self.count - 1
         several = f"s {self.address} to {last}" if self.count > 1 else f" {self.address}"
         names = ", ".join(name for part in self.registers for name in part.channels)
@@ -144,25 +144,25 @@ class Read:
 
     @property
     def form(self) -> tuple[int, int, int]:
-        """Unit, function and length: all that tells its answer from others."""
+        """Unit, function and length: all that distinguishes its answer from others."""
         return self.unit, self.function, self.answer_bytes
 
     @property
     def answer_bytes(self) -> int:
-        """Bytes of what was read in its answer; two answers of one unit and function are told apart by it."""
+        """Number of data bytes in its answer; it distinguishes two answers of one unit and function."""
         return -(-self.count // 8) if self.function in BITS else 2 * self.count
 
 
 @dataclass(frozen=True)
 class RegisterWrite:
-    """One request that sets registers, or coils, of a unit from ``address`` on, all of them or none.
+    """One request that sets registers or coils of a unit from ``address`` on, all of them or none.
 
     Args:
         unit: address of the device, 1 to 247.
-        address: of the first, as it stands on the wire.
-        values: 0 to 65535 each; of coils 0 or 1.
-        coils: whether they are coils.
-        multiple: whether also one of them is written as several are.
+        address: first address, as on the wire.
+        values: 0 to 65535 each; 0 or 1 for coils.
+        coils: whether coils are written.
+        multiple: whether the Modbus function for several values is used even for one.
     """
 
     unit: int
@@ -173,5 +173,5 @@ class RegisterWrite:
 
     @property
     def single(self) -> bool:
-        """Whether it is written with the function for one."""
+        """Whether the Modbus function for a single value is used."""
         return len(self.values) == 1 and not self.multiple

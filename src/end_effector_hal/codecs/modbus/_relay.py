@@ -1,4 +1,4 @@
-"""The answers of a bus that another process masters: each cycle is handed on as it came, and read here."""
+"""Decodes the answers of a bus whose master is another process, which relays each cycle unchanged."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ class BusCodec(Codec, Protocol):
 
 
 def cycle_record(answers: Sequence[bytes], at: int) -> bytes:
-    """One cycle, as a line: what each read has brought, empty where nothing, and when the cycle was over (µs)."""
+    """Return one cycle as a line: the answer to each read (empty if there was none), and the end of the cycle (µs)."""
     record = {"at": at, "answers": [answer.hex() for answer in answers]}
     return json.dumps(record, separators=(",", ":")).encode() + b"\n"
 
 
 class RelayedBus:
-    """The codec of a bus as it arrives over the relay of the process that asks.
+    """The codec of a bus whose cycles arrive over the relay of the bus master.
 
     Args:
-        bus: as that process has it.
+        bus: the codec that the bus master uses.
     """
 
     def __init__(self, bus: BusCodec) -> None:
@@ -44,11 +44,11 @@ class RelayedBus:
         self.period_us, self.resolution_pa = bus.period_us, resolution_of(bus)
 
     def decoder(self) -> RelayDecoder:
-        """A new one, which listens."""
+        """Return a new decoder, which sends no requests."""
         return RelayDecoder(self._bus.reads)
 
     def encode(self, frame: Frame) -> bytes:
-        """The record of a cycle with the answers that this frame is made of."""
+        """Return the record of a cycle whose answers make this frame."""
         answers, data = [], self._bus.encode(frame)
         for read in self._bus.reads:
             size = 3 + read.answer_bytes + 2 if data[1:2] == bytes([read.function]) else 5
@@ -58,7 +58,7 @@ class RelayedBus:
 
 
 class RelayDecoder(ReadCycle):
-    """Reads records; one of another bus, or damaged, is noise, as is more than a record without an end."""
+    """Decodes records. Damaged records, records of another bus, and unfinished data longer than a record are noise."""
 
     def __init__(self, reads: Sequence[Read]) -> None:
         super().__init__(reads)
@@ -68,7 +68,7 @@ class RelayDecoder(ReadCycle):
         self._longest = (2 * LONGEST_ADU + 3) * len(reads) + 100
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
-        """The frames of the records that end in ``data``, with the time that stands in each."""
+        """Return the frames of the records that end in ``data``, stamped with the time in each record."""
         self.bytes += len(data)
         *records, self._rest = (self._rest + data).split(b"\n")
         if len(self._rest) > self._longest:
@@ -91,7 +91,7 @@ class RelayDecoder(ReadCycle):
         yield from self._cycle_over(self._last if any(answers) else None)
 
     def _fits(self, answers: Sequence[bytes]) -> bool:
-        """Whether each is an answer to its read, or none."""
+        """Return whether each answer is empty or a valid answer to its read."""
         return all(
             not answer or (adu.is_whole(answer) and (_is_answer(answer, read) or _is_refusal(answer, read)))
             for read, answer in zip(self._reads, answers, strict=True)
@@ -108,7 +108,7 @@ def _is_refusal(adu_: bytes, read: Read) -> bool:
 
 
 def _read(record: bytes, reads: int) -> tuple[int, list[bytes]] | None:
-    """Time and answers; None: this is no record of so many reads."""
+    """Return time and answers of a record; None: it is not a record of this number of reads."""
     try:
         given = json.loads(record)
         at, answers = given["at"], [bytes.fromhex(each) for each in given["answers"]]

@@ -1,4 +1,4 @@
-"""Buses that are commanded: outputs that are registers, and what the same bus brings, for all who read it."""
+"""Buses with commanded devices: outputs that are registers, and the relay of the readings to other programs."""
 
 from ._lines import BusLines, BusLink, bus_relay
 from ._output import fresh_for_us

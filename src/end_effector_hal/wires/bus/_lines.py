@@ -1,4 +1,4 @@
-"""Registers of the devices on a bus as output lines: one thread masters the bus, for reads and for writes."""
+"""Device registers as output lines: one thread is the master of the bus, for reads and writes."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ if TYPE_CHECKING:
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 2.0
 ADOPT_S = 1.0
-"""How long a start waits for what the devices report of their outputs."""
+"""Longest wait at the start for the devices to report their outputs, s."""
 PATIENCE_S = 1.0
-"""How long somebody else may still have the port: a predecessor that is ending."""
+"""Longest wait for another process to release the port, s: a predecessor may be ending."""
 FLUSH_S = 1.0
-"""How long an end waits for what is still to be written."""
+"""Longest wait at the end for pending writes, s."""
 CLOSE_S = 2.0
 READ_BYTES = 4096
 
 
 class BusLink(NamedTuple):
-    """The link of a bus: its port, and what is read over it."""
+    """The link of a bus: its port, its codec and the settings of the port."""
 
     port: str
     codec: BusCodec
@@ -50,22 +50,24 @@ class BusLink(NamedTuple):
 
 
 def bus_relay(description: Description, socket: Path, name: str) -> Path:
-    """Where the line arbiter at ``socket`` hands on what a bus brings; ``name``: of its link."""
+    """Return the path of the relay on which the line arbiter at ``socket`` sends the readings of a bus; ``name``: of
+    its link.
+    """
     return relay_path(socket, f"bus.{name}" if len(description.buses) > 1 else "bus")
 
 
 class BusLines:
-    """A `LineBackend` of registers, and `RemoteLines`: setting one does not wait for the device.
+    """A `LineBackend` and `RemoteLines` of registers: setting a line does not wait for the device.
 
-    The device's acknowledgement ends a write; until then nobody knows how its output stands. A deactivation is written
-    until a device acknowledges it; an activation is given up after a time, so that nothing moves by itself when a
-    bus comes back. A start writes nothing.
+    A write ends with the device's acknowledgement; until then the state of the output is unknown. A deactivation is
+    repeated until the device acknowledges it. An activation is given up after a time, so that nothing moves
+    unexpectedly when a bus recovers. Nothing is written at the start.
 
     Args:
         link: the bus.
-        outputs: by their names.
-        relay: path of the socket over which each cycle is handed on.
-        group: whose members may read there; default: that of the process.
+        outputs: the outputs by name.
+        relay: path of the socket that relays each cycle.
+        group: the group whose members may read there; default: the group of the process.
     """
 
     def __init__(
@@ -82,11 +84,11 @@ class BusLines:
         self._told: tuple[frozenset[str], Mapping[str, str]] = frozenset(), {}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Take the port, and adopt what the devices report; see `LineBackend.request`. A start writes nothing.
+        """Open the port and adopt the reported states; see `LineBackend.request`. Nothing is written at the start.
 
         Raises:
-            LinkBusyError: somebody else has the port; says who.
-            WireError: the relay cannot be made.
+            LinkBusyError: another process has the port; the message names it.
+            WireError: the relay cannot be created.
         """
         del names  # all of them
         port = self._claimed()
@@ -110,12 +112,12 @@ class BusLines:
         return self.levels()
 
     def levels(self) -> dict[str, bool]:
-        """Those of which somebody knows how they stand: as commanded and acknowledged, or as a device reports."""
+        """Return the known levels: commanded and acknowledged, or reported by a device."""
         with self._lock:
             return self._outputs.known(now_us())
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Have them written; returns at once."""
+        """Request that these levels be written; returns at once."""
         with self._lock:
             self._outputs.command(levels, now_us())
         self._relay.wake()
@@ -163,7 +165,7 @@ class BusLines:
             os.read(self._news_read, 4096)
 
     def close(self) -> None:
-        """Give the port back; what is still to be written has a moment, then the registers stay as they are."""
+        """Close the port after a short wait for pending writes; the registers keep their values."""
         thread, self._thread = self._thread, None
         if thread is None:
             return
@@ -185,7 +187,7 @@ class BusLines:
             return self._outputs.pending
 
     def _claimed(self) -> serial.Serial | None:
-        """The port; None while there is none that can be opened."""
+        """Return the port; None: no port can be opened yet."""
         until = time.monotonic() + PATIENCE_S
         while True:
             try:
@@ -223,7 +225,7 @@ class BusLines:
                 wait_s = min(2 * wait_s, LONGEST_WAIT_S)
 
     def _wait(self, wait_s: float) -> None:
-        """Without a port: commands are given up in their time, readers come and go."""
+        """Wait without a port: give up commands whose time is over, and serve the readers of the relay."""
         until = time.monotonic() + wait_s
         while not self._ended and (left := until - time.monotonic()) > 0:
             self._select([], left)
@@ -232,7 +234,7 @@ class BusLines:
             self._tell()
 
     def _talk(self, port: serial.Serial) -> None:
-        """Until the end; raises OSError when the port is lost."""
+        """Exchange requests and answers until the end; raises OSError when the port is lost."""
         codec = self._link.codec
         master = codec.decoder()
         assert isinstance(master, ModbusMaster)
@@ -261,7 +263,7 @@ class BusLines:
             self._tell()
 
     def _select(self, ports: list[int], wait_s: float) -> list[int]:
-        """The ports that have something to read; the relay is served, and `Server.wake` ends the wait."""
+        """Wait for data; return the readable ports. The relay is served too, and `Server.wake` ends the wait."""
         relay = self._relay.fileno()
         ready = select.select([*ports, relay], [], [], wait_s)[0]
         if relay in ready:
@@ -269,7 +271,7 @@ class BusLines:
         return [port for port in ports if port in ready]
 
     def _tell(self) -> None:
-        """That `unsure` or `troubles` have changed."""
+        """Notify the arbiter if `unsure` or `troubles` have changed."""
         now = self.unsure(), self.troubles()
         if now != self._told:
             self._told = now

@@ -1,4 +1,4 @@
-"""An output that is registers: what is to be written to it, and what is known of it. Pure: time is an argument."""
+"""An output that consists of registers: its pending writes and its known state. Pure: time is an argument."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
 GIVE_UP_US = 1_000_000
-"""An activation that no device has acknowledged so long after it was commanded is not done any more."""
+"""Time after which an activation without acknowledgement is given up, µs."""
 RETRY_US = 100_000
-"""Between two attempts of one write: the answers to some reads come in between, so that a late one is noise."""
+"""Time between two attempts of one write, µs; reads in between ensure that a late answer is discarded as noise."""
 DOUBT_US = 500_000
-"""What stands otherwise for so long is told."""
+"""Time after which a pending or contradicted command is reported as trouble, µs."""
 LEAST_FRESH_US, FRESH_PERIODS = 150_000, 3
 
 
 def fresh_for_us(period_us: int) -> int:
-    """How long what a device reports counts on a bus that is read with this period."""
+    """Return how long a device's report is valid on a bus that is read with this period, µs."""
     return max(LEAST_FRESH_US, FRESH_PERIODS * period_us)
 
 
 class Row(NamedTuple):
-    """Registers that are to be written in one request."""
+    """Registers that are written in one request."""
 
     address: int
     values: tuple[int, ...]
 
 
 class Awaited(NamedTuple):
-    """A bit that the device must show, later than what was written last; ``late``: what it means if it does not."""
+    """A bit that the device must report after the last write; ``late``: the reason to give if it does not."""
 
     channel: str
     level: bool
@@ -42,25 +42,25 @@ NOT_READY = "the device was not activated in time"
 
 
 class BusOutput:
-    """One output: what it was told, what is still to be done, what the device reports of it.
+    """One output: its command, its pending steps, and the reports of its device.
 
     Args:
-        name: of the output.
-        stanza: of the description.
-        fresh_us: how long a report counts.
+        name: the name of the output.
+        stanza: its part of the description.
+        fresh_us: how long a report is valid.
     """
 
     def __init__(self, name: str, stanza: RegisterOutput, fresh_us: int) -> None:
         self.name, self.stanza, self._fresh_us = name, stanza, fresh_us
         self.level: bool | None = None
-        """As it was commanded; None: nobody has, since the start."""
+        """The commanded level; None: no command since the start."""
         self.retry_at = 0
         self.alone = False
-        """Whether it is written by itself: together with its neighbours it was not acknowledged."""
+        """Whether the output is written without its neighbours, because the joint write was not acknowledged."""
         self.why = ""
-        """Why the last command was given up, a clause; empty: it was not."""
+        """Why the last command was given up, a clause; empty: it was not given up."""
         self.refusal = ""
-        """With which exception the device refused what was written last, in words; empty: it did not."""
+        """The exception with which the device refused the last write, in words; empty: it did not refuse."""
         self._steps: deque[Row | Awaited] = deque()
         self._sent: Row | None = None  # of the last command; its answer is awaited
         self._undecided = False  # whether the device must be activated first is not known yet
@@ -77,13 +77,13 @@ class BusOutput:
 
     @property
     def pending(self) -> bool:
-        """Whether something of the last command is not done yet."""
+        """Whether a part of the last command is still to be done."""
         return bool(self._steps) or self._undecided
 
     def command(self, level: bool, at: int, *, drop: bool = False) -> None:
-        """What it is to be from now on; what was still to be done is forgotten.
+        """Set the wanted level; the pending steps of an earlier command are discarded.
 
-        ``drop``: a person asked for this release. It may acknowledge and activate the device first.
+        ``drop``: a person asked for this release. The device may be acknowledged and activated first.
         """
         self._doubtful = self.level is not True or self.known(at) is not True
         self._was_off, self._waits = self.known(at) is False, False
@@ -106,11 +106,11 @@ class BusOutput:
         self._steps = deque([] if self._undecided else self._told(level))
 
     def may_hold(self, at: int) -> bool:
-        """Whether it may hold a part that nobody has asked it to release."""
+        """Return whether the output may hold a part that no command has released."""
         return self.level is True or (self.level is None and self.known(at) is not False)
 
     def acknowledge(self, at: int) -> None:
-        """A fault of the device is cleared; nothing of it may hold a part."""
+        """Clear a fault of the device; call this only if none of its outputs may hold a part."""
         if self.stanza.acknowledge is None:
             return
         self._commanded_at = self._progress_at = at
@@ -120,7 +120,7 @@ class BusOutput:
         self._steps = deque([*self._clears, *off])
 
     def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
-        """What the channels of the bus show at ``at``; it was asked for from ``asked_at`` on, by several reads."""
+        """Record the channels of the bus as read at ``at``; several reads requested them, the first at ``asked_at``."""
         stanza = self.stanza
         ready, taken = (
             stanza.activation and stanza.activation.ready,
@@ -132,27 +132,27 @@ class BusOutput:
                 self._reports[channel] = value, at, asked_at
 
     def reported(self, channel: str | None, at: int) -> bool | None:
-        """The last report of a bit; None: there is no fresh one."""
+        """Return the last report of a bit; None: there is no fresh one."""
         value, when, _ = self._reports.get(channel or "", (None, 0, 0))
         return value if at - when <= self._fresh_us else None
 
     @property
     def begins(self) -> bool:
-        """Whether it was inactive, and nothing of its activation is done yet."""
+        """Whether the output was inactive, and no step of its activation is done yet."""
         return self._undecided and self._was_off
 
     @property
     def activates(self) -> bool:
-        """Whether the activation of its device is under way."""
+        """Whether the activation of its device is in progress."""
         return any(isinstance(step, Awaited) and step.late == NOT_READY for step in self._steps)
 
     def advance(self, at: int, *, others_may_hold: bool, is_activated: bool) -> None:
-        """Time has come to ``at``.
+        """Process the passing of time.
 
         Args:
-            at: µs.
-            others_may_hold: another output of the unit is active, or may be.
-            is_activated: another output of the unit has begun an activation that is under way.
+            at: the time now, µs.
+            others_may_hold: another output of the unit is or may be active.
+            is_activated: another output of the unit has begun an activation that is in progress.
         """
         if self._give_up_at is not None and self.pending and at >= self._give_up_at:
             step = self._steps[0] if self._steps else None
@@ -176,34 +176,34 @@ class BusOutput:
             self._decide(ready=ready is not False, others_may_hold=others_may_hold, is_activated=is_activated)
 
     def withdraw(self, why: str) -> None:
-        """An activation that is not done yet is not done any more; what the device has done of it stays."""
+        """Cancel an activation that is not done yet; steps that the device has executed are not undone."""
         if self._may_activate and not self.why:
             self._give_up(why)
 
     def lasts(self, at: int) -> bool:
-        """Whether an activation has been under way for longer than one write takes."""
+        """Return whether an activation has been in progress for longer than one write takes."""
         return self._may_activate and not self.why and at - self._commanded_at > RETRY_US
 
     def next_row(self, at: int) -> Row | None:
-        """What is to be written now."""
+        """Return the registers to write now; None: nothing."""
         step = self._steps[0] if self._steps else None
         return step if isinstance(step, Row) and at >= self.retry_at else None
 
     def sent(self, row: Row) -> None:
-        """It is on its way."""
+        """Record that a row was sent."""
         handshake = self.stanza.handshake
         self._sent = row
         self._open = self._open or (handshake is not None and row == self._control(handshake.request))
 
     def acknowledged(self, at: int) -> None:
-        """The device has done what was sent last."""
+        """Record that the device has acknowledged the last write."""
         if self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone = False
 
     def known(self, at: int) -> bool | None:
-        """Its level, as far as command and device agree; None: nobody knows how it stands."""
+        """Return the level if command and device agree; None: the state is unknown."""
         seen = self.reported(self.stanza.verify, at)
         if self.level is None:
             return seen
@@ -214,7 +214,7 @@ class BusOutput:
         return self.level
 
     def trouble(self, at: int) -> str:
-        """What is wrong with it, a clause; empty: nothing that has lasted."""
+        """Return the trouble of the output, a clause; empty: there is none that has lasted."""
         if self.level is None:
             return ""
         if self.why:
@@ -228,40 +228,43 @@ class BusOutput:
             return "is not activated any more: its device was restarted, or has a fault"
         if self.reported(self.stanza.verify, at) is (not self.level):
             told = "active" if self.level else "inactive"
-            return f"was commanded {told}, and its device does not say so: it was restarted, or somebody else writes"
+            why = "it was restarted, or another program writes to it"
+            return f"was commanded {told}, but its device reports otherwise: {why}"
         return ""
 
     @property
     def due(self) -> int | None:
-        """When `advance` or the next write is due."""
+        """The time at which `advance` or the next write is due."""
         times = [self.retry_at] if self._steps and isinstance(self._steps[0], Row) else []
         times += [self._give_up_at] if self._give_up_at is not None and self.pending else []
         return min(times, default=None)
 
     @property
     def _may_activate(self) -> bool:
-        """Whether something of the last command that is not done yet may activate."""
+        """Whether a pending step of the last command may activate the output or its device."""
         may = bool(self.level) or (self._drop and self.stanza.activation is not None)
         return self.pending and may
 
     @property
     def _is_told(self) -> bool:
-        """Whether a command is still to be written."""
+        """Whether a command still has to be written."""
         commands = self.stanza.command_on, self.stanza.command_off
         return any(isinstance(step, Row) and step.values in commands for step in self._steps)
 
     @property
     def _clears(self) -> list[Row]:
-        """What clears a fault of the device."""
+        """The rows that clear a fault of the device."""
         return [Row(self.stanza.address, row) for row in self.stanza.acknowledge or ()]
 
     def _ready(self, at: int) -> bool | None:
-        """Whether the device is activated, as far as it needs that; None: it has not said so lately."""
+        """Return whether the device is activated (True if it needs no activation); None: there is no fresh report."""
         activation = self.stanza.activation
         return self.reported(activation.ready, at) if activation else True
 
     def _decide(self, *, ready: bool, others_may_hold: bool, is_activated: bool) -> None:
-        """What comes before the command, as the device is now; a release that must not activate it waits."""
+        """Choose the steps before the command by the present state of the device; a release that must not activate it
+        waits.
+        """
         if not ready and is_activated and (not self.level or self.begins):
             self._waits = bool(self.level)
             return
@@ -284,11 +287,11 @@ class BusOutput:
         self._steps.extend([*(self._told(level=False) if off_first else []), *self._told(bool(self.level))])
 
     def _is_answer(self, channel: str) -> bool:
-        """Whether a report was asked for after the last write: what was read before it says nothing of it."""
+        """Return whether a report was requested after the last write; older reports do not show its effect."""
         return self._reports[channel][2] > self._written_at
 
     def _told(self, level: bool) -> list[Row | Awaited]:
-        """The steps that make it so."""
+        """Return the steps that command this level."""
         command = Row(self.stanza.address, self.stanza.command_on if level else self.stanza.command_off)
         handshake = self.stanza.handshake
         if handshake is None:
@@ -297,17 +300,17 @@ class BusOutput:
             self._control(handshake.end),
             Awaited(handshake.taken, False, "the device did not end the handshake in time"),
         ]
-        taken = Awaited(handshake.taken, True, "the device did not take it in time")
+        taken = Awaited(handshake.taken, True, "the device did not accept the command in time")
         shaken = [*(end if self._open else []), self._control(handshake.request), taken, *end]
         return [*shaken, command] if handshake.order == "before" else [command, *shaken]
 
     def _control(self, values: tuple[int, ...]) -> Row:
-        """The registers of its handshake with these values."""
+        """Return the row that writes these values to the registers of the handshake."""
         own = self.stanza.handshake.address if self.stanza.handshake else None
         return Row(self.stanza.address if own is None else own, values)
 
     def _look(self, at: int) -> None:
-        """What the device shows ends what is awaited; a release whose handshake takes too long begins again."""
+        """Complete awaited steps that the device has reported; restart a release whose handshake takes too long."""
         handshake = self.stanza.handshake
         while self._steps and isinstance(step := self._steps[0], Awaited):
             shown = self.reported(step.channel, at)

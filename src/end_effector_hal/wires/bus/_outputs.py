@@ -1,4 +1,6 @@
-"""All outputs of a bus: which of them is written next, and together with which others. Pure: time is an argument."""
+"""All outputs of a bus: chooses the next write, and the outputs that are written together. Pure: time is an
+argument.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from end_effector_hal.signals import Value
 from ._output import RETRY_US, BusOutput, Row
 
 LONGEST_WRITE = 100
-"""Registers; the standard allows 123, and one output has at most 16."""
+"""Most registers in one write; the standard allows 123, and one output has at most 16."""
 NEVER = 2**63 - 1
 
 
@@ -19,8 +21,8 @@ class BusOutputs:
     """All outputs of one bus.
 
     Args:
-        stanzas: by the name of the output.
-        fresh_us: how long what a device reports counts.
+        stanzas: their parts of the description, by name.
+        fresh_us: how long the report of a device is valid.
     """
 
     def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
@@ -29,22 +31,22 @@ class BusOutputs:
         self._sent: list[BusOutput] = []  # those of the write that is on its way
 
     def prepare(self, names: Iterable[str]) -> None:
-        """The next deactivation of these is a Drop; see `BusOutput.command`."""
+        """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`."""
         self._drops |= self._outputs.keys() & set(names)
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
-        """These levels, from now on."""
+        """Set the wanted levels of some outputs."""
         for name, level in levels.items():
             self._outputs[name].command(level, at, drop=name in self._drops)
         self._drops -= levels.keys()
 
     def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:
-        """What the channels of the bus show; see `BusOutput.report`."""
+        """Record the channels of the bus; see `BusOutput.report`."""
         for each in self._outputs.values():
             each.report(values, at, asked_at)
 
     def advance(self, at: int) -> None:
-        """Time has come to ``at``."""
+        """Process the passing of time up to ``at``."""
         for each in self._outputs.values():
             others = self._others(each)
             each.advance(
@@ -57,13 +59,15 @@ class BusOutputs:
             )
 
     def acknowledge(self, at: int) -> None:
-        """Somebody resets the faults: those of the devices are cleared, where a description says how."""
+        """Clear the faults of the devices at a reset, where the description says how and no output of the unit may
+        hold a part.
+        """
         for each in self._outputs.values():
             if not any(other.may_hold(at) for other in (each, *self._others(each))):
                 each.acknowledge(at)
 
     def next_write(self, at: int) -> RegisterWrite | None:
-        """What is to be written now; registers of one unit that stand side by side are written together."""
+        """Return the next write, None: nothing is due; adjacent registers of one unit are written together."""
         self.advance(at)
         due = [each for each in self._outputs.values() if each.next_row(at) is not None]
         if not due:
@@ -75,45 +79,45 @@ class BusOutputs:
         return self._together(first, row, at)
 
     def sent(self, write: RegisterWrite) -> None:
-        """It is on its way."""
+        """Record that a write was sent."""
         rows = list(self._rows_of(write))
         self._sent = [each for each, _ in rows]
         for each, row in rows:
             each.sent(row)
 
     def acknowledged(self, at: int) -> None:
-        """A device has done what was sent last."""
+        """Record that the device has acknowledged the last write."""
         for each in self._sent:
             each.acknowledged(at)
 
     def failed(self, at: int, refusal: str = "") -> None:
-        """What was sent last was refused, with an exception, or not acknowledged."""
+        """Record that the last write was refused with an exception, or was not acknowledged."""
         for each in self._sent:  # also where something else is commanded by now: its answer may come late
             each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
             each.refusal = refusal
 
     def withdraw(self, names: Iterable[str], why: str) -> None:
-        """Activations of these that are not done yet are not done any more."""
+        """Cancel the activations of these outputs that are not done yet."""
         for name in self._outputs.keys() & set(names):
             self._outputs[name].withdraw(why)
 
     def activating(self, at: int) -> frozenset[str]:
-        """Those whose activation has been under way for longer than one write takes."""
+        """Return the outputs whose activation has been in progress for longer than one write takes."""
         return frozenset(name for name, each in self._outputs.items() if each.lasts(at))
 
     def known(self, at: int) -> dict[str, bool]:
-        """The levels of those of which somebody knows how they stand."""
+        """Return the known levels."""
         found = {name: each.known(at) for name, each in self._outputs.items()}
         return {name: level for name, level in found.items() if level is not None}
 
     def unknown(self, at: int) -> frozenset[str]:
-        """Those that nobody has commanded, and whose device has said nothing."""
+        """Return the outputs without a command and without a fresh report."""
         return frozenset(
             name for name, each in self._outputs.items() if each.level is None and each.known(at) is None
         )
 
     def troubles(self, at: int) -> dict[str, str]:
-        """What is wrong, a clause by output."""
+        """Return the troubles, a clause by output."""
         found = {name: each.trouble(at) for name, each in self._outputs.items()}
         return {name: why for name, why in found.items() if why}
 
@@ -124,11 +128,11 @@ class BusOutputs:
 
     @property
     def due(self) -> int | None:
-        """When `next_write` is to be asked at the latest."""
+        """The latest time for the next call of `next_write`; None: nothing is pending."""
         return min((each.due for each in self._outputs.values() if each.due is not None), default=None)
 
     def _others(self, output: BusOutput) -> list[BusOutput]:
-        """Those of the same unit."""
+        """Return the other outputs of the same unit."""
         return [
             each
             for each in self._outputs.values()
@@ -136,7 +140,7 @@ class BusOutputs:
         ]
 
     def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
-        """With the rows of others that stand right before or behind it and are due as well."""
+        """Return a write of this row and of all due rows with adjacent registers."""
         unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
         ready = {
             other.address: other.values
@@ -154,7 +158,7 @@ class BusOutputs:
         return RegisterWrite(unit, address, values, table == "coil", first.stanza.use_write_multiple)
 
     def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, Row]]:
-        """The outputs that a write was made of, with the part of each."""
+        """Yield the outputs in a write, with the row of each."""
         for each in self._outputs.values():
             row = each.next_row(NEVER)
             same = (each.stanza.unit, each.stanza.register_type == "coil") == (write.unit, write.coils)
@@ -166,6 +170,6 @@ class BusOutputs:
 
 
 def _shares(output: BusOutput, row: Row) -> bool:
-    """Whether it is written together with its neighbours: a command, and none that needs a handshake."""
+    """Return whether a row may be written with its neighbours: it is a command without a handshake."""
     whole = len(row.values) == len(output.stanza.command_on)
     return whole and output.stanza.handshake is None and not output.alone

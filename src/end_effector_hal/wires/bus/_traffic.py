@@ -1,4 +1,4 @@
-"""What goes over a bus that has outputs, sans-IO: reads in their cycle, and writes between two of them."""
+"""The traffic on a bus with outputs, sans-IO: cyclic reads, and writes between two reads."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_KEPT = 512
 
 
 class Cycle(NamedTuple):
-    """One cycle of reads: when it was over, µs, the answers as they came, and the frame if there is one."""
+    """One cycle of reads: the time of its end, µs, the raw answers, and the frame if there is one."""
 
     at: int
     answers: tuple[bytes, ...]
@@ -27,10 +27,11 @@ class Cycle(NamedTuple):
 
 
 class EchoFilter:
-    """Takes what an RS-485 adapter hears of itself out of what comes.
+    """Removes from the received data the echo that some RS-485 adapters return of their own requests.
 
-    The answer to a write of one register or coil repeats the request, so only other requests show whether it does. A
-    glitch may precede an echo, or destroy one: it is looked for anywhere, and one that is missing proves little.
+    The answer to a write of one register or coil equals its request, so only other requests show whether there is an
+    echo. A glitch may precede an echo or destroy it: the echo is searched anywhere in the data, and one missing echo
+    proves little.
     """
 
     SAME_ANSWER = (5, 6)
@@ -38,16 +39,18 @@ class EchoFilter:
 
     def __init__(self) -> None:
         self.echoes = False
-        """Whether the adapter hears itself: a read has shown it, and the last three have not all shown the contrary."""
+        """Whether the adapter returns an echo: a read has shown it, and not all of the last three have shown the
+        contrary.
+        """
         self._request, self._heard, self._passed, self._missed = b"", b"", True, 0
 
     def sent(self, request: bytes) -> None:
-        """This is what comes first, if it does."""
+        """Record a request whose echo may come next."""
         self._learn()
         self._request, self._heard, self._passed = request, b"", False
 
     def feed(self, data: bytes) -> bytes:
-        """What has come without the echo; what may be the beginning of one waits."""
+        """Return the received data without the echo; data that may be the beginning of an echo is kept back."""
         self._heard = (self._heard + data)[-MOST_KEPT:]
         if self._passed:
             return data
@@ -65,7 +68,7 @@ class EchoFilter:
 
     @property
     def _shows(self) -> bool:
-        """Whether the answer to this request is another than its echo."""
+        """Whether the answer to this request differs from its echo."""
         return len(self._request) > 1 and self._request[1] not in self.SAME_ANSWER
 
     def _learn(self) -> None:
@@ -80,11 +83,11 @@ class EchoFilter:
 
 
 class BusTraffic:
-    """Asks and commands, one request at a time.
+    """Sends reads and writes, one request at a time.
 
     Args:
-        master: asks what the channels need.
-        outputs: say what is to be written.
+        master: makes the reads that the channels need.
+        outputs: make the writes.
     """
 
     def __init__(self, master: ModbusMaster, outputs: BusOutputs) -> None:
@@ -97,13 +100,13 @@ class BusTraffic:
         # device would end the reading of the others
         self._read_next = True
         self._done = b""
-        """The last acknowledgement, until a read follows it."""
+        """The last acknowledgement, until the next read."""
         self._echo = EchoFilter()
         self.unacknowledged = 0
-        """Writes that were refused or not answered."""
+        """Number of writes that were refused or not answered."""
 
     def poll(self, at: int) -> tuple[bytes, Cycle | None]:
-        """What is to be sent now, and the cycle that ended because an answer did not come."""
+        """Return the data to send now, and the cycle that ended because an answer is missing."""
         if self._write is not None:
             if at < self._until:
                 return b"", None
@@ -125,7 +128,7 @@ class BusTraffic:
         return polled.data, self._cycle(at, polled.frames, before)
 
     def feed(self, data: bytes, at: int) -> Cycle | None:
-        """The cycle that ends with what has come."""
+        """Process received data; return the cycle that it completes, or None."""
         data = self._echo.feed(data)
         if not data:
             return None
@@ -143,7 +146,7 @@ class BusTraffic:
 
     @property
     def due(self) -> int:
-        """When `poll` is due."""
+        """The time at which `poll` is due."""
         if self._write is not None:
             return self._until
         due = self._master.due

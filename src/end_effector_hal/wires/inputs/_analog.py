@@ -1,6 +1,6 @@
-"""Analog inputs through Linux IIO: text files in sysfs, or a folder with the same files.
+"""Analog inputs through Linux IIO: text files in sysfs, or a folder with files of the same form.
 
-The value of a channel is ``(raw + offset) * scale`` in the unit of its driver: mV of a voltage, kPa of a pressure.
+The value of a channel is ``(raw + offset) * scale`` in the unit of its driver: mV for a voltage, kPa for a pressure.
 Source: Documentation/ABI/testing/sysfs-bus-iio of Linux.
 """
 
@@ -20,15 +20,15 @@ from end_effector_hal.wires._backoff import Backoff
 from end_effector_hal.wires._clock import now_us
 
 LONGEST = 64
-"""Bytes of a number, at most."""
+"""Most bytes that are read of a number."""
 
 
 class AnalogReader:
-    """Reads channels, each by a few files; whatever is wrong with them makes a value invalid and is told.
+    """Reads analog channels, each from a few files; any error makes the value invalid and is reported.
 
     Args:
-        folder: of the devices.
-        channels: those that are analog, by name.
+        folder: the folder of the devices.
+        channels: the analog channels, by name.
         clock: µs.
     """
 
@@ -39,10 +39,10 @@ class AnalogReader:
         self._devices: dict[str, Path] = {}
         self._searches = {part.analog.device: Backoff(clock) for part in channels.values() if part.analog}
         self.errors: dict[str, str] = {}
-        """Why a channel has no value, by its name; sentences."""
+        """Why a channel has no value: sentences, by the name of the channel."""
 
     def read(self, name: str) -> Value:
-        """The value of a channel now; None: it has none."""
+        """Return the present value of a channel; None: it has none."""
         channel = self._channels[name]
         analog = channel.analog
         if analog is None:
@@ -60,7 +60,7 @@ class AnalogReader:
         return None if count in channel.invalid else channel.value(measured)
 
     def _device(self, name: str) -> Path | None:
-        """Its folder; None: it is looked for again later."""
+        """Return the folder of a device; None: not found, the next search comes later."""
         if name not in self._devices:
             search = self._searches[name]
             if not search.is_due():
@@ -72,7 +72,7 @@ class AnalogReader:
 
 
 def find_device(folder: Path, name: str) -> Path:
-    """The folder of a device by its file ``name`` or ``label``, or by the folder's own name; raises WireError."""
+    """Return a device's folder, found by its file ``name`` or ``label`` or by its own name; raises WireError."""
     try:
         devices = sorted(each for each in folder.iterdir() if each.is_dir())
     except OSError as error:
@@ -94,7 +94,7 @@ def find_device(folder: Path, name: str) -> Path:
 
 
 def _number(device: Path, channel: str) -> tuple[float, float]:
-    """The count of a channel, and what it means in the unit of the driver."""
+    """Return the raw count of a channel, and its value in the unit of the driver."""
     stem = re.sub(r"\d+", "", channel)  # in_voltage_scale counts for each in_voltage0, in_voltage1
     try:
         count = _finite(device / f"in_{channel}_raw")
@@ -121,12 +121,12 @@ def _finite(path: Path) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"{path} says {text[:20]!r}, and that is no number.")
+        raise ValueError(f"{path} contains {text[:20]!r}, which is not a number.")
     return number
 
 
 def _read(path: Path) -> str:
-    """The beginning of a file; a pipe in its place does not hold the reader up."""
+    """Return the beginning of a file, without waiting (the path may be a pipe)."""
     fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
         return os.read(fd, LONGEST).decode("ascii", errors="replace").strip()

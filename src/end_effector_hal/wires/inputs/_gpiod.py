@@ -19,16 +19,16 @@ from ._lines import Edges, LineEdge
 
 INPUT_CONSUMER = "end-effector-hal inputs"
 MOST_READ = 1024
-"""Edges that are read from a chip at a time, as many as the kernel keeps; what a line that never rests adds waits."""
+"""Most edges read from a chip at a time, as many as the kernel keeps; further edges of a line that never rests wait."""
 
 
 @dataclass
 class _Request:
-    """Some lines of a chip.
+    """A request for some lines of a chip.
 
     Attributes:
-        seqno: of the edge that came last.
-        read_ns: when the levels were read; an edge before that is in them.
+        seqno: number of the last edge.
+        read_ns: time at which the levels were read; they include all earlier edges.
     """
 
     request: Any
@@ -37,7 +37,7 @@ class _Request:
     read_ns: int = 0
 
     def events(self) -> Iterator[Any]:
-        """Those that wait; raises OSError."""
+        """Yield the waiting events; raises OSError."""
         read = 0
         while read < MOST_READ and self.request.wait_edge_events(0):
             events = self.request.read_edge_events()
@@ -46,10 +46,10 @@ class _Request:
 
 
 class GpiodInputLines:
-    """`InputLines` on ``/dev/gpiochip*``; one request for all inputs of a chip, for each 64 of them.
+    """`InputLines` on ``/dev/gpiochip*``; one request for up to 64 inputs of a chip.
 
     Args:
-        pattern: where the chips are.
+        pattern: glob pattern of the chips.
     """
 
     def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
@@ -57,7 +57,7 @@ class GpiodInputLines:
         self._requests: list[_Request] = []
 
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
-        """Claim; see `InputLines.request`."""
+        """Claim the lines; see `InputLines.request`."""
         self._gpiod = load_gpiod()
         found = find_lines(self._gpiod, self._pattern, list(inputs))
         try:
@@ -69,14 +69,14 @@ class GpiodInputLines:
             raise
 
     def fds(self) -> list[int]:
-        """One of each request."""
+        """Return the descriptor of each request."""
         return [each.request.fd for each in self._requests]
 
     def due(self) -> None:
-        """At no time: the kernel debounces, and says when."""
+        """Return None: the kernel debounces, and a descriptor reports every edge."""
 
     def edges(self) -> Edges:
-        """With the kernel's time; numbers that are missing were overwritten in its buffer."""
+        """Return the new edges with the kernel's times; a gap in their numbers means that some were overwritten."""
         found: list[list[LineEdge]] = []
         lost = False
         rising = self._gpiod.EdgeEvent.Type.RISING_EDGE
@@ -93,7 +93,7 @@ class GpiodInputLines:
         return Edges(list(merge(*found, key=lambda edge: edge.at)), lost)
 
     def levels(self) -> dict[str, bool]:
-        """As the kernel reads them, debounced."""
+        """Return the levels as debounced and read by the kernel."""
         active = self._gpiod.line.Value.ACTIVE
         levels: dict[str, bool] = {}
         for each in self._requests:
@@ -104,7 +104,7 @@ class GpiodInputLines:
         return levels
 
     def close(self) -> None:
-        """Give the lines back."""
+        """Release the lines."""
         while self._requests:
             self._requests.pop().request.release()
 

@@ -1,4 +1,4 @@
-"""What reads the digital inputs of a board must do."""
+"""The interface of a reader of a board's digital inputs."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from end_effector_hal.wires.lines import Pull
 
 
 class LineEdge(NamedTuple):
-    """An input line changed its level.
+    """A change of an input line's level.
 
     Attributes:
-        at: µs on the monotonic clock, by the one who saw it first: the kernel.
-        line: its name.
+        at: µs on the monotonic clock, stamped where the edge was detected first (the kernel).
+        line: name of the line.
         high: the level of the pin from then on.
     """
 
@@ -24,7 +24,7 @@ class LineEdge(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """What has come since the last look; ``lost``: there were more, and nobody knows which."""
+    """The edges since the last call; ``lost``: some edges were lost, and it is unknown which."""
 
     edges: Sequence[LineEdge] = ()
     lost: bool = False
@@ -34,41 +34,41 @@ class InputLines(Protocol):
     """Digital inputs, claimed by one reader. Not thread-safe."""
 
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
-        """Claim the lines, all at once, with their bias and debounce.
+        """Claim all the lines at once, with their bias and debounce.
 
         Raises:
             LineNotFoundError: a name is missing or ambiguous.
-            LineBusyError: somebody else has a line; says who.
+            LineBusyError: another process has a line; the message names it.
             WireError: the chip cannot be used.
         """
         ...
 
     def fds(self) -> Sequence[int]:
-        """Descriptors of which one is readable when there is an edge."""
+        """Return descriptors; one of them is readable when there is an edge."""
         ...
 
     def due(self) -> int | None:
-        """µs when an edge comes without a descriptor saying so; None: at no time."""
+        """Return the time of the next edge that no descriptor reports, µs; None: there is none."""
         ...
 
     def edges(self) -> Edges:
-        """The edges that have come, in their order; does not wait. Raises WireError: the chip has gone."""
+        """Return the new edges in order, without waiting. Raises WireError if the chip is lost."""
         ...
 
     def levels(self) -> dict[str, bool]:
-        """Which lines are high now. Raises WireError: the chip has gone."""
+        """Return whether each line is high now. Raises WireError if the chip is lost."""
         ...
 
     def close(self) -> None:
-        """Give the lines back; nothing happens the second time."""
+        """Release the lines; a second call has no effect."""
         ...
 
 
 def pulls_of(inputs: Mapping[str, DigitalInput]) -> dict[str, Pull]:
-    """How a virtual chip must hold the lines while nobody drives them: as their bias says, else down."""
+    """Return the pulls of a virtual chip for lines that are not driven: from their bias, else down."""
     return {line: "up" if each.bias == "pull_up" else "down" for line, each in inputs.items()}
 
 
 def input_lines(description: Description) -> dict[str, DigitalInput]:
-    """The digital inputs of a tool by the name of their line."""
+    """Return the digital inputs of a tool by the name of their line."""
     return {each.digital.line: each.digital for each in description.channels.values() if each.digital}

@@ -1,4 +1,4 @@
-"""Reads the inputs of a board for ever: one thread, blocked until an edge comes or the next reading is due."""
+"""Reads the inputs of a board continuously, in one thread that blocks until an edge or the next reading is due."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ from ._virtual import VirtualInputLines
 
 _log = logging.getLogger("end_effector_hal.wires")
 MOST_EDGES = 20
-"""Of one line between two readings; a line that changes more often is read with the period only."""
+"""Most edges of one line between two readings; a line that changes more often is only read once per period."""
 SLOW_US = 5_000
-"""A converter that takes longer: what was read counts from when it was read, and the rest later."""
+"""Longest time to read one frame from a converter, µs; then the values so far are delivered, the rest later."""
 CLOSE_S = 2.0
 RETRY_S = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputsHealth:
-    """A snapshot.
+    """A snapshot of the inputs.
 
     Attributes:
-        error: what cannot be read now, and why; sentences, else "".
-        since: µs, when it became so.
-        last_frame: µs, when the last frame came; None: none has.
+        error: the inputs that cannot be read now, and why; sentences, else "".
+        since: time at which this state began, µs.
+        last_frame: time of the last frame, µs; None: there was none.
         opened: how many times the lines were claimed.
-        frames: since the start.
-        edges: since the start, of all lines.
-        lost: how often edges were lost, and the levels read again.
+        frames: number of frames since the start.
+        edges: number of edges of all lines since the start.
+        lost: how often edges were lost and the levels were read again.
     """
 
     error: str = ""
@@ -61,17 +61,17 @@ class InputsHealth:
 class InputsReader:
     """Delivers frames of the inputs: at the start, with each period, and at each edge of a digital line.
 
-    A frame holds what was read for it, no more: an edge is a frame of the channels of its line. Lines that cannot be
-    claimed, or are lost, are tried again (after 0.1 s, doubling up to 5 s); until then their channels are in no frame.
-    An analog channel that cannot be read is invalid. Both callbacks are called in the reader's thread and must not
-    block for long; an exception is logged.
+    A frame contains only values that were read for it: an edge gives a frame of the channels of its line. Lines that
+    cannot be claimed, or are lost, are tried again (after 0.1 s, doubling up to 5 s); until then their channels are in
+    no frame. An analog channel that cannot be read is invalid. Both callbacks are called in the reader's thread and
+    must not block for long; an exception is logged.
 
     Args:
         description: the tool; at least one of its channels is an input of the board.
-        on_frame: each frame, at once.
-        on_change: each change of what cannot be read.
-        lines: that are read; default: those of the description.
-        clock: µs; that of the edges.
+        on_frame: called at once with each frame.
+        on_change: called at each change of the set of inputs that cannot be read.
+        lines: the lines to read; default: those of the description.
+        clock: µs; the clock of the edges.
     """
 
     def __init__(
@@ -110,13 +110,13 @@ class InputsReader:
         self._thread: threading.Thread | None = None
 
     def start(self, patience_s: float = 1.0) -> None:
-        """Begin; a chip or a device that is not there yet is no error.
+        """Start reading; a missing chip or device is not an error here.
 
         Args:
-            patience_s: how long somebody else may still have a line: a predecessor that is ending.
+            patience_s: longest wait for another process (a predecessor that is ending) to release a line.
 
         Raises:
-            LineBusyError: somebody else keeps it; says who. Nothing was started.
+            LineBusyError: another process keeps a line; the message names it. Nothing was started.
         """
         until = time.monotonic() + patience_s
         while self._inputs and not self._open:
@@ -134,9 +134,9 @@ class InputsReader:
         self._thread.start()
 
     def close(self) -> None:
-        """End and give the lines back; nothing is delivered after it (unless called from a callback).
+        """Stop reading and release the lines; nothing is delivered afterwards (unless called from a callback).
 
-        A driver or a callback that does not return is left behind.
+        If a driver or a callback does not return, its thread is left behind.
         """
         thread, self._thread = self._thread, None
         if thread is None:
@@ -157,7 +157,7 @@ class InputsReader:
 
     @property
     def health(self) -> InputsHealth:
-        """As it is now; may be read in any thread."""
+        """The present health; may be read from any thread."""
         return InputsHealth(
             error=self._error,
             since=self._since,
@@ -190,13 +190,13 @@ class InputsReader:
             self._release()
 
     def _wait(self, wake_read: int, due: int) -> None:
-        """Until something is to be done; a line that changes too often is left alone until the next reading."""
+        """Wait until there is work; a line that changes too often is ignored until the next reading."""
         fds, early = (self._lines.fds(), self._lines.due()) if self._open and not self._noisy else ((), None)
         until = due if early is None else min(due, early)
         select.select([*fds, wake_read], [], [], max(0.0, (until - self._clock()) / 1e6))
 
     def _sample(self) -> None:
-        """Read all of it."""
+        """Read all inputs."""
         if self._inputs and not self._open and self._backoff.is_due():
             try:
                 self._claim()
@@ -284,7 +284,7 @@ class InputsReader:
             self._lines.close()
 
     def _judge(self) -> None:
-        """Say so when something else cannot be read than before."""
+        """Report a change of the errors."""
         error = " ".join(filter(None, (self._lines_error, self._noise_error, *self._analog.errors.values())))
         if error == self._error:
             return
@@ -307,7 +307,7 @@ def _noise(line: str, period_us: int) -> str:
 
 
 def lines_of(description: Description, reader: str = "inputs") -> InputLines:
-    """The input lines of a tool, for one of its two readers: that of the sensors, or the line arbiter."""
+    """Return the input lines of a tool for one of its two readers: the sensor reader or the line arbiter."""
     if description.lines.backend == "virtual":
         return VirtualInputLines(description.lines.path or "", reader=reader)
     return GpiodInputLines()

@@ -1,4 +1,4 @@
-"""Input lines of the board that the line arbiter reads: what it reads, over its Unix socket."""
+"""Input lines of the board that the line arbiter reads and relays over its Unix socket."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from ._reader import InputsHealth
 _log = logging.getLogger("end_effector_hal.wires")
 AGAIN_S = 0.1
 CLOSE_S = 2.0
-READS = "reads these inputs, does not hand them on"
+READS = "reads these inputs, does not relay them"
 
 
 @dataclass(frozen=True, slots=True)
 class InputsRecord:
-    """The values of inputs, and when they were read (µs)."""
+    """The values of inputs, and the time at which they were read (µs)."""
 
     at: Annotated[int, Field(ge=0)]
     content: dict[str, Any]
 
 
 def inputs_record(frame: Frame) -> bytes:
-    """The record of a frame of inputs."""
+    """Return the record of a frame of inputs."""
     return record_line("inputs", frame.at, frame.values)
 
 
 def read_inputs_record(line: bytes, channels: Collection[str], now: int) -> Frame | None:
-    """The frame of a record, with these channels only; None: it has none."""
+    """Return the frame of a record, with these channels only; None: the record has none of them or is not valid."""
     try:
         record = read_message(InputsRecord, line, "record")
     except UsageError:
@@ -52,15 +52,15 @@ def read_inputs_record(line: bytes, channels: Collection[str], now: int) -> Fram
 
 
 class RelayedInputs:
-    """Delivers the frames of inputs that the line arbiter reads; it is looked for again until it is there.
+    """Delivers the frames of inputs that the line arbiter reads; connects again until the arbiter is there.
 
     Both callbacks are called in the reader's thread and must not block for long.
 
     Args:
-        path: of the relay.
-        channels: that are expected.
-        on_frame: each frame, at once.
-        on_change: each change of what cannot be read.
+        path: the socket of the relay.
+        channels: the expected channels.
+        on_frame: called at once with each frame.
+        on_change: called at each change of the error.
     """
 
     def __init__(
@@ -80,12 +80,12 @@ class RelayedInputs:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Begin; an arbiter that is not there yet is no error."""
+        """Start receiving; a missing arbiter is not an error here."""
         self._thread = threading.Thread(target=self._run, name="relayed inputs", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """End; nothing is delivered after it."""
+        """Stop receiving; nothing is delivered afterwards."""
         thread, self._thread = self._thread, None
         if thread is None:
             return
@@ -97,7 +97,7 @@ class RelayedInputs:
 
     @property
     def health(self) -> InputsHealth:
-        """As it is now; may be read in any thread."""
+        """The present health; may be read from any thread."""
         return InputsHealth(
             error=self._error,
             since=self._since,
@@ -117,11 +117,11 @@ class RelayedInputs:
                 self._judge(str(error))
             except Exception as error:  # noqa: BLE001 neither a lack of files nor a callback ends this thread
                 _log.exception("the inputs that the line arbiter reads are not delivered")
-                self._judge(f"they are not delivered: {error}")
+                self._judge(f"the inputs are not delivered: {error}")
             self._ended.wait(AGAIN_S)
 
     def _read(self, relay: Client) -> None:
-        """Until the relay ends."""
+        """Receive frames until the relay ends."""
         while not self._ended.is_set():
             try:
                 line = relay.receive()

@@ -1,4 +1,4 @@
-"""Digital inputs of a virtual chip: somebody else writes their levels into its file."""
+"""Digital inputs of a virtual chip; another process writes their levels into its file."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip, line_no
 from ._lines import Edges, LineEdge
 
 MOST_EDGES = 1024
-"""That wait to be read; then the oldest are dropped, as in the kernel."""
+"""Most edges that wait to be read; then the oldest are dropped, as in the kernel."""
 
 
 class VirtualInputLines:
-    """`InputLines` of a virtual chip. As in the kernel, a level counts once it has stood for ``debounce_ms``.
+    """`InputLines` of a virtual chip. As in the kernel, a level is valid once it has lasted for ``debounce_ms``.
 
     Args:
         path: the file of the chip.
-        clock: µs, that of those who write into it.
-        reader: whose lines these are; each of them has a claim of its own.
+        clock: µs; the clock of the processes that write into the file.
+        reader: name of the reader; each reader has a claim of its own.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class VirtualInputLines:
         self._pending: dict[str, LineEdge] = {}
 
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
-        """Claim the inputs that this reader has on the chip; see `InputLines.request`."""
+        """Claim the inputs of this reader; see `InputLines.request`."""
         found = VirtualChip(self._path).read().lines
         if missing := [name for name in inputs if name not in found]:
             raise line_not_found(missing, list(found), looked_at=[str(self._path)])
@@ -61,15 +61,15 @@ class VirtualInputLines:
         self._levels = {name: lines[name].level for name in inputs}
 
     def fds(self) -> list[int]:
-        """One."""
+        """Return the descriptor that is readable when there are edges."""
         return [self._wake_read] if self._watcher else []
 
     def due(self) -> int | None:
-        """When the next level has stood long enough."""
+        """Return the time at which the next level will have lasted for its debounce time, µs."""
         return min((self._ripe(edge) for edge in self._pending.values()), default=None)
 
     def edges(self) -> Edges:
-        """With the time of the one who wrote them, and what `debounce_ms` adds to it."""
+        """Return the new edges with the writer's time stamps plus the debounce time."""
         with suppress(BlockingIOError):
             os.read(self._wake_read, 4096)
         self._check()
@@ -87,12 +87,12 @@ class VirtualInputLines:
         return Edges(edges, lost)
 
     def levels(self) -> dict[str, bool]:
-        """As of the edges that were read."""
+        """Return the levels after the edges that were read."""
         self._check()
         return dict(self._levels)
 
     def close(self) -> None:
-        """Give the lines back."""
+        """Release the lines."""
         watcher, self._watcher = self._watcher, None
         if watcher is not None:
             watcher.close()
@@ -114,7 +114,7 @@ class VirtualInputLines:
             )
 
     def _seen(self, edge: Edge) -> None:
-        """In the thread of the watcher."""
+        """Queue an edge; called in the thread of the watcher."""
         self._dropped = self._dropped or len(self._came) == MOST_EDGES
         self._came.append(edge)
         with suppress(BlockingIOError):  # full: it is readable anyhow
@@ -128,7 +128,7 @@ class VirtualInputLines:
             yield edge
 
     def _settled(self, until: int) -> Iterator[LineEdge]:
-        """What has stood for long enough at ``until``, in the order of its end."""
+        """Yield the edges whose debounce time is over at ``until``, in the order in which it ended."""
         for edge in sorted(self._pending.values(), key=self._ripe):
             if self._ripe(edge) <= until:
                 del self._pending[edge.line]

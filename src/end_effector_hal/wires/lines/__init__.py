@@ -1,4 +1,4 @@
-"""Lines: binary outputs. The `gpiod` back-end drives real ones, `virtual` those of a chip in a file."""
+"""Lines: binary outputs. The `gpiod` back-end drives real lines, `virtual` those of a simulated chip in a file."""
 
 from ._backend import LineBackend, LineHandover, RemoteLines, line_not_found
 from ._chip_log import ChipLog, ChipState, Edge, LineState

@@ -1,4 +1,4 @@
-"""What a line back-end must do."""
+"""The interfaces of line back-ends."""
 
 from __future__ import annotations
 
@@ -10,93 +10,100 @@ from end_effector_hal.vocabulary import hint
 
 
 class LineBackend(Protocol):
-    """All output lines of an end-effector, claimed by one owner. Not thread-safe."""
+    """All output lines of an end-effector, claimed by one process. Not thread-safe."""
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Claim the lines, all at once, and adopt them.
+        """Claim all the lines at once, and adopt their state.
 
-        An output keeps its level, an input becomes an inactive output: a pull-up is not a command.
+        An output keeps its level. An input becomes an inactive output: a pull-up is not a command.
 
         Returns:
-            The levels after adoption; a line of which nobody knows how it stands is left out.
+            The levels after adoption, without lines of unknown level.
 
         Raises:
             LineNotFoundError: a name is missing or ambiguous.
-            LineBusyError: somebody else has a line; says who.
+            LineBusyError: another process has a line; the message names it.
             WireError: the chip cannot be used.
         """
         ...
 
     def levels(self) -> dict[str, bool]:
-        """The levels of the claimed lines, read back; they prove the claim, not the actuator.
+        """Return the levels of the claimed lines, read back. They prove that the lines are written, not that an
+        actuator moved.
 
-        A line of which nobody knows how it stands is left out.
+        Lines of unknown level are left out.
         """
         ...
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of the claimed lines, at once."""
+        """Write some of the claimed lines at once."""
         ...
 
     def close(self) -> None:
-        """Give the claim back; the levels stay where the hardware keeps them."""
+        """Release the lines; where the hardware allows it, they keep their levels."""
         ...
 
 
 @runtime_checkable
 class LineHandover(Protocol):
-    """A `LineBackend` whose claim lies in descriptors that a service manager can store."""
+    """A `LineBackend` whose claim consists of descriptors that a service manager can store."""
 
     def descriptors(self) -> Mapping[str, int]:
-        """Descriptors of what is claimed now, by names without a colon; this back-end keeps them, too."""
+        """Return the descriptors of the present claim, by names without a colon; this back-end keeps them open too."""
         ...
 
     def restore(self, descriptors: Mapping[str, int]) -> None:
-        """Use the stored descriptors of a predecessor; call it before `request`. One that fits no line is closed."""
+        """Use the stored descriptors of a predecessor; call this before `request`. A descriptor that fits no line is
+        closed.
+        """
         ...
 
 
 @runtime_checkable
 class RemoteLines(Protocol):
-    """A `LineBackend` that does not write by itself: what it sends may be late, or lost on its way."""
+    """A `LineBackend` whose writes pass through a device: they may be late or lost."""
 
     def unsure(self) -> frozenset[str]:
-        """Lines of which nobody knows how they stand: a write is under way, or the device says otherwise."""
+        """Return the lines of unknown state: a write is in progress, or the device reports another level."""
         ...
 
     def activating(self) -> frozenset[str]:
-        """Lines whose activation has been under way for longer than one write takes."""
+        """Return the lines whose activation has been in progress for longer than one write takes."""
         ...
 
     def withdraw(self, lines: Iterable[str], why: str) -> None:
-        """Activations of these that are not done yet are not done any more; ``why``: a clause."""
+        """Cancel activations of these lines that are not done yet; ``why``: a clause."""
         ...
 
     def prepare(self, lines: Iterable[str]) -> None:
-        """The next deactivation of these is a Drop: their devices may be acknowledged and activated before it."""
+        """Mark the next deactivation of these lines as a Drop: their devices may be acknowledged and
+        activated first.
+        """
         ...
 
     def acknowledge(self) -> None:
-        """Faults of the devices are cleared, where that moves nothing that may be held; somebody resets."""
+        """Clear faults of the devices at a reset, where that cannot move a held part."""
         ...
 
     def troubles(self) -> Mapping[str, str]:
-        """What is wrong with its lines now, a clause by line."""
+        """Return the present troubles, a clause by line."""
         ...
 
     def filenos(self) -> Sequence[int]:
-        """Of the claimed lines; one is readable when `unsure` or `troubles` have changed, until `heard`."""
+        """Return descriptors of the claimed lines; one becomes readable when `unsure` or `troubles` change, until
+        `heard`.
+        """
         ...
 
     def heard(self) -> None:
-        """Both are about to be asked."""
+        """Clear the notification; the caller reads `unsure` and `troubles` next."""
         ...
 
 
 def line_not_found(
     missing: Sequence[str], found: Sequence[str], looked_at: Sequence[str]
 ) -> LineNotFoundError:
-    """Names every missing line at once, what it may have meant, and where was looked."""
+    """Return an error that names all missing lines, similar names, and the places that were searched."""
     texts = [f"{name}{hint(name, found)}" for name in missing]
     return LineNotFoundError(
         f"there is no line {', '.join(texts)}.",

@@ -3,8 +3,8 @@
     {"chip": "verdin", "version": 1, "t": 5, "lines": {"SODIMM_206": "down", "SODIMM_208": "up"}}
     {"t": 90210, "line": "SODIMM_208", "direction": "out", "level": 0, "pid": 4711}
 
-``t`` is µs on the monotonic clock, a line is named with its pull. A line that is not whole JSON was torn by
-the death of its writer and counts for nothing.
+``t`` is µs on the monotonic clock; the header lists each line with its pull. A line that is not complete JSON was torn
+by the death of its writer and is ignored.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ Direction = Literal["in", "out"]
 
 
 class Edge(NamedTuple):
-    """A line changed its direction or level.
+    """A change of a line's direction or level.
 
     Attributes:
-        at: µs, by the clock of the writer.
-        line: its name.
+        at: µs, on the writer's clock.
+        line: name of the line.
         direction: "in" or "out".
-        level: of the pin; that of the pull while it is an input.
-        pid: who wrote it.
+        level: level of the pin; for an input, the level of its pull.
+        pid: process that wrote the record.
     """
 
     at: int
@@ -36,7 +36,7 @@ class Edge(NamedTuple):
 
     @property
     def active(self) -> bool:
-        """Driven high: a command. An input that its pull holds high is none."""
+        """Whether the line is driven high, which is a command; an input that its pull holds high is none."""
         return self.direction == "out" and self.level
 
 
@@ -49,25 +49,25 @@ class LineState(NamedTuple):
 
 @dataclass(frozen=True)
 class ChipState:
-    """A chip as it stands: its label, the state of each line by name."""
+    """The state of a chip: its label, and the state of each line by name."""
 
     label: str = ""
     lines: Mapping[str, LineState] = field(default_factory=dict)
 
 
 def header(label: str, pulls: Mapping[str, str], at: int) -> bytes:
-    """The first line of a chip that was just powered up."""
+    """Return the first line of the file for a chip that was just powered up."""
     return _line({"chip": label, "version": 1, "t": at, "lines": dict(pulls)})
 
 
 def record(edge: Edge) -> bytes:
-    """One line of the log."""
+    """Return one line of the log."""
     at, line, direction, level, pid = edge
     return _line({"t": at, "line": line, "direction": direction, "level": int(level), "pid": pid})
 
 
 class ChipLog:
-    """Follows the text of a chip's file; ``state`` is where it stands."""
+    """Parses the text of a chip's file; ``state`` is the result so far."""
 
     def __init__(self) -> None:
         self._label = ""
@@ -76,15 +76,17 @@ class ChipLog:
 
     @property
     def state(self) -> ChipState:
-        """As of the last feed."""
+        """The state after the last feed."""
         return ChipState(self._label, dict(self._lines))
 
     def start_new_file(self) -> None:
-        """Another file follows; what is known stays, so that the next header gives only what differs."""
+        """Prepare for another file. The state is kept, so that its header gives edges only for lines that differ."""
         self._rest = b""
 
     def feed(self, data: bytes) -> list[Edge]:
-        """The records that end in ``data``; a header gives an edge for each line whose state it changes."""
+        """Return the edges of the records that end in ``data``; a header gives an edge for each line whose state it
+        changes.
+        """
         *lines, self._rest = (self._rest + data).split(b"\n")
         edges: list[Edge] = []
         for line in lines:

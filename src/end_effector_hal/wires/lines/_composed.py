@@ -1,4 +1,4 @@
-"""Lines of several back-ends as those of one: those of the board, and registers on a bus."""
+"""Combines several back-ends into one: the lines of the board, and registers on buses."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from end_effector_hal.wires.lines._backend import LineBackend, LineHandover, Rem
 
 
 class RemoteBackend(LineBackend, RemoteLines, Protocol):
-    """Lines that are written by somebody else."""
+    """Lines that a device writes."""
 
 
 class ComposedLines:
-    """A `LineBackend`, `LineHandover` and `RemoteLines` made of the board's and of others, known by their lines.
+    """A `LineBackend`, `LineHandover` and `RemoteLines` that combines the back-end of the board with others.
 
     Args:
-        board: has every line that is not named in ``others``; it is left alone where there is none.
-        others: by the names of their lines.
+        board: has all lines that are not in ``others``; it is not used if there are none.
+        others: the other back-ends, by the names of their lines.
     """
 
     def __init__(self, board: LineBackend, others: Mapping[str, RemoteBackend]) -> None:
@@ -27,7 +27,7 @@ class ComposedLines:
         self._claimed: list[LineBackend] = []
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Claim and adopt; see `LineBackend.request`."""
+        """Claim and adopt the lines; see `LineBackend.request`."""
         levels: dict[str, bool] = {}
         try:
             for backend, mine in self._shares(names):
@@ -39,11 +39,11 @@ class ComposedLines:
         return levels
 
     def levels(self) -> dict[str, bool]:
-        """The levels of the claimed lines, read back."""
+        """Return the levels of the claimed lines, read back."""
         return {line: level for backend in self._claimed for line, level in backend.levels().items()}
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of the claimed lines; those of one back-end at once."""
+        """Write some of the claimed lines; the lines of one back-end are written at once."""
         failed: Exception | None = None
         for backend, mine in self._shares(levels):
             try:
@@ -54,17 +54,17 @@ class ComposedLines:
             raise failed
 
     def close(self) -> None:
-        """Give the claim back."""
+        """Release all claims."""
         while self._claimed:
             self._claimed.pop().close()
 
     def descriptors(self) -> Mapping[str, int]:
-        """Of the lines of the board; see `LineHandover`."""
+        """Return the descriptors of the board's lines; see `LineHandover`."""
         held = self._board in self._claimed and isinstance(self._board, LineHandover)
         return self._board.descriptors() if held and isinstance(self._board, LineHandover) else {}
 
     def restore(self, descriptors: Mapping[str, int]) -> None:
-        """Use those of a predecessor; see `LineHandover`."""
+        """Use the descriptors of a predecessor; see `LineHandover`."""
         if isinstance(self._board, LineHandover):
             self._board.restore(descriptors)
         else:
@@ -72,40 +72,40 @@ class ComposedLines:
                 os.close(fd)
 
     def unsure(self) -> frozenset[str]:
-        """Lines of which nobody knows how they stand."""
+        """Return the lines of unknown state."""
         return frozenset[str]().union(*(each.unsure() for each in self._remote))
 
     def activating(self) -> frozenset[str]:
-        """Lines whose activation has been under way for longer than one write takes."""
+        """Return the lines whose activation has been in progress for longer than one write takes."""
         return frozenset[str]().union(*(each.activating() for each in self._remote))
 
     def withdraw(self, lines: Iterable[str], why: str) -> None:
-        """Activations of these that are not done yet are not done any more."""
+        """Cancel activations of these lines that are not done yet."""
         named = frozenset(lines)
         for each in self._remote:
             each.withdraw(named, why)
 
     def prepare(self, lines: Iterable[str]) -> None:
-        """The next deactivation of these is a Drop."""
+        """Mark the next deactivation of these lines as a Drop."""
         named = frozenset(lines)
         for each in self._remote:
             each.prepare(named)
 
     def acknowledge(self) -> None:
-        """Faults of all devices are cleared."""
+        """Clear the faults of all devices."""
         for each in self._remote:
             each.acknowledge()
 
     def troubles(self) -> dict[str, str]:
-        """What is wrong with lines, a clause each."""
+        """Return the troubles, a clause by line."""
         return {line: why for each in self._remote for line, why in each.troubles().items()}
 
     def filenos(self) -> list[int]:
-        """Of all of them."""
+        """Return the descriptors of all remote back-ends."""
         return [fd for each in self._remote for fd in each.filenos()]
 
     def heard(self) -> None:
-        """All of them."""
+        """Clear the notifications of all remote back-ends."""
         for each in self._remote:
             each.heard()
 
@@ -114,7 +114,7 @@ class ComposedLines:
         return list(dict.fromkeys(self._others.values()))
 
     def _shares(self, names: Sequence[str] | Mapping[str, bool]) -> list[tuple[LineBackend, list[str]]]:
-        """Which of them each back-end has, the board first."""
+        """Return each back-end with its part of these names, the board first."""
         shares: list[tuple[LineBackend, list[str]]] = []
         for backend in dict.fromkeys((self._board, *self._others.values())):
             mine = [name for name in names if self._others.get(name, self._board) is backend]

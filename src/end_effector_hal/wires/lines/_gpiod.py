@@ -17,14 +17,14 @@ from end_effector_hal.wires.lines._backend import line_not_found
 
 CONSUMER = "end-effector-hal"
 MOST_REQUESTED = 64
-"""Lines of one request: GPIO_V2_LINES_MAX of the kernel."""
+"""Most lines of one request: GPIO_V2_LINES_MAX of the kernel."""
 
 
 class GpiodLines:
-    """A `LineBackend` on ``/dev/gpiochip*``; one request for all lines of a chip, for each 64 of them.
+    """A `LineBackend` on ``/dev/gpiochip*``; one request for up to 64 lines of a chip.
 
     Args:
-        pattern: where the chips are.
+        pattern: glob pattern of the chips.
     """
 
     def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
@@ -38,11 +38,11 @@ class GpiodLines:
         self._stored = dict(descriptors)
 
     def descriptors(self) -> dict[str, int]:
-        """The descriptor of each request, by chip and lines in their order; see `LineHandover`."""
+        """Return the descriptor of each request, named by its chip and its lines in order; see `LineHandover`."""
         return {name: request.fd for name, (request, _) in zip(self._names, self._requests, strict=True)}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Claim and adopt; see `LineBackend.request`."""
+        """Claim and adopt the lines; see `LineBackend.request`."""
         self._gpiod = load_gpiod()
         wanted = chip_requests(find_lines(self._gpiod, self._pattern, names))
         self._names = [_stored_name(chip, offsets) for chip, offsets in wanted]
@@ -57,7 +57,7 @@ class GpiodLines:
         return self.levels()
 
     def levels(self) -> dict[str, bool]:
-        """The levels of the claimed lines, read back from the kernel."""
+        """Return the levels of the claimed lines, read back from the kernel."""
         active = self._gpiod.line.Value.ACTIVE
         levels: dict[str, bool] = {}
         for request, offsets in self._requests:
@@ -67,7 +67,7 @@ class GpiodLines:
         return levels
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of the claimed lines; those of one request at once."""
+        """Write some of the claimed lines; the lines of one request are written at once."""
         for request, offsets in self._requests:
             values = {offsets[name]: self._value(level) for name, level in levels.items() if name in offsets}
             if values:
@@ -75,7 +75,7 @@ class GpiodLines:
                     request.set_values(values)
 
     def close(self) -> None:
-        """Give the claim back; whether the levels stay is up to the kernel's driver (gpio-mxc keeps them)."""
+        """Release the lines; the kernel's driver decides whether they keep their levels (gpio-mxc keeps them)."""
         self._names = []
         while self._requests:
             self._requests.pop()[0].release()
@@ -103,10 +103,12 @@ class GpiodLines:
         return self._adopt(chip, offsets)
 
     def _adopt(self, path: str, offsets: Mapping[str, int]) -> Any:
-        """Claim as it is, read direction and level, then make all of them outputs with these levels.
+        """Claim the lines as they are, read their directions and levels, then make all of them outputs with these
+        levels.
 
-        One request to the end: given back in between, some controllers drop the level, and another program may
-        take the lines. `reconfigure_lines` resets what it does not name; here it names every line.
+        One request is used throughout. If it were released in between, some controllers would drop the level, and
+        another program could claim the lines. `reconfigure_lines` resets lines that it does not name; here it names
+        every line.
         """
         line, settings = self._gpiod.line, self._gpiod.LineSettings
         with open_chip(self._gpiod, path) as chip:
@@ -144,7 +146,7 @@ def _stored_name(chip: str, offsets: Mapping[str, int]) -> str:
 
 
 def find_lines(gpiod: Any, pattern: str, names: Sequence[str]) -> dict[str, tuple[str, int]]:
-    """Chip and offset of each name; on other boards the same names stand on other chips.
+    """Return chip and offset of each name; other boards have the same names on other chips.
 
     Raises:
         LineNotFoundError: a name is missing or ambiguous.
@@ -170,7 +172,7 @@ def find_lines(gpiod: Any, pattern: str, names: Sequence[str]) -> dict[str, tupl
 
 
 def chip_requests(found: Mapping[str, tuple[str, int]]) -> list[tuple[str, dict[str, int]]]:
-    """Chip, and offset by name, of each request: the lines of one chip, as far as the kernel allows."""
+    """Return the chip of each request, and its offsets by name: the lines of one chip, up to the kernel's limit."""
     requests: list[tuple[str, dict[str, int]]] = []
     open_for: dict[str, dict[str, int]] = {}
     for name, (chip, offset) in found.items():
@@ -182,7 +184,7 @@ def chip_requests(found: Mapping[str, tuple[str, int]]) -> list[tuple[str, dict[
 
 
 def busy(chip: Any, path: str, offsets: Mapping[str, int]) -> LineBusyError:
-    """Says which of the lines of a chip somebody else has, and who."""
+    """Return an error that names the busy lines of a chip and their holders."""
     infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}
     held = [f"{name} is held by {info.consumer or 'the kernel'}" for name, info in infos.items() if info.used]
     text = ", ".join(held) or "a line is held by another program"
@@ -190,7 +192,7 @@ def busy(chip: Any, path: str, offsets: Mapping[str, int]) -> LineBusyError:
 
 
 def load_gpiod() -> Any:
-    """The module, imported late; Debian's ``python3-libgpiod`` 1.6 has the same name and another API."""
+    """Import and return the module, on demand; Debian's ``python3-libgpiod`` 1.6 has the same name and another API."""
     try:
         gpiod = importlib.import_module("gpiod")
     except ImportError as error:
@@ -205,7 +207,7 @@ def load_gpiod() -> Any:
 
 
 def find_chips(gpiod: Any, pattern: str) -> list[str]:
-    """The character devices of GPIO chips; raises WireError if there is none."""
+    """Return the character devices of GPIO chips; raises WireError if there is none."""
     paths = sorted({str(Path(path).resolve()) for path in glob.glob(pattern)})
     chips = [path for path in paths if gpiod.is_gpiochip_device(path)]
     if not chips:
@@ -218,7 +220,7 @@ def find_chips(gpiod: Any, pattern: str) -> list[str]:
 
 
 def open_chip(gpiod: Any, path: str) -> Any:
-    """A chip, which ends with its block; raises WireError."""
+    """Open a chip, for use in a ``with`` block; raises WireError."""
     try:
         return gpiod.Chip(path)
     except PermissionError as error:
@@ -235,12 +237,14 @@ def open_chip(gpiod: Any, path: str) -> Any:
 
 
 def line_infos(chip: Any) -> list[Any]:
-    """What is known of each line of a chip, in the order of their offsets; reading it claims nothing."""
+    """Return the kernel's information about each line of a chip, by offset; reading claims nothing."""
     return [chip.get_line_info(offset) for offset in range(chip.get_info().num_lines)]
 
 
 def stop_holders(proc: str = "/proc") -> str:
-    """What to do about a busy line: the kernel tells a name that its holder chose, /proc who holds any."""
+    """Return advice about a busy line. The kernel reports a name that the holder chose; /proc shows all processes with
+    lines.
+    """
     found = holders_of_lines(proc)
     if not found:
         return "Stop the program that holds it."

@@ -1,7 +1,7 @@
-"""Lines of the kernel by the descriptor of their request alone.
+"""Uses lines of the kernel through an inherited descriptor of their request.
 
-libgpiod's Python API makes a request and cannot take one over, so the two calls that are needed stand here.
-Source: linux/gpio.h, GPIO_V2_LINE_GET_VALUES_IOCTL, GPIO_V2_LINE_SET_VALUES_IOCTL, struct gpio_v2_line_values.
+libgpiod's Python API can make a request but cannot adopt one, so the two necessary calls are implemented here. Source:
+linux/gpio.h, GPIO_V2_LINE_GET_VALUES_IOCTL, GPIO_V2_LINE_SET_VALUES_IOCTL, struct gpio_v2_line_values.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ _VALUES = struct.Struct("=QQ")  # bits, mask: a bit for each line in the order o
 
 
 class HeldRequest:
-    """What is used of gpiod's ``LineRequest``: reads, writes, gives back.
+    """Replaces gpiod's ``LineRequest`` as far as needed: reads, writes, release.
 
     Args:
-        fd: of a request for outputs.
-        offsets: its lines, in its order.
+        fd: descriptor of a request for outputs.
+        offsets: the lines of the request, in its order.
         value: gpiod's ``line.Value``.
     """
 
@@ -30,7 +30,7 @@ class HeldRequest:
         self._bits = {offset: 1 << index for index, offset in enumerate(offsets)}
 
     def get_values(self, offsets: Sequence[int]) -> list[Any]:
-        """Of these lines, in this order; raises OSError."""
+        """Return the values of these lines, in this order; raises OSError."""
         mask = sum(self._bits[offset] for offset in offsets)
         answer = fcntl.ioctl(self.fd, GET_VALUES, _VALUES.pack(0, mask))
         bits, _ = _VALUES.unpack(answer)
@@ -38,13 +38,13 @@ class HeldRequest:
         return [value.ACTIVE if bits & self._bits[offset] else value.INACTIVE for offset in offsets]
 
     def set_values(self, values: Mapping[int, Any]) -> None:
-        """At once; raises OSError."""
+        """Write these lines at once; raises OSError."""
         active = [offset for offset, value in values.items() if value == self._value.ACTIVE]
         bits, mask = (sum(self._bits[offset] for offset in some) for some in (active, values))
         fcntl.ioctl(self.fd, SET_VALUES, _VALUES.pack(bits, mask))
 
     def release(self) -> None:
-        """Give it back; nothing happens the second time."""
+        """Release the lines; a second call has no effect."""
         if self.fd >= 0:
             os.close(self.fd)
             self.fd = -1

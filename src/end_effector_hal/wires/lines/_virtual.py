@@ -1,4 +1,4 @@
-"""The ``virtual`` line back-end: a file that stands for a GPIO chip and survives every process."""
+"""The ``virtual`` line back-end: a file that represents a GPIO chip and outlives every process."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Pull = Literal["up", "down"]
 
 
 class VirtualChip:
-    """The chip that stands in a file; see `_chip_log` for the format."""
+    """A chip that is stored in a file; see `_chip_log` for the format."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -42,18 +42,19 @@ class VirtualChip:
         label: str = "virtual",
         exist_ok: bool = False,
     ) -> VirtualChip:
-        """Power a chip up: all lines are inputs, at the level of their pull (default: down), or driven from outside.
+        """Create a chip as after power-up: all lines are inputs, at the level of their pull (default: down) or driven
+        from outside.
 
         Args:
-            path: its file; replaced in one step, watchers see the change.
-            names: its lines.
-            pulls: by line.
-            levels: of lines that something outside drives from the beginning.
-            label: its name, for people.
-            exist_ok: a chip that exists stays as it is.
+            path: the file of the chip; replaced in one step, and watchers see the change.
+            names: the names of its lines.
+            pulls: pull by line.
+            levels: levels of lines that are driven from outside from the beginning.
+            label: name of the chip, for messages.
+            exist_ok: keep an existing chip unchanged.
 
         Raises:
-            LineBusyError: somebody holds the lines of the chip at this path.
+            LineBusyError: another process holds the lines of the chip at this path.
             WireError: the file cannot be written.
         """
         chip = cls(path)
@@ -76,13 +77,13 @@ class VirtualChip:
         return chip
 
     def claim(self, fd: int = -1) -> Claim:
-        """Exclusive, until it is released or the process ends.
+        """Claim the chip exclusively, until the claim is released or the process ends.
 
         Args:
-            fd: of a claim of this chip that was handed on; one of another file is closed.
+            fd: descriptor of an inherited claim of this chip; a descriptor of another file is closed.
 
         Raises:
-            LineBusyError: another process has it; says who.
+            LineBusyError: another process has the chip; the message names it.
         """
         lock = Path(f"{self.path}.lock")
         if fd >= 0 and not (lock.exists() and _same(fd, lock)):
@@ -91,10 +92,10 @@ class VirtualChip:
         return Claim(lock, "the virtual chip", fd=fd)
 
     def read(self) -> ChipState:
-        """As it stands now.
+        """Return the present state of the chip.
 
         Raises:
-            WireError: there is no such file, or it is not a chip's.
+            WireError: there is no such file, or it does not contain a chip.
         """
         log = ChipLog()
         try:
@@ -119,16 +120,16 @@ def _same(fd: int, path: Path) -> bool:
 
 
 def read_chip(path: str | Path) -> ChipState:
-    """Direction and level of each line of the virtual chip at ``path``; see `VirtualChip.read`."""
+    """Return the direction and level of each line of the virtual chip at ``path``; see `VirtualChip.read`."""
     return VirtualChip(path).read()
 
 
 class VirtualPins:
-    """The far end of the inputs of a virtual chip: it drives them.
+    """Drives the inputs of a virtual chip from outside.
 
     Args:
-        path: the file of the chip; it must exist when they are driven.
-        clock: µs, stamps the records.
+        path: the file of the chip; it must exist when the pins are driven.
+        clock: source of the records' time stamps, µs.
     """
 
     def __init__(self, path: str | Path, *, clock: Callable[[], int] = now_us) -> None:
@@ -136,11 +137,11 @@ class VirtualPins:
         self._log, self._fd, self._read = ChipLog(), -1, 0
 
     def drive(self, levels: Mapping[str, bool], direction: Direction = "in") -> None:
-        """Give some lines these levels, at once; a line that the chip drives is no input, and left alone.
+        """Set some lines to these levels at once. A line that the chip drives is an output and is not changed.
 
         Args:
-            levels: by line.
-            direction: "out": they show outputs that a device beside the chip has.
+            levels: levels by line.
+            direction: "out": the levels show outputs of a device beside the chip.
 
         Raises:
             WireError: there is no chip, or it cannot be written.
@@ -165,13 +166,13 @@ class VirtualPins:
             ) from error
 
     def close(self) -> None:
-        """Drive nothing any more; the levels stay."""
+        """Stop driving; the levels stay."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
 
     def _lines(self) -> Mapping[str, LineState]:
-        """As they are now, of the chip that stands there now; raises OSError."""
+        """Return the present state of the lines of the chip that is now at the path; raises OSError."""
         if self._fd >= 0 and not _same(self._fd, self._path):
             self.close()
         if self._fd < 0:
@@ -187,11 +188,11 @@ STORED_NAME = "virtual-chip"
 
 
 class VirtualLines:
-    """A `LineBackend` on a virtual chip; each request or write is one write to the file, atomic for watchers.
+    """A `LineBackend` on a virtual chip; a request and a set are each one write to the file, atomic for watchers.
 
     Args:
         path: the file of the chip.
-        clock: µs, stamps the records.
+        clock: source of the records' time stamps, µs.
     """
 
     def __init__(self, path: str | Path, *, clock: Callable[[], int] = now_us) -> None:
@@ -211,11 +212,11 @@ class VirtualLines:
                 os.close(fd)
 
     def descriptors(self) -> dict[str, int]:
-        """The claim of the chip; see `LineHandover`."""
+        """Return the descriptor of the claim; see `LineHandover`."""
         return {STORED_NAME: self._claim.fd} if self._claim else {}
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Claim and adopt; see `LineBackend.request`."""
+        """Claim and adopt the lines; see `LineBackend.request`."""
         self._chip.read()
         claim, self._stored = self._chip.claim(self._stored), -1
         try:
@@ -240,15 +241,15 @@ class VirtualLines:
         return self.levels()
 
     def levels(self) -> dict[str, bool]:
-        """The levels of the claimed lines."""
+        """Return the levels of the claimed lines."""
         return dict(self._levels)
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of the claimed lines; only a change becomes a record."""
+        """Write some of the claimed lines; only changes are recorded."""
         self._write({name: level for name, level in levels.items() if self._levels[name] != level})
 
     def close(self) -> None:
-        """Give the claim back; the chip keeps its levels."""
+        """Release the claim; the chip keeps its levels."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
@@ -257,7 +258,9 @@ class VirtualLines:
             self._claim = None
 
     def _write(self, changes: Mapping[str, bool], begin: bytes = b"") -> None:
-        """One write; the first begins with a newline, so that a record torn by a predecessor's death ends."""
+        """Write records at once. The first write begins with a newline, which ends a record that a predecessor's death
+        tore.
+        """
         if not changes:
             return
         at, pid = self._clock(), os.getpid()

@@ -1,4 +1,4 @@
-"""Sees every change of a virtual chip, as a testbench sees the pins: by events, never by polling."""
+"""Watches all changes of a virtual chip, as a testbench watches pins: by events, without polling."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _log = logging.getLogger("end_effector_hal.wires")
 
 
 class ChipWatcher:
-    """Calls ``on_edge`` in its own thread for every record, in order, with the time of its writer.
+    """Calls ``on_edge`` in its own thread for every record, in order, with the writer's time stamp.
 
-    A chip that is created again at the same path (power-up) gives an edge for each line whose state that changes.
+    If a chip is created again at the same path (power-up), each line whose state that changes gives an edge.
 
     Args:
-        path: the file of the chip; its directory must exist, the file may come later.
+        path: the file of the chip; its folder must exist, the file may be created later.
         on_edge: must not block for long; an exception is logged.
     """
 
@@ -33,10 +33,10 @@ class ChipWatcher:
         self._thread: threading.Thread | None = None
 
     def start(self) -> ChipState:
-        """Begin; every record after the returned state becomes an edge.
+        """Start watching; every record after the returned state becomes an edge.
 
         Raises:
-            WireError: the directory does not exist.
+            WireError: the folder does not exist.
         """
         from inotify_simple import INotify, flags  # on Linux only
 
@@ -61,11 +61,11 @@ class ChipWatcher:
 
     @property
     def state(self) -> ChipState:
-        """As of the last edge."""
+        """The state after the last edge."""
         return self._chip.state
 
     def close(self) -> None:
-        """End; no edge comes after it (unless called from ``on_edge``)."""
+        """Stop watching; no edge is delivered afterwards (unless called from ``on_edge``)."""
         thread, self._thread = self._thread, None
         if thread is None:
             return
@@ -93,7 +93,7 @@ class ChipWatcher:
                 os.close(fd)
 
     def _open(self) -> None:
-        """Follow the file that stands at the path now; the directory is watched already: nothing slips by."""
+        """Open the file that is now at the path; the folder is already watched, so no change is missed."""
         try:
             fd = os.open(self._path, os.O_RDONLY | os.O_CLOEXEC)
         except OSError:

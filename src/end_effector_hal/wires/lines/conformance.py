@@ -1,5 +1,5 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What every line back-end must do; inherit `LineBackendConformance` in your tests (needs pytest).
+"""Tests that every line back-end must pass; inherit `LineBackendConformance` in your tests (needs pytest).
 
 class TestMyLines(LineBackendConformance):
     @pytest.fixture
@@ -22,14 +22,14 @@ Make = Callable[[], LineBackend]
 
 
 class LineBackendConformance:
-    """The fixture ``make`` gives a back-end on the same chip each time.
+    """Tests of a line back-end. The fixture ``make`` returns a function; each call makes a back-end on the same chip.
 
-    The chip has the three lines ``names``, all of them inputs at the beginning; the second one has a pull-up.
+    The chip has the three lines ``names``, all inputs at the beginning; the second one has a pull-up.
     """
 
     names: ClassVar[tuple[str, str, str]] = ("SODIMM_206", "SODIMM_208", "SODIMM_210")
     keeps_level: ClassVar[bool] = True
-    """The chip holds the level of an output that nobody has any more; some fall to their pull, or let go."""
+    """Whether the chip keeps the level of an output after its release; on some chips it falls to its pull or floats."""
 
     def test_inputs_become_inactive_outputs_though_pulled_up(self, make: Make) -> None:
         a, b, _ = self.names

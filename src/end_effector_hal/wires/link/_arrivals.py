@@ -1,4 +1,4 @@
-"""How often readings come, against how often they should: lost samples, and devices slower than is declared."""
+"""Compares the rate of readings with the expected rate: detects lost samples, and devices slower than declared."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections import Counter
 from end_effector_hal.signals import Frame
 
 WINDOW_US, PERIODS = 1_000_000, 20
-"""It is counted so long, or for so many periods, the longer."""
+"""Length of a counting window: the longer of ``WINDOW_US`` and this number of periods."""
 LEAST = 2 / 3
-"""An alarm begins after two windows in a row with a smaller share of a channel's samples; a better one ends it."""
+"""Least share of a channel's samples: two windows in a row below it start an alarm, a better one ends it."""
 LONGEST_MS = 10_000
 
 
@@ -17,9 +17,10 @@ class ArrivalWatch:
     """Counts the valid readings of each channel; sans-IO.
 
     Args:
-        period_us: between two frames, nominally.
+        period_us: nominal time between two frames.
         declared: whether the description gives the period.
-        asked: devices that are asked: a cycle may take longer, and only what is missing in it counts.
+        asked: whether the devices are polled: a cycle may then take longer, and only readings missing in a frame
+            count.
     """
 
     def __init__(self, period_us: int, *, declared: bool, asked: bool) -> None:
@@ -27,10 +28,10 @@ class ArrivalWatch:
         self._since, self._frames, self._came = -1, 0, Counter[str]()
         self._few, self._lossy = frozenset[str](), frozenset[str]()
         self.text = ""
-        """What is lost, a sentence in the words of its beginning; empty: nothing."""
+        """The present loss, as a sentence that stays as it was at the start of the alarm; empty: no loss."""
 
     def take(self, frame: Frame) -> None:
-        """One more frame."""
+        """Count one more frame."""
         span_us = frame.at - self._since
         if self._since >= 0:
             self._frames += 1

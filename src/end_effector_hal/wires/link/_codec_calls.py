@@ -1,4 +1,4 @@
-"""Calls into a codec, which may be somebody else's code: whatever one raises becomes a `CodecFailure`."""
+"""Calls into a codec, which may be third-party code: any exception becomes a `CodecFailure`."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from end_effector_hal.wires._clock import now_us
 
 T = TypeVar("T")
 HUNG_US = 1_000_000
-"""A call that takes longer than this has failed, and until it returns the link is down."""
+"""Longest time of a call, µs. A longer call has failed; until it returns, the link is down."""
 TODO = "A new decoder is started; report this to the author of the codec."
 
 
 class CodecFailure(LinkError):
-    """The codec of a link raised an exception, or answered what no codec may."""
+    """The codec of a link raised an exception or returned a result that is not allowed."""
 
 
 class CodecCalls:
-    """Makes them, one at a time; nothing can be done about one that does not return but to say so.
+    """Makes calls into a codec, one at a time. A call that does not return cannot be ended, only reported.
 
     Args:
-        where: the port, for sentences.
+        where: the port, for messages.
     """
 
     def __init__(self, where: str) -> None:
@@ -34,7 +34,7 @@ class CodecCalls:
 
     @property
     def hung(self) -> tuple[str, int] | None:
-        """The call that has not returned for too long, in a sentence, and since when (µs); for any thread."""
+        """A sentence about a call that has not returned for too long, and its start, µs; readable from any thread."""
         busy = self._busy
         if busy is None or (lasts := now_us() - busy[1]) < HUNG_US:
             return None
@@ -43,7 +43,7 @@ class CodecCalls:
         return str(LinkError(what, where=self._where, todo=todo)), busy[1]
 
     def run(self, what: str, function: Callable[[], T]) -> T:
-        """Call it; raises CodecFailure for whatever it raises, and when it took too long."""
+        """Call the function; raises CodecFailure for any exception, and if the call took too long."""
         self._busy = (what, begun := now_us())
         try:
             result = function()
@@ -58,5 +58,5 @@ class CodecCalls:
         return result
 
     def failure(self, what: str) -> CodecFailure:
-        """The error for something that the codec did."""
+        """Return the error for a failure of the codec."""
         return CodecFailure(f"{self.name} failed: {what}.", where=self._where, todo=TODO)

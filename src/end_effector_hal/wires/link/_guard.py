@@ -1,4 +1,4 @@
-"""Between a link and a decoder: every answer is checked before anybody else sees it."""
+"""Checks every result of a decoder before a link uses it."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from end_effector_hal.wires.link._arrivals import ArrivalWatch
 from end_effector_hal.wires.link._codec_calls import CodecCalls
 
 MOST_KEPT = 65_536
-"""Bytes and elements that a decoder may keep between two calls."""
+"""Most bytes and elements that a decoder may keep between two calls."""
 WEIGHED_AFTER = 16
-"""At one call in so many it is measured what a decoder keeps: that takes as long as to decode a frame."""
+"""A decoder's memory is measured once in this number of calls; measuring takes as long as decoding a frame."""
 LONGEST_REQUEST = 4_096
-"""Bytes that `poll` may ask to be sent."""
+"""Most bytes that `poll` may return to be sent."""
 MOST_ENDED = 64
-"""Frames that one `poll` may end."""
+"""Most frames that one `poll` may return."""
 LEAST_WAIT_US, LONGEST_WAIT_US = 1_000, 1_000_000
 
 
 class GuardedDecoder:
-    """A decoder whose answers have the right type and size, and whose frames have stamps and values that can be.
+    """A decoder whose results are checked: their type and size, and the stamps and values of the frames.
 
-    What it keeps is measured, so that it is given up before it fills the memory.
+    Its memory is measured too, so that it is discarded before it fills the machine's memory.
 
     Args:
         codec: makes the decoder.
-        calls: all calls into the codec go through this.
+        calls: makes all calls into the codec.
 
     Raises:
-        CodecFailure: the codec failed. So does every method.
+        CodecFailure: the codec failed; all methods raise it too.
     """
 
     def __init__(self, codec: Codec, calls: CodecCalls) -> None:
@@ -58,24 +58,24 @@ class GuardedDecoder:
         self.counters = self._count()
         self._says = calls.run("faults", lambda: hasattr(self._decoder, "faults"))
         self.faults: tuple[str, ...] = ()
-        """What is wrong with what comes, sentences: as the decoder says, and samples that are lost."""
+        """Faults in the received data, sentences: those that the decoder reports, and lost samples."""
         self._arrivals = ArrivalWatch(
             self._period_us, declared=hasattr(codec, "least_period_us"), asked=self._says
         )
 
     def feed(self, data: bytes, looked_at: int | None = None) -> list[Frame]:
-        """The frames that end in what was just read, stamped with their arrival times; see `spread_stamps`.
+        """Return the frames that end in the data just read, stamped with their arrival times; see `spread_stamps`.
 
         Args:
-            data: what was read.
-            looked_at: µs, when nothing was there yet; default: a moment ago.
+            data: the bytes read.
+            looked_at: last time at which no data was available, µs; default: a moment ago.
         """
         at = now_us()
         frames = self._frames("feed()", lambda: self._decoder.feed(data, at), len(data))
         return spread_stamps(frames, at, 0 if looked_at is None else at - looked_at, self._period_us)
 
     def poll(self) -> Polled:
-        """What is to be sent now, and the frames that ended for want of an answer; of one that asks."""
+        """Return the data to send, and the frames that ended because an answer is missing; for polled decoders only."""
         poller = cast("PolledDecoder", self._decoder)
         data, frames = self._calls.run("poll()", lambda: Polled(*poller.poll(now_us())))
         if type(data) is not bytes or len(data) > LONGEST_REQUEST:
@@ -87,7 +87,10 @@ class GuardedDecoder:
         return Polled(data, tuple(ended))
 
     def wait_s(self) -> float | None:
-        """Seconds until it wants to ask; None: never. One that wants to at once, and does not ask, is made to wait."""
+        """Return the time until the next request, s; None: there is none.
+
+        A decoder that is always due but sends nothing has to wait a little.
+        """
         if not self.asks:
             return None
         due = self._calls.run("due", lambda: cast("PolledDecoder", self._decoder).due)
@@ -132,20 +135,20 @@ class GuardedDecoder:
 
 
 STANDSTILL_US = 500_000
-"""After a longer pause of the reader the arrival times of the frames are unknown."""
+"""Pause of the reader after which the arrival times of the frames are unknown, µs."""
 
 
 def spread_stamps(frames: list[Frame], at: int, away_us: int, period_us: int) -> list[Frame]:
-    """Give frames that were read at once the times at which they arrived, as far as these are known.
+    """Give frames that were read together the times at which they arrived, as far as these are known.
 
-    After a pause a process finds the frames that waited for it. Frames that fill the pause arrived evenly. With fewer
-    frames the link was silent before or after them, and which is unknown: they get the oldest possible time.
+    After a pause, a process finds the frames that waited for it. If they fill the pause, they arrived evenly. If there
+    are fewer, the link was silent before or after them, and it is unknown which: they get the oldest possible time.
 
     Args:
-        frames: of one read, in order; those with a stamp of their own keep it.
-        at: µs, of this read.
-        away_us: since nothing was there yet.
-        period_us: between two frames.
+        frames: the frames of one read, in order; frames with a stamp of their own keep it.
+        at: the time of this read, µs.
+        away_us: time since no data was available.
+        period_us: time between two frames.
     """
     count = len(frames)
     known = away_us < STANDSTILL_US or 2 * count * period_us >= away_us

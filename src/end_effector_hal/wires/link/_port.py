@@ -1,4 +1,4 @@
-"""Opens a serial port, and says in a sentence why it cannot."""
+"""Opens a serial port, and explains in a sentence why it cannot be opened."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/seri
 def open_port(
     path: str, baudrate: int, *, parity: str = "N", stopbits: int = 1, write_timeout_s: float = 1.0
 ) -> serial.Serial:
-    """The port, raw, 8 bits, exclusive, input flushed; a read takes what is there and does not wait.
+    """Open the port: raw, 8 bits, exclusive, input flushed; a read returns the available data and does not wait.
 
     Raises:
-        LinkBusyError: somebody else has it; says who.
-        LinkError: it is missing, not permitted, or no serial port.
+        LinkBusyError: another process has the port; the message names it.
+        LinkError: the port is missing, not permitted, or no serial port.
     """
     from termios import error as refused
 
@@ -59,7 +59,7 @@ def _explained(path: str, baudrate: int, error: OSError | ValueError) -> LinkErr
         return LinkError(
             "the port does not exist.",
             where=path,
-            todo=f"Ports here: {', '.join(ports) or 'none'}. Is the device plugged in, the testbench up?",
+            todo=f"Ports here: {', '.join(ports) or 'none'}. Is the device plugged in? Does the testbench run?",
         )
     if number in (errno.EACCES, errno.EPERM):
         return LinkError(

@@ -1,4 +1,4 @@
-"""A pair of pseudo terminals: a serial cable on one machine."""
+"""A pair of pseudo terminals, which acts as a serial cable on one machine."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from end_effector_hal.wires._claim import Claim
 
 
 class PtyPair:
-    """Keeps the master end; the slave end gets a name of one's own, for ``port:`` in a description.
+    """Keeps the master end; the slave end gets a chosen name, for ``port:`` in a description.
 
-    Like a UART it does not wait for a reader: what finds the buffer full is lost. The slave stays open here:
-    readers may come and go.
+    Like a UART, the pair does not wait for a reader: data that finds the buffer full is lost. The slave is kept open
+    here, so that readers may open and close it.
 
     Args:
-        link: a symbolic link to the slave is made here, in the place of one that was left behind.
+        link: path of the symbolic link to the slave; one that was left behind is replaced.
 
     Raises:
-        LinkBusyError: another pair is there; says whose.
-        LinkError: it cannot be made.
+        LinkBusyError: another pair uses this path; the message names its process.
+        LinkError: the pair cannot be created.
     """
 
     def __init__(self, link: str | Path) -> None:
@@ -45,25 +45,25 @@ class PtyPair:
             ) from error
 
     def write(self, data: bytes) -> int:
-        """Send; returns how many bytes found room."""
+        """Send data; return the number of bytes that found room."""
         try:
             return os.write(self.master, data)
         except BlockingIOError:
             return 0
 
     def read(self, most: int = 4096) -> bytes:
-        """What the other end has sent, b"" if nothing."""
+        """Return the data that the other end has sent; b"" if there is none."""
         try:
             return os.read(self.master, most)
         except BlockingIOError:
             return b""
 
     def fileno(self) -> int:
-        """Of the master, for select."""
+        """Return the descriptor of the master, for select."""
         return self.master
 
     def close(self) -> None:
-        """End; a reader of the slave gets an end of file. The link goes, unless another pair has taken it."""
+        """Close both ends; a reader gets an end of file. The link is removed unless another pair has replaced it."""
         if self.master < 0:
             return
         if self.link.is_symlink() and os.readlink(self.link) == self.slave_name:

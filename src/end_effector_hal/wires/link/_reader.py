@@ -1,4 +1,4 @@
-"""Reads a sensor link for ever: one thread, blocked until bytes arrive or something is to be asked."""
+"""Reads a sensor link continuously, in one thread that blocks until bytes arrive or a request is due."""
 
 from __future__ import annotations
 
@@ -24,40 +24,40 @@ from end_effector_hal.wires.link._port import open_port
 
 
 class OpenPort(Protocol):
-    """Where bytes come from: a serial port, or a connection to the process that has it."""
+    """An open source of bytes: a serial port, or a connection to the process that has the port."""
 
     def fileno(self) -> int:
-        """For select; what is there can be read without waiting."""
+        """Return the descriptor for select; available data can be read without waiting."""
         ...
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the source."""
         ...
 
 
 class LinkState(Enum):
-    """What is known of the port; whether readings are stale is judged by time, elsewhere."""
+    """The state of the port; whether readings are stale is judged by time, elsewhere."""
 
     OPENING = "opening"
     """Not opened yet."""
     SILENT = "silent"
-    """Open, and no frame since."""
+    """Open; no frame has been received since."""
     UP = "up"
-    """Open, and a frame has come; ``last_frame`` tells when the last one did."""
+    """Open; at least one frame has been received, the last one at ``last_frame``."""
     DOWN = "down"
-    """It could not be opened, or was lost; it is tried again."""
+    """The port could not be opened, or was lost; it is tried again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkHealth(Counters):
-    """A snapshot.
+    """A snapshot of a link.
 
     Attributes:
         state: see `LinkState`.
-        since: µs, when it became so.
-        error: why it is down; a sentence, else "".
-        last_frame: µs, when the last frame came; None: none has.
-        faults: what is wrong with the answers of single devices, sentences.
+        since: time at which the state began, µs.
+        error: why the link is down, a sentence; else "".
+        last_frame: time of the last frame, µs; None: there was none.
+        faults: faults in the answers of single devices, sentences.
         opened: how many times the port was opened.
         bytes, frames, lost, reboots, errors: counters of the decoders since the start, see `Decoder`;
             ``errors["codec"]``: how often the codec itself failed.
@@ -76,27 +76,27 @@ FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
 CLOSE_S = 2.0
 READ_BYTES = 4096
 LOOK_S = 0.03
-"""So often it is looked whether something has come, so that a process that stood still knows it."""
+"""Longest wait for data, s: a process that was stopped for a while can then detect it."""
 FULL_BYTES = 4000
-"""So many at once, and the buffer of the kernel was full (4,095): nobody knows how old the newest is."""
+"""A read of so many bytes means that the kernel's buffer (4,095) was full, and that their age is unknown."""
 
 
 class LinkReader:
-    """Delivers the frames of a port, and opens it again when it is lost (after 0.1 s, doubling up to 5 s).
+    """Delivers the frames of a port, and opens the port again when it is lost (after 0.1 s, doubling up to 5 s).
 
-    Both callbacks are called in the reader's thread and must not block for long; an exception is logged. Whatever the
-    codec or the port does: the link is down with the reason, and is tried again, with a new decoder.
+    Both callbacks are called in the reader's thread and must not block for long; an exception is logged. After any
+    failure of the codec or the port the link is down with the reason, and is tried again, with a new decoder.
 
     Args:
         port: device, or a link to it.
-        codec: or its name.
+        codec: the codec, or its name.
         baudrate, parity: default: those of the codec.
-        stopbits: after each byte.
-        on_frame: each frame, at once; ``frame.at`` is the time at which its last byte was read, or, of several that
-            waited to be read, at which it must have come.
-        on_change: each change of state, of the error while it is down, and of the faults.
-        on_bytes: what was read, before it is decoded.
-        connect: opens something else in the place of the port; raises LinkError.
+        stopbits: number of stop bits after each byte.
+        on_frame: called at once with each frame; ``frame.at`` is the time at which its last byte was read or, if
+            several frames waited to be read, at which it must have arrived.
+        on_change: called at each change of the state, of the error while the link is down, and of the faults.
+        on_bytes: called with the bytes before they are decoded.
+        connect: opens another source instead of the port; raises LinkError.
     """
 
     def __init__(
@@ -127,13 +127,13 @@ class LinkReader:
         self._thread: threading.Thread | None = None
 
     def start(self, patience_s: float = 1.0) -> None:
-        """Begin; a port that is not there yet is no error, nor is a codec that fails.
+        """Start reading; a missing port or a failing codec is not an error here.
 
         Args:
-            patience_s: how long somebody else may still have the port: a predecessor that is ending.
+            patience_s: longest wait for another process (a predecessor that is ending) to release the port.
 
         Raises:
-            LinkBusyError: somebody else keeps it; says who. Nothing was started.
+            LinkBusyError: another process keeps the port; the message names it. Nothing was started.
         """
         self._first = self._claimed(now_us() + round(patience_s * 1e6))
         self._wake_read, self._wake = os.pipe()
@@ -141,9 +141,10 @@ class LinkReader:
         self._thread.start()
 
     def close(self) -> None:
-        """End and give the port back; nothing is delivered after it (unless called from a callback).
+        """Stop reading and close the port; nothing is delivered afterwards (unless called from a callback).
 
-        A codec or a callback that does not return is left behind: it holds neither the caller nor the port.
+        If a codec or a callback does not return, its thread is left behind; the caller does not wait for it, and the
+        port is closed.
         """
         thread, self._thread = self._thread, None
         if thread is None:
@@ -166,7 +167,7 @@ class LinkReader:
 
     @property
     def health(self) -> LinkHealth:
-        """As it is now; may be read in any thread. Nothing of the codec is called for it."""
+        """The present health; may be read from any thread. The codec is not called for it."""
         state, since, error = self._state, self._since, self._error
         if hung := self._calls.hung:
             state, (error, since) = LinkState.DOWN, hung
@@ -183,7 +184,7 @@ class LinkReader:
 
     @property
     def _closed(self) -> bool:
-        """Whether this thread was told to end, or was left behind."""
+        """Whether this thread must end, or was left behind."""
         return self._thread is not threading.current_thread()
 
     def _run(self) -> None:
@@ -198,7 +199,7 @@ class LinkReader:
             os.close(wake_read)
 
     def _stay_open(self) -> None:
-        """Until the end; raises whatever ends it before."""
+        """Open the port and read until the end; raises any error that ends the reading earlier."""
         first, self._first = self._first, None
         with closing(first or self._open()) as port:
             self._open_now = port
@@ -227,7 +228,7 @@ class LinkReader:
         return open_port(self._port, baudrate, parity=parity, stopbits=self._stopbits)
 
     def _claimed(self, until: int) -> OpenPort | None:
-        """The port; None while there is none that can be opened."""
+        """Return the port; None: no port can be opened yet."""
         while True:
             try:
                 return self._open()
@@ -239,7 +240,7 @@ class LinkReader:
             time.sleep(FIRST_WAIT_S)
 
     def _read(self, port: OpenPort, decoder: GuardedDecoder) -> None:
-        """Until the end; raises OSError when the port is lost, LinkError when the codec fails."""
+        """Read until the end; raises OSError when the port is lost, LinkError when the codec fails."""
         fd, looked_at = port.fileno(), now_us()
         while not self._closed:
             begun, wait_s = now_us(), decoder.wait_s()
@@ -281,7 +282,7 @@ class LinkReader:
             self._call(self._on_frame, frame)
 
     def _give_back(self) -> None:
-        """The port of a thread that is left behind, which looks at it no more."""
+        """Close the port of a thread that is left behind and no longer uses it."""
         port, self._open_now = self._open_now, None
         if port is not None:
             with suppress(Exception):
@@ -315,7 +316,7 @@ class LinkReader:
 
 
 def _throw_away(fd: int) -> None:
-    """What waits to be read at a terminal."""
+    """Discard the data that waits to be read at a terminal."""
     import termios  # what needs no port needs no POSIX
 
     termios.tcflush(fd, termios.TCIFLUSH)

@@ -1,4 +1,4 @@
-"""A client whose calls block until the answer."""
+"""A client whose calls block until the answer arrives."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from pydantic_core import from_json
 from ._messages import VALID_US, Reply, read_answer, request_line
 
 LONGEST_LINE = 4_000_000
-"""Bytes of a line of a server."""
+"""Longest line of a server, bytes."""
 READ_BYTES = 262_144
 ANSWER_S = 10.0
-"""The longest wait of `ask`: the program may load and check a description."""
+"""Longest wait of `ask`, s: the program may load and check a description."""
 
 
 class Client:
-    """Not connected at first, nor after `close`. Not thread-safe, but for `abort`.
+    """A blocking client. It is not connected before `connect`, nor after `close`. Not thread-safe, except `abort`.
 
     Args:
-        path: of the socket.
-        timeout_s: of each wait; None: it waits for ever.
+        path: the socket.
+        timeout_s: longest wait of a call; None: no limit.
     """
 
     def __init__(self, path: str | Path, timeout_s: float | None) -> None:
@@ -38,7 +38,7 @@ class Client:
         return self._socket is not None
 
     def connect(self, timeout_s: float | None = None) -> None:
-        """Connect within ``timeout_s`` (default: as every wait); raises OSError."""
+        """Connect within ``timeout_s`` (default: the time-out of the client); raises OSError."""
         self._socket, self._rest = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM), b""
         self._socket.settimeout(self._timeout_s if timeout_s is None else timeout_s)
         try:
@@ -54,7 +54,7 @@ class Client:
         self._socket.settimeout(None)
 
     def fileno(self) -> int:
-        """The socket's descriptor, for select."""
+        """Return the socket's descriptor, for select."""
         assert self._socket
         return self._socket.fileno()
 
@@ -64,24 +64,24 @@ class Client:
         self._socket.sendall(line)
 
     def receive(self) -> bytes:
-        """The next line.
+        """Return the next line.
 
         Raises:
-            BlockingIOError: none came in time.
-            OSError: the connection is gone, or the line has no end.
+            BlockingIOError: no line arrived in time.
+            OSError: the connection is closed, or the line is too long.
         """
         assert self._socket
         while b"\n" not in self._rest:
             if not (data := self._socket.recv(READ_BYTES)):
                 raise OSError("it closed the connection")
             if len(self._rest) > LONGEST_LINE:
-                raise OSError("its message has no end")
+                raise OSError("its message is too long")
             self._rest += data
         line, self._rest = self._rest.split(b"\n", 1)
         return line
 
     def abort(self) -> None:
-        """Make `receive` fail in the thread that waits in it."""
+        """Make a `receive` that waits in another thread fail."""
         if (sock := self._socket) is not None:
             with suppress(OSError):
                 sock.shutdown(socket.SHUT_RDWR)
@@ -97,9 +97,9 @@ def ask(path: Path, who: str, **fields: object) -> Reply:
     """Send one request and wait for its answer; returns a reply in any case.
 
     Args:
-        path: of the socket.
-        who: serves it, to begin a sentence.
-        fields: of the request.
+        path: the socket.
+        who: the program that serves it, as the beginning of a sentence.
+        fields: the fields of the request.
     """
     client, until = Client(path, ANSWER_S), time.monotonic() + ANSWER_S
     try:

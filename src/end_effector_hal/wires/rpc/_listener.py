@@ -1,4 +1,4 @@
-"""The socket of a server, and how clients are accepted there."""
+"""The socket of a server, where clients are accepted."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from end_effector_hal.owned import owned_folder
 
 _log = logging.getLogger("end_effector_hal.wires")
 LONGEST_PATH = 107
-"""Bytes of the path of a Unix socket."""
+"""Longest path of a Unix socket, bytes."""
 REST_S = 0.01
 
 
 class Listener:
-    """A Unix socket for this user and one group only (mode 0660), which does not block.
+    """A non-blocking Unix socket for this user and one group only (mode 0660).
 
-    It is bound under another name first, so that a client that finds it can connect. A client that waits keeps the
-    socket readable; if this process had no file descriptor for it, a loop would spin. So one descriptor is kept in
-    reserve: it is closed for such a client, which is accepted with it and turned away.
+    The socket is bound under another name first, so that a client that finds it can connect. A waiting client keeps
+    the socket readable; without a free file descriptor to accept it, a loop would spin. So one descriptor is kept in
+    reserve: in that case it is closed, and the client is accepted with it and turned away.
 
     Args:
-        path: of the socket; one that was left behind is replaced.
-        group: whose members may connect; default: that of the process.
-        whose: socket it is, for the sentence of an error.
+        path: the socket; one that was left behind is replaced.
+        group: the group whose members may connect; default: the group of the process.
+        whose: owner of the socket, for error messages.
 
     Raises:
-        UsageError: there is no such group.
-        WireError: it cannot be made, or not be given to that group.
+        UsageError: the group does not exist.
+        WireError: the socket cannot be created, or cannot be given to that group.
     """
 
     def __init__(self, path: Path, group: str | None = None, *, whose: str = "the line arbiter") -> None:
@@ -44,11 +44,11 @@ class Listener:
         self._reserve()
 
     def fileno(self) -> int:
-        """For select: readable when a client waits."""
+        """Return the descriptor for select; it is readable when a client waits."""
         return self._socket.fileno()
 
     def accept(self) -> socket.socket | None:
-        """Accept a client; None: no client waits, or it was refused."""
+        """Accept a client and return its socket; None: no client waits, or it was refused."""
         try:
             sock, _ = self._socket.accept()
         except BlockingIOError:
@@ -61,13 +61,13 @@ class Listener:
         return sock
 
     def report(self, error: OSError) -> None:
-        """Log why a client is turned away, the first time of several."""
+        """Log why a client is turned away; repetitions are not logged."""
         if not self._reported:
             _log.warning("%s: a client is turned away: %s", self._path, error.strerror or error)
         self._reported = True
 
     def close(self) -> None:
-        """Close the socket, and remove it unless another server has taken its place."""
+        """Close the socket and remove its file, unless another server has replaced it."""
         self._release()
         self._socket.close()
         with suppress(OSError):
@@ -127,7 +127,7 @@ def _bound(path: Path, group: str | None, whose: str) -> socket.socket:
 
 
 def no_socket(path: Path, error: OSError, whose: str = "the line arbiter") -> WireError:
-    """The error for a socket that cannot be made."""
+    """Return the error for a socket that cannot be created."""
     return WireError(
         f"the socket of {whose} cannot be made: {error.strerror or error}.",
         where=str(path),

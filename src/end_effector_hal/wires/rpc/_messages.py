@@ -15,19 +15,19 @@ from end_effector_hal.wires._clock import now_us
 
 T = TypeVar("T")
 VALID_US = 2_000_000
-"""How far ahead ``until_us`` of a request may be."""
+"""Latest value of ``until_us`` in a request, µs from now."""
 
 
 @dataclass(frozen=True, slots=True)
 class RpcRequest:
-    """The fields of every request; a table of messages adds its own."""
+    """The fields of every request; each table of messages adds its own."""
 
     id: Annotated[int, Field(ge=0, le=2**53)]
     until_us: Annotated[int, Field(ge=0, le=2**62)]
 
 
 class Reply(NamedTuple):
-    """Whether a request was accepted, and the reason if not; ``decided`` False: it may have been executed anyway."""
+    """Whether a request was accepted, and why not; ``decided`` False: it may have been executed nevertheless."""
 
     accepted: bool
     reason: str = ""
@@ -36,7 +36,7 @@ class Reply(NamedTuple):
 
 @cache
 def adapter_of(message: type[Any]) -> TypeAdapter[Any]:
-    """The validator of a message type."""
+    """Return the validator of a message type."""
     return TypeAdapter(message)
 
 
@@ -44,7 +44,7 @@ def read_message(message: type[T], line: bytes, what: str) -> T:
     """Read a line as a message of this type.
 
     Raises:
-        UsageError: it is not; names ``what`` and the field that is wrong.
+        UsageError: it is not a valid one; the message contains ``what`` and the wrong field.
     """
     try:
         found: T = adapter_of(cast("Any", message)).validate_json(line, strict=True)
@@ -56,22 +56,22 @@ def read_message(message: type[T], line: bytes, what: str) -> T:
 
 
 def record_line(kind: str, at: int, content: object) -> bytes:
-    """A record."""
+    """Return a record as a line."""
     return to_json({"kind": kind, "at": at, "content": content}, fallback=_plain) + b"\n"
 
 
 def request_line(number: int, valid_us: int, fields: Mapping[str, object]) -> bytes:
-    """A request that may be executed within ``valid_us`` from now."""
+    """Return a request as a line; it may be executed within ``valid_us`` from now."""
     return to_json({"id": number, **fields, "until_us": now_us() + valid_us}) + b"\n"
 
 
 def answer_line(number: int | None, reply: Reply) -> bytes:
-    """An answer; ``number`` None: it belongs to no request."""
+    """Return an answer as a line; ``number`` None: it belongs to no request."""
     return to_json({"kind": "answer-to", "id": number, **reply._asdict()}) + b"\n"
 
 
 def read_answer(message: Mapping[str, Any]) -> tuple[int | None, Reply] | None:
-    """The number and the content of an answer; None: this is a record. Raises KeyError for anything else."""
+    """Return number and content of an answer; None: it is a record. Raises KeyError for any other message."""
     if message["kind"] != "answer-to":
         return None
     return message["id"], Reply(
@@ -80,7 +80,7 @@ def read_answer(message: Mapping[str, Any]) -> tuple[int | None, Reply] | None:
 
 
 def refuse_late(until_us: int) -> str:
-    """Why a request with this time must not be executed now; empty: it may be."""
+    """Return why a request with this ``until_us`` must not be executed now; empty: it may be executed."""
     at = now_us()
     if at > until_us:
         return "The request came too late and was not executed."

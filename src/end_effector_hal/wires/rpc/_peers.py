@@ -1,4 +1,4 @@
-"""Non-blocking connections, and the set of those of one listener."""
+"""Non-blocking connections, and the set of all connections of a listener."""
 
 from __future__ import annotations
 
@@ -11,40 +11,40 @@ from ._listener import Listener
 
 
 class Peer:
-    """One connection, seen from either end.
+    """One non-blocking connection, of a server or of a client.
 
     Args:
-        sock: connected; `close` closes it.
-        longest: bytes of a line that it may send.
-        backlog: bytes that may wait to be sent to it.
+        sock: the connected socket; `close` closes it.
+        longest: longest line that the other end may send, bytes.
+        backlog: most bytes that may wait to be sent.
     """
 
     def __init__(self, sock: socket.socket, longest: int, backlog: int = 0) -> None:
         sock.setblocking(False)
         self.sock, self._longest, self._backlog = sock, longest, backlog
         self.ended = False
-        """The other end is closed; the lines that it sent before can still be fetched."""
+        """Whether the other end is closed; lines that it sent before can still be fetched."""
         self.watched = False
-        """Its selector reports when more can be sent."""
+        """Whether the selector also reports when more data can be sent."""
         self._rest, self._out = b"", bytearray()
 
     @property
     def waits(self) -> bool:
-        """Whether a whole line was received and is not fetched yet."""
+        """Whether a complete line was received and is not fetched yet."""
         return b"\n" in self._rest
 
     @property
     def overlong(self) -> bool:
-        """Whether it sent a line that is too long."""
+        """Whether the other end sent a line that is too long."""
         return not self.waits and len(self._rest) > self._longest
 
     @property
     def behind(self) -> int:
-        """Bytes that wait to be sent."""
+        """Number of bytes that wait to be sent."""
         return len(self._out)
 
     def receive(self) -> None:
-        """Read what is there; nothing while lines wait, so that a flood fills the buffers of its sender."""
+        """Read the available data; read nothing while lines wait, so that a flood fills the sender's buffers."""
         if self.waits or self.ended:
             return
         try:
@@ -56,7 +56,7 @@ class Peer:
         self.ended, self._rest = not data, self._rest + data
 
     def next_line(self) -> bytes | None:
-        """Fetch the next line; None: there is no whole one."""
+        """Return the next line and remove it; None: there is no complete line."""
         line, newline, rest = self._rest.partition(b"\n")
         if not newline:
             return None
@@ -64,7 +64,7 @@ class Peer:
         return line
 
     def put(self, data: bytes) -> bool:
-        """Send now what can be sent, and the rest later; False: the connection is gone, or too much would wait."""
+        """Send what fits now and keep the rest; return False if the connection is lost or the backlog exceeded."""
         if not self._out:
             try:
                 sent = self.sock.send(data)
@@ -79,7 +79,7 @@ class Peer:
         return self.send() and len(self._out) <= self._backlog
 
     def send(self) -> bool:
-        """Send what waits, as far as it can be sent now; False: the connection is gone."""
+        """Send waiting data as far as possible now; return False if the connection is lost."""
         try:
             while self._out:
                 sent = self.sock.send(memoryview(self._out)[:65_536])
@@ -104,12 +104,12 @@ P = TypeVar("P", bound=Peer)
 
 
 class Peers(Generic[P]):
-    """All connections of a listener, registered with a selector, each with itself as its data.
+    """All connections of a listener, registered with a selector; the data of each registration is the connection.
 
     Args:
-        listener: registered, too, with None as its data; `close` closes it.
-        selector: which the caller waits with.
-        make: makes one of a socket; an OSError of it turns the client away.
+        listener: registered too, with None as its data; `close` closes it.
+        selector: the caller's selector.
+        make: makes a connection from a socket; if it raises OSError, the client is refused.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Peers(Generic[P]):
         return len(self._open)
 
     def accept(self) -> P | None:
-        """Accept a client; None: no client waits, or it was refused."""
+        """Accept a client and return its connection; None: no client waits, or it was refused."""
         if (sock := self._listener.accept()) is None:
             return None
         try:
@@ -140,27 +140,27 @@ class Peers(Generic[P]):
         return peer
 
     def put(self, peer: P, data: bytes) -> bool:
-        """Send data to one that may have gone; False: it was dropped, because it has gone or reads too slowly."""
+        """Send data to a connection that may have ended; return False if it was dropped: lost, or too slow."""
         return peer not in self._open or self._watch(peer, peer.put(data))
 
     def send(self, peer: P) -> bool:
-        """Send to one what waits for it; returns as `put` does."""
+        """Send the waiting data of a connection; returns like `put`."""
         return peer not in self._open or self._watch(peer, peer.send())
 
     def drop(self, peer: P) -> None:
-        """End its connection."""
+        """Close a connection."""
         if self._open.pop(peer, self) is None:
             self._selector.unregister(peer.sock)
             peer.close()
 
     def close(self) -> None:
-        """End all connections and the listener."""
+        """Close all connections and the listener."""
         for peer in self:
             self.drop(peer)
         self._listener.close()
 
     def _watch(self, peer: P, goes_on: bool) -> bool:
-        """Be woken once more can be sent, if something waits."""
+        """Drop a failed connection; otherwise let the selector report when more can be sent, if data waits."""
         if not goes_on:
             self.drop(peer)
             return False

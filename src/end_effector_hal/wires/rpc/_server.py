@@ -1,4 +1,4 @@
-"""A bounded server: records to all clients, and answers to their requests."""
+"""A server with limits: it sends records to all clients and answers their requests."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _log = logging.getLogger("end_effector_hal.wires")
 SECOND_US = 1_000_000
 AGAIN_S = 0.1
 WARN_EVERY_US = 10_000_000
-"""Clients that come again fill no log."""
+"""Shortest time between two warnings about slow clients, µs, so that they do not fill the log."""
 END_S = 1.0
 
 
@@ -35,15 +35,15 @@ class ClientLimits:
 
     clients: int = 16
     line: int = 1_000
-    """Bytes of a line of a client."""
+    """Longest line of a client, bytes."""
     backlog: int = 2_000_000
-    """Bytes that may wait for a client that reads slowly."""
+    """Most bytes that may wait for a slow client."""
     rate: int = 100
-    """Lines of a client in a second."""
+    """Most lines of a client per second."""
     requests: int = 4
-    """Requests of one client that wait to be executed."""
+    """Most requests of one client that wait to be executed."""
     all_requests: int = 32
-    """Requests that wait to be executed, also of clients that have gone meanwhile."""
+    """Most requests of all clients that wait to be executed, including clients that have disconnected meanwhile."""
 
 
 class _Client(Peer):
@@ -62,15 +62,15 @@ class _Client(Peer):
 
 
 class Server:
-    """Serves a socket; the package describes how. Only `wake` may be called in any thread.
+    """Serves a socket, as described in the package. Only `wake` may be called from any thread.
 
     Args:
-        path: of the socket; one that was left behind is replaced.
-        limits: of its clients.
-        group: whose members may connect; default: that of the process.
-        whose: socket it is, for the sentence of an error.
-        greets: a client gets records only from a `begin` on.
-        request: type of the requests; None: what clients send means nothing.
+        path: the socket; one that was left behind is replaced.
+        limits: the limits of its clients.
+        group: the group whose members may connect; default: the group of the process.
+        whose: owner of the socket, for error messages.
+        greets: whether a client receives records only after a `begin`.
+        request: type of the requests; None: lines of clients are ignored.
         handle: executes a request, in the thread of the requests; a UsageError refuses it.
 
     Raises:
@@ -106,22 +106,23 @@ class Server:
         self._selector.register(self._wake_read, selectors.EVENT_READ, self)
 
     def __len__(self) -> int:
-        """The number of clients."""
+        """Return the number of clients."""
         return len(self._clients)
 
     def fileno(self) -> int:
-        """A descriptor that is readable when `poll` has something to do."""
+        """Return a descriptor that is readable when `poll` has work to do."""
         return self._selector.fileno()
 
     def start(self, name: str, turn: Callable[[], float | None]) -> None:
         """Serve in a thread until `close`.
 
         Args:
-            name: of the thread.
-            turn: called in it after each look; returns how long the next look waits, None: until something happens.
+            name: the name of the thread.
+            turn: called in the thread after each poll; returns how long the next poll may wait, s, None: until there
+                is work.
 
         Raises:
-            RuntimeError: the system gives no thread; the server is closed.
+            RuntimeError: no thread can be started; the server is closed.
         """
         threads: dict[str, Callable[[], None]] = {name: lambda: self._run(turn)}
         if self._request is not None:
@@ -142,7 +143,7 @@ class Server:
             self._wake.send(b"x")
 
     def poll(self, wait_s: float | None = 0) -> None:
-        """Serve for at most this time (None: until something happens), and send the answers that are ready."""
+        """Serve for at most this time (None: until there is work), and send the answers that are ready."""
         for key, events in self._selector.select(wait_s):
             if isinstance(key.data, _Client):
                 self._serve(key.data, events)
@@ -161,7 +162,7 @@ class Server:
         return any(not client.follows for client in self._clients)
 
     def begin(self, data: bytes) -> None:
-        """Send data to all newcomers; from now on they get all records."""
+        """Send data to all newcomers; from now on they receive all records."""
         for client in self._clients:
             if not client.follows:
                 client.follows = True
@@ -173,7 +174,7 @@ class Server:
             client.follows = False
 
     def send(self, data: bytes) -> None:
-        """Send data to all clients but newcomers."""
+        """Send data to all clients except newcomers."""
         for client in self._clients:
             if client.follows:
                 self._put(client, data)

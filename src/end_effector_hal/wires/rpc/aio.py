@@ -1,4 +1,4 @@
-"""A client in an asyncio loop: it follows the records of a server, and asks it."""
+"""A client in an asyncio loop: it receives the records of a server and sends requests."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ._messages import Reply, adapter_of, read_answer, request_line
 AGAIN_S = 0.3
 ANSWER_S = 4.0
 VALID_US = 1_000_000
-"""A request that the server has not begun by then is not executed."""
+"""Time within which the server must begin a request, µs; later it is not executed."""
 
 
 class AsyncClient:
-    """Connects again whenever the server is back.
+    """Receives records and sends requests; reconnects whenever the server is back.
 
     Args:
-        path: of the socket.
-        who: serves it, to begin a sentence.
-        table: the types of the records, by kind; the content of any other kind is passed on as None.
-        take: gets kind, time and content of each record; an exception ends this connection.
-        lost: gets the reason when the connection is gone, or cannot be made.
-        missing: the reason when nobody serves the socket; default: a sentence.
+        path: the socket.
+        who: the program that serves it, as the beginning of a sentence.
+        table: the types of the records, by kind; for any other kind the content is None.
+        take: called with kind, time and content of each record; an exception ends this connection.
+        lost: called with the reason when the connection is lost or cannot be made.
+        missing: the reason when no process serves the socket; default: a sentence.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class AsyncClient:
         self._asked: dict[int | None, asyncio.Future[Reply]] = {}
 
     async def run(self) -> None:
-        """Follow the server until it is cancelled."""
+        """Receive records until the task is cancelled."""
         while True:
             try:
                 await self._follow()
@@ -86,7 +86,9 @@ class AsyncClient:
             self._asked.pop(number, None)
 
     def _unknown(self, what: str) -> Reply:
-        return Reply(False, f"{self._who} {what}: what became of the command is unknown.", decided=False)
+        return Reply(
+            False, f"{self._who} {what}: it is unknown whether the command was executed.", decided=False
+        )
 
     async def _follow(self) -> None:
         reader, writer = await asyncio.open_unix_connection(self._path, limit=LONGEST_LINE)

@@ -1,3 +1,3 @@
-"""What brings the readings of a tool: its sensor link, the inputs of its board, or both."""
+"""The sources of a tool's readings: its sensor links, the inputs of its board, or both."""
 
 from ._reader import FrameOrder, SensorHealth, SensorReader

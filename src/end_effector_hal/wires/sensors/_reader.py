@@ -1,4 +1,4 @@
-"""Reads whatever brings the channels of a tool, and delivers their frames one after the other."""
+"""Reads all sources of a tool's channels, and delivers their frames one at a time."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ if TYPE_CHECKING:
 
 
 MOST_OVERTAKEN_US = 20_000
-"""Threads of two sources take turns within this; what waited longer was heard long before (a relay's backlog)."""
+"""Longest delay between the threads of two sources, µs; a longer one has another cause (a relay's backlog)."""
 
 
 class FrameOrder:
-    """Gives a frame that was overtaken on its way the stamp of the newest one: it is news, and is judged after that.
+    """Gives a frame that newer frames have overtaken on their way the stamp of the newest one, so that it is judged
+    after that one.
 
-    A frame that other sources have overtaken by more than 20 ms, and what its source waits, keeps its stamp: the
-    machine was late, and the frame is as old as it is. One that its own source has overtaken by more than that keeps
-    its stamp as well: what judges frames refuses it, and says so.
+    A frame that other sources have overtaken by more than 20 ms, plus the waiting time of its source, keeps its stamp:
+    the machine was late, and the frame is as old as its stamp. A frame that its own source has overtaken by more than
+    that also keeps its stamp: the judge of frames refuses and reports it.
     """
 
     def __init__(self) -> None:
@@ -37,12 +38,12 @@ class FrameOrder:
         self._given: dict[str, int] = {}
 
     def next(self, frame: Frame, source: str = "", waits_us: int = 0) -> Frame:
-        """The frame as it is judged.
+        """Return the frame with the stamp by which it is judged.
 
         Args:
-            frame: as it came.
-            source: who brought it; stamps of one source are in order, but for moments.
-            waits_us: so long its source may go on waiting for others after it has heard the last of it.
+            frame: the frame as received.
+            source: name of its source; stamps of one source are in order, except for small differences.
+            waits_us: how long its source may wait for other data after it has received the last data of the frame.
         """
         came = self._came.get(source, 0)
         if came - frame.at > MOST_OVERTAKEN_US + waits_us:
@@ -56,24 +57,24 @@ class FrameOrder:
 
 @dataclass(frozen=True, slots=True)
 class SensorHealth:
-    """A snapshot of each source: the links by name, and the inputs of the board; None: the tool has none."""
+    """A snapshot of all sources: the links by name, and the inputs of the board (None: the tool has none)."""
 
     links: Mapping[str, LinkHealth]
     inputs: InputsHealth | None
 
 
 class SensorReader:
-    """Frames of the sensor links, of the inputs of the board, or of both.
+    """Delivers the frames of the sensor links, of the inputs of the board, or of both.
 
-    A source that is lost is tried again while the others go on. The callbacks come from threads of the reader, of
-    frames and of changes one call at a time, and must not block for long.
+    A lost source is tried again while the others continue. The callbacks are called from threads of the reader (one
+    frame at a time, one change at a time) and must not block for long.
 
     Args:
         description: the tool.
-        on_frame: each frame, at once, those of one source in the order of their stamps: one that another source has
-            overtaken by moments gets the stamp of that; one that is older keeps its own.
-        on_change: each change of the state of a source, with its name for a sentence.
-        on_bytes: whatever comes over a link, by its name, before it is decoded.
+        on_frame: called at once with each frame. Frames of one source are in the order of their stamps. A frame that
+            another source has overtaken by a moment gets the stamp of that source's frame; an older one keeps its own.
+        on_change: called at each change of a source's state, with the name of the source for a sentence.
+        on_bytes: called with the bytes of a link before they are decoded, and with the link's name.
 
     Raises:
         UsageError: a codec cannot be used.
@@ -88,7 +89,7 @@ class SensorReader:
     ) -> None:
         links = description.links
         self.where = ", ".join(link.port for link in links.values()) or description.sensors
-        """Where the readings come from, for people."""
+        """The source of the readings, for messages."""
         self._on_frame, self._on_change = on_frame, on_change
         self._lock, self._change_lock = threading.Lock(), threading.Lock()
         self._order, self._closed = FrameOrder(), False
@@ -108,7 +109,7 @@ class SensorReader:
     def _reader(
         self, description: Description, name: str, on_bytes: Callable[[bytes], None] | None
     ) -> LinkReader:
-        """Of the port; or of the line arbiter, where that masters the bus because it commands devices on it."""
+        """Return the reader of a link's port, or of the arbiter's relay if the arbiter commands devices on this bus."""
         link, codec, connect = description.links[name], codec_of(description, name), None
         deliver = partial(self._deliver, source=f"link {name}", waits_us=answers_us(codec))
         if name in description.buses:
@@ -130,11 +131,11 @@ class SensorReader:
         )
 
     def start(self) -> None:
-        """Begin.
+        """Start reading.
 
         Raises:
-            LinkBusyError: somebody else reads a sensor link.
-            LineBusyError: somebody else has an input line.
+            LinkBusyError: another process reads a sensor link.
+            LineBusyError: another process has an input line.
         """
         try:
             for source in self._sources:
@@ -144,14 +145,14 @@ class SensorReader:
             raise
 
     def close(self) -> None:
-        """End; nothing is delivered after it."""
+        """Stop reading; nothing is delivered afterwards."""
         self._closed = True
         for source in self._sources:
             source.close()
 
     @property
     def health(self) -> SensorHealth:
-        """As it is now; for any thread."""
+        """The present health; may be read from any thread."""
         links = {name: link.health for name, link in self._links.items()}
         found = [each.health for each in (self._inputs, self._relayed) if each]
         return SensorHealth(links, together(found) if found else None)
@@ -177,13 +178,13 @@ LONGEST_ANSWERS_US = 150_000
 
 
 def answers_us(codec: Codec) -> int:
-    """How long a cycle of Modbus may wait for devices that are dead, when the others have answered already."""
+    """Return how long a cycle of Modbus may wait for dead devices after the others have answered, µs."""
     reads, timeout_us = getattr(codec, "reads", ()), getattr(codec, "timeout_us", 0)
     return min(len(reads) * int(timeout_us), LONGEST_ANSWERS_US)
 
 
 def together(found: Sequence[InputsHealth]) -> InputsHealth:
-    """The health of all inputs of the board, read here or by the line arbiter."""
+    """Return the combined health of all inputs of the board, read by this process or by the line arbiter."""
     frames = [each.last_frame for each in found if each.last_frame is not None]
     counted = ("opened", "frames", "edges", "lost")
     counters = {name: sum(getattr(each, name) for each in found) for name in counted}

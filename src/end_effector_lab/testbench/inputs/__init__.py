@@ -1,6 +1,6 @@
-"""Where the testbench sees the lines: on a virtual chip, on real lines, or on those that the kernel simulates.
+"""Sources of line levels for the testbench: a virtual chip, real lines, or lines that the kernel simulates.
 
-Inputs of your own are a class with the methods of `LineInputs`, and a test that inherits `LineInputsConformance` of
+Your own inputs are a class with the methods of `LineInputs`, and a test that inherits `LineInputsConformance` of
 ``conformance``.
 """
 

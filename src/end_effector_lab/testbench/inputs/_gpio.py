@@ -19,12 +19,12 @@ CONSUMER = "end-effector-testbench"
 
 
 class GpioInputs:
-    """Edges of real lines, stamped by the kernel.
+    """Reports edges of real lines, with time stamps of the kernel.
 
     Args:
         lines: line of the description -> name of the line on this machine.
-        text: what they are, for people.
-        pattern: where the chips are.
+        text: name of the inputs for people.
+        pattern: paths of the chips.
     """
 
     def __init__(self, lines: Mapping[str, str], text: str, pattern: str = "/dev/gpiochip*") -> None:
@@ -70,7 +70,7 @@ class GpioInputs:
                     on_edge(offsets[event.line_offset], event.event_type == rising, at)
 
     def _find(self) -> dict[str, dict[int, str]]:
-        """Chip -> offset -> line of the description."""
+        """Return chip -> offset -> line of the description."""
         here: dict[str, list[tuple[str, int]]] = {}
         chips = [path for path in sorted(glob.glob(self._pattern)) if self._gpiod.is_gpiochip_device(path)]
         for path in sorted({os.path.realpath(path) for path in chips}):
@@ -82,7 +82,7 @@ class GpioInputs:
             places = here.get(name, [])
             if len(places) != 1:
                 raise LineNotFoundError(
-                    f"the line {name} ({line}) stands on {len(places) or 'no'} GPIO chip(s) of this machine.",
+                    f"the line {name} ({line}) is on {len(places) or 'no'} GPIO chip(s) of this machine, not on one.",
                     where=self._pattern,
                     todo="gpioinfo lists the lines; --lines gpiod:LINE=NAME,... names others.",
                 )
@@ -97,7 +97,7 @@ class GpioInputs:
             raise _refused(path, error) from error
 
     def _request(self, path: str, offsets: Mapping[int, str]) -> Any:
-        """Inputs with edge events; pulled down, so that a wire that is off is inactive."""
+        """Request the lines as inputs with edge events; pulled down, so that a disconnected wire is inactive."""
         line = self._gpiod.line
         settings = self._gpiod.LineSettings(
             direction=line.Direction.INPUT,

@@ -18,15 +18,15 @@ PERIOD_S = 0.001
 
 
 class GpioSimInputs:
-    """Levels of lines that a HAL on this machine drives through ``/dev/gpiochip*``.
+    """Reads lines that a HAL on this machine drives through ``/dev/gpiochip*``.
 
-    The kernel tells nobody of a change (no poll, no inotify on these files): they are read once a millisecond.
-    A chip with these lines is made if there is none, and stays.
+    The kernel does not report changes (no poll, no inotify on these files): they are read once a millisecond. A chip
+    with these lines is made if there is none, and remains afterwards.
 
     Args:
-        names: the lines.
-        config: where chips are made (configfs).
-        devices: where their levels stand (sysfs).
+        names: names of the lines.
+        config: folder in which chips are made (configfs).
+        devices: folder with their levels (sysfs).
     """
 
     def __init__(self, names: Iterable[str], config: Path = CONFIG, devices: Path = DEVICES) -> None:
@@ -87,7 +87,7 @@ class GpioSimInputs:
         return {name: os.pread(fd, 8, 0).startswith(b"1") for name, fd in self._files.items()}
 
     def _found(self) -> dict[str, Path]:
-        """Line -> the file with its level, of all chips that live."""
+        """Return line -> file with its level, for all active chips."""
         found = {}
         for line in sorted(self._config.glob("*/*/line*")):
             bank, number = line.parent, line.name.removeprefix("line")

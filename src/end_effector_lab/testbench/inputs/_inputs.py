@@ -1,4 +1,4 @@
-"""Where the testbench sees the lines, and whose time it is there."""
+"""Protocols for line inputs of the testbench, and for the clock of the machine that drives them."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from typing import Protocol
 from end_effector_hal.wires import now_us
 
 OnEdge = Callable[[str, bool, int], None]
-"""Line, level, µs: called in the thread of the inputs."""
+"""Callback with line, level, and time in µs; called in the thread of the inputs."""
 
 
 class LineInputs(Protocol):
-    """Tells of every change of some lines, by events."""
+    """Reports every change of some lines by events."""
 
     @property
     def text(self) -> str:
-        """What they are, for people."""
+        """Name of the inputs for people."""
         ...
 
     def start(self, on_edge: OnEdge) -> dict[str, bool]:
-        """Begin.
+        """Start to report changes.
 
         Returns:
-            The levels; every later change becomes an edge.
+            The present levels; every later change becomes an edge.
 
         Raises:
             LineNotFoundError: a line is missing.
@@ -33,24 +33,24 @@ class LineInputs(Protocol):
         ...
 
     def close(self) -> None:
-        """End; no edge comes after it."""
+        """Stop; no edge is reported after that."""
         ...
 
 
 class Clock(Protocol):
-    """The time of the machine at the other end of the wires: what it sees of us happens in its own time."""
+    """The clock of the machine at the other end of the wires; all times in the testbench are times of this clock."""
 
     def now_us(self) -> int:
-        """Never running backwards."""
+        """Return the time, µs; it never runs backwards."""
         ...
 
     def wait(self, stop: threading.Event, until: int) -> bool:
-        """Wait until this µs; True: it is to stop, and may be earlier."""
+        """Wait until a time, µs; return True if ``stop`` is set, possibly earlier."""
         ...
 
 
 class Monotonic:
-    """This machine's clock: both ends of real wires share it."""
+    """This machine's monotonic clock, which both ends of real wires share."""
 
     def now_us(self) -> int:
         return now_us()
@@ -60,6 +60,6 @@ class Monotonic:
 
 
 def clock_of(inputs: LineInputs) -> Clock:
-    """That of the machine whose lines these are: an emulated one has its own."""
+    """Return the clock of the machine that drives these lines; an emulated machine has its own."""
     clock: Clock = getattr(inputs, "clock", None) or Monotonic()
     return clock

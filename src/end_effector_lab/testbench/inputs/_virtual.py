@@ -1,4 +1,4 @@
-"""The lines of a virtual chip."""
+"""Reads the lines of a virtual chip."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ._inputs import OnEdge
 
 
 class VirtualInputs:
-    """The lines of a virtual chip, which is made if there is none.
+    """Reads the lines of a virtual chip, which is made if there is none.
 
-    What counts is the level of the pin, as on a board: an input that is pulled up is seen as active.
+    The level of the pin counts, as on a board: an input that is pulled up reads as active.
 
     Args:
         path: the file of the chip.
-        names: the lines.
+        names: names of the lines.
         power_cycle: make a new chip even if there is one.
-        pulled: further lines of it which the chip reads, and how it holds them.
-        levels: what the sensors show on those lines of a chip that is made.
+        pulled: further lines that the chip reads, with their pulls.
+        levels: initial levels of those lines on a new chip.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class VirtualInputs:
         return f"virtual:{self._path}"
 
     def make_chip(self) -> VirtualChip:
-        """The chip, made if there is none; raises WireError."""
+        """Return the chip, made if there is none; raises WireError."""
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:

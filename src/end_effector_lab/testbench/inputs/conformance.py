@@ -1,5 +1,5 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What all that shows lines to the testbench must do; inherit `LineInputsConformance` in your tests (needs pytest).
+"""Tests that all inputs of the testbench must pass; inherit `LineInputsConformance` in your tests (needs pytest).
 
 class TestMyInputs(LineInputsConformance):
     @pytest.fixture
@@ -23,20 +23,20 @@ LONGEST_S = 20.0
 
 
 class Wires(Protocol):
-    """The lines A and B, both inactive, and the one who drives them."""
+    """Test fixture with the lines A and B, both inactive, and a driver for them."""
 
     inputs: LineInputs
 
     def drive(self, line: str, level: bool) -> None:
-        """Make an output of it, if it is none, at this level; called after the inputs were started."""
+        """Make the line an output, if it is not one, with this level; called after the inputs were started."""
         ...
 
 
 class LineInputsConformance:
-    """The fixture ``wires`` gives new wires for each test, and takes them down after it."""
+    """Tests of line inputs; the fixture ``wires`` must create new wires for every test, and remove them after it."""
 
     at_is_now = True
-    """The time of an edge is that of this machine's monotonic clock."""
+    """Whether edges have times of this machine's monotonic clock."""
 
     @pytest.fixture
     def seen(self) -> Queue[tuple[str, bool, int]]:

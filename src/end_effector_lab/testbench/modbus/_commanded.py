@@ -1,4 +1,4 @@
-"""The registers that a description commands, as any device has them: for the testbench of any tool."""
+"""Simulates the registers that a description commands, for the testbench of any tool."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from ._rtu import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer,
 
 
 class CommandedRegisters:
-    """Obeys command_on and command_off of each output, once its unit is activated; others are refused.
+    """Executes command_on and command_off of every output whose unit is activated; refuses other writes.
 
-    A device that is not active activates itself where its activation bits rise, whatever the row that has them is for;
-    that moves it: it lets go. Its activation bits are those that the last row of its activation sets.
+    A device that is not active activates itself when its activation bits rise, even if another command writes them;
+    the activation moves it, so it releases. Its activation bits are those that the last row of its activation sets.
 
-    With a handshake it obeys a command only when that was held before it, or is held after it, as the description says.
+    With a handshake, a command takes effect only after the handshake before it, or with the handshake after it, as the
+    description says.
 
-    An output whose `on_link_loss` is release goes off when its unit has heard nothing for `keep_alive_ms`.
+    An output whose `on_link_loss` is release switches off when its unit received no request for `keep_alive_ms`.
 
     Args:
-        outputs: of one bus, by their names.
-        obey: called with the name and the level of an output that was commanded.
+        outputs: the outputs of one bus, by name.
+        obey: called with name and level of an output that was commanded.
     """
 
     def __init__(self, outputs: Mapping[str, RegisterOutput], obey: Callable[[str, bool], None]) -> None:
@@ -30,16 +31,16 @@ class CommandedRegisters:
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
         self._registers: dict[tuple[int, int], int] = {}
-        """Those that have activation bits, as they were written."""
+        """Registers with activation bits, as they were written."""
         self._heard_at: dict[int, int] = {}
         self._taken: set[str] = set()
         self._handed: set[str] = set()
-        """Outputs whose data were handed over, for one command."""
+        """Outputs with a completed handshake, which is valid for one command."""
         self._staged: dict[str, bool] = {}
-        """Commands that a handshake is to have taken."""
+        """Commands that wait for their handshake."""
 
     def start(self, levels: dict[str, bool], at: int) -> None:
-        """As they stand at ``at`` (µs), when the device is looked at first; one that is active was activated before."""
+        """Set the initial state at ``at`` (µs); the unit of an active output counts as activated."""
         self._levels = {name: levels.get(name, False) for name in self._outputs}
         self._activated = {self._outputs[name].unit for name, level in self._levels.items() if level}
         self._registers = {
@@ -52,23 +53,23 @@ class CommandedRegisters:
 
     @property
     def due(self) -> int | None:
-        """µs at which `advance` is to be called; None: nothing goes off by itself."""
+        """Time at which `advance` must be called, µs; None: no output switches off by itself."""
         return min(map(self._until, self._losing()), default=None)
 
     def advance(self, at: int) -> None:
-        """What has heard nothing for too long by ``at`` (µs) lets go."""
+        """Switch off outputs whose unit received no request for too long by ``at`` (µs)."""
         for name in self._losing():
             if self._until(name) <= at:
                 self._levels[name] = False
                 self._obey(name, False)
 
     def hear(self, frame: bytes, at: int) -> None:
-        """A request has come at ``at`` (µs): its unit knows that somebody is there."""
+        """Record a request at ``at`` (µs), which keeps its unit alive."""
         if (request := read_request(frame)) is not None:
             self._heard_at[request.unit] = at
 
     def _losing(self) -> list[str]:
-        """Outputs that are active, and go off when nobody speaks."""
+        """Return the active outputs that switch off when requests stop."""
         return [
             name
             for name, each in self._outputs.items()
@@ -80,7 +81,7 @@ class CommandedRegisters:
         return self._heard_at[each.unit] + (each.keep_alive_ms or 0) * 1000
 
     def answer(self, frame: bytes) -> bytes | None:
-        """The answer to a write; None: it is none, or not for these units."""
+        """Return the answer to a write; None if the frame is not a write, or not for these units."""
         request = read_request(frame)
         if request is None or request.values is None:
             return None
@@ -90,7 +91,7 @@ class CommandedRegisters:
 
     @property
     def values(self) -> dict[str, Value]:
-        """What the channels of `verify`, `ready` and `taken` show."""
+        """Values of the channels of `verify`, `ready` and `taken`."""
         shown: dict[str, Value] = {}
         for name, each in self._outputs.items():
             if each.activation:
@@ -130,7 +131,7 @@ class CommandedRegisters:
         return not left
 
     def _rise(self, unit: int, address: int, values: tuple[int, ...]) -> None:
-        """Whether what is written makes activation bits rise."""
+        """Store written activation bits, and activate the unit if they rise."""
         for each in self._outputs.values():
             bits = {(unit, at): most for at, most in each.activation_bits.items() if each.unit == unit}
             were = all(self._registers[at] & most == most for at, most in bits.items())
@@ -146,7 +147,7 @@ class CommandedRegisters:
         self._activated.add(unit)
 
     def _shakes(self, name: str, address: int, values: tuple[int, ...]) -> bool:
-        """Whether this is a step of its handshake, which has been done then."""
+        """Execute a step of the output's handshake; return whether the write is one."""
         each, handshake = self._outputs[name], self._outputs[name].handshake
         if handshake is None or address != _address(handshake, each):
             return False

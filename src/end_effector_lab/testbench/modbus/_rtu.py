@@ -1,4 +1,4 @@
-"""The answering end of Modbus RTU, by the frame table of the standard; it shares no code with the HAL."""
+"""The responding end of Modbus RTU, by the frame table of the standard; it shares no code with the HAL."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LONGEST = 256
 
 
 def crc16(data: bytes) -> bytes:
-    """CRC-16/MODBUS, low byte first."""
+    """Return the CRC-16/MODBUS, low byte first."""
     crc = 0xFFFF
     for byte in data:
         crc ^= byte
@@ -19,12 +19,12 @@ def crc16(data: bytes) -> bytes:
 
 
 def sealed(body: bytes) -> bytes:
-    """A frame with its CRC."""
+    """Return a frame with its CRC."""
     return body + crc16(body)
 
 
 class RegisterRequest(NamedTuple):
-    """One request: ``values`` None: a read of ``size``."""
+    """One request; ``values`` is None for a read of ``size`` registers or coils."""
 
     unit: int
     function: int
@@ -34,7 +34,7 @@ class RegisterRequest(NamedTuple):
 
 
 def read_request(frame: bytes) -> RegisterRequest | None:
-    """What a whole frame asks for; None: it is no request, or damaged."""
+    """Parse a complete frame; return None if it is not a request, or damaged."""
     if len(frame) < 8 or len(frame) > LONGEST or crc16(frame[:-2]) != frame[-2:]:
         return None
     unit, function = frame[0], frame[1]
@@ -56,7 +56,7 @@ def read_request(frame: bytes) -> RegisterRequest | None:
 
 
 def done_answer(request: RegisterRequest) -> bytes:
-    """The answer to a write that was done."""
+    """Return the answer to a write that was executed."""
     head = bytes([request.unit, request.function]) + request.address.to_bytes(2, "big")
     if request.function == 5:
         return sealed(head + (b"\xff\x00" if request.values == (1,) else b"\x00\x00"))
@@ -66,5 +66,5 @@ def done_answer(request: RegisterRequest) -> bytes:
 
 
 def exception_answer(request: RegisterRequest, code: int) -> bytes:
-    """The answer to what cannot be done."""
+    """Return the answer to a request that cannot be executed."""
     return sealed(bytes([request.unit, request.function | 0x80, code]))

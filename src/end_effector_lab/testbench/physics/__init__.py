@@ -1,8 +1,9 @@
-"""How devices behave: what the lines switch, and what the sensors would show, on a grid of a millisecond.
+"""Physics of the devices: effects of the lines on real states and sensors, on a grid of one millisecond.
 
-The physics of a kind of your own is a subclass of `Device`, which goes in steps, or of `SolvedDevice`, which is solved
-from one switching to the next and much quicker, an entry point in the group ``end_effector_hal.physics``
-under the name of the kind, and a test that inherits `PhysicsConformance` of its ``conformance``.
+The physics of your own kind needs three parts: a subclass of `Device`, which advances in steps, or of `SolvedDevice`,
+which is computed from one switching to the next and is much faster; an entry point in the group
+``end_effector_hal.physics`` under the name of the kind; and a test that inherits `PhysicsConformance` of its
+``conformance``.
 """
 
 from ._course import Course

@@ -1,4 +1,4 @@
-"""How something goes on while nothing switches: a level, and what fades away towards it."""
+"""The course of a quantity between two switchings: a level, and exponentials that fade towards it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 _ALIKE = 1e-3
-"""1/s: so far two rates are kept apart, so that no amplitude becomes infinite."""
+"""Smallest difference of two rates, 1/s, so that no amplitude becomes infinite."""
 _HALVINGS = 50
 
 
@@ -14,8 +14,8 @@ class Course(NamedTuple):
     """``level + sum(amplitude * exp(-rate * t))``, t in s.
 
     Attributes:
-        level: what it comes to.
-        fading: amplitude and rate (1/s) of each part.
+        level: the final value.
+        fading: amplitude and rate (1/s) of every exponential.
     """
 
     level: float
@@ -23,22 +23,22 @@ class Course(NamedTuple):
 
     @classmethod
     def towards(cls, level: float, rate: float, start: float) -> Course:
-        """From ``start`` to ``level``, with this rate (1/s)."""
+        """Return the course from ``start`` to ``level`` with this rate (1/s)."""
         return cls(level, ((start - level, rate),))
 
     def at(self, seconds: float) -> float:
-        """The value so long after the beginning."""
+        """Return the value ``seconds`` after the beginning."""
         value = self.level
         for amplitude, rate in self.fading:
             value += amplitude * math.exp(-rate * seconds)
         return value
 
     def after(self, seconds: float) -> Course:
-        """The same course, with another beginning."""
+        """Return the same course with a beginning ``seconds`` later."""
         return Course(self.level, tuple([(a * math.exp(-rate * seconds), rate) for a, rate in self.fading]))
 
     def lagged(self, rate: float, start: float) -> Course:
-        """What follows it with a first-order lag of this rate (1/s), from ``start`` on."""
+        """Return the output of a first-order lag of this rate (1/s) that follows the course from ``start`` on."""
         fading, rest = [], start - self.level
         for amplitude, its in self.fading:
             apart = rate - its if abs(rate - its) > _ALIKE else _ALIKE
@@ -48,7 +48,7 @@ class Course(NamedTuple):
         return Course(self.level, (*fading, (rest, rate)))
 
     def reaches(self, value: float) -> float | None:
-        """Seconds until it crosses a value, for a course that goes one way; None: it does not."""
+        """Return the seconds until a monotonic course crosses a value; None: it does not."""
         begins = self.at(0.0) - value
         if not self.fading or begins == 0.0 or (begins > 0) == (self.level - value >= 0):
             return None

@@ -11,20 +11,21 @@ from ._parts import CLOSE_KPA, STEP_S, Sensor, Supply, Valve
 
 RETRACT_S = 0.4
 TRAVEL_KPA, RETURN_KPA = 270.0, 90.0
-"""Plateaus: while it extends (load and friction decide it), and while the spring pushes it back."""
+"""Plateau pressures, kPa: while it extends (set by load and friction), and while the spring pushes it back."""
 FILL_S = 0.025
-"""Time constant of the pressure."""
+"""Time constant of the pressure, s."""
 _MOVES_KPA, _RETURNS_KPA = 0.95 * TRAVEL_KPA, 1.1 * RETURN_KPA
-"""Above the first, and under the second, it moves."""
+"""The cylinder extends above the first and returns below the second pressure, kPa."""
 _SWITCH = 0.02  # a position switch is made over the last 2 % of the stroke
 
 
 class Cylinder(SolvedDevice):
-    """Valve delay, filling to a plateau, travel on it, rise to the supply pressure; the reverse on exhaust.
+    """A cylinder: valve delay, filling to a plateau, travel on it, rise to the supply pressure; the reverse on
+    exhaust.
 
     Args:
         valve: fills the chamber when open, exhausts it when closed.
-        supply: the air that it is fed with.
+        supply: the air supply of the cylinder.
         extend_s: duration of the stroke (100 mm in 0.2 to 1 s).
     """
 
@@ -91,7 +92,7 @@ class Cylinder(SolvedDevice):
         self.position = min(max(self._first + self._speed * seconds, 0.0), 1.0)
 
     def _filling(self) -> tuple[Course, list[float | None]]:
-        """Its pressure while the valve is open, and when something else begins."""
+        """Return the pressure while the valve is open, and the times of the next changes."""
         supply, rate, changes = self._supply.course, 1 / FILL_S, list[float | None]()
         travels = self.position < 1.0
         if travels:
@@ -105,7 +106,7 @@ class Cylinder(SolvedDevice):
         return course, [*changes, _a_step_before(course.reaches(_MOVES_KPA)) if travels else None]
 
     def _emptying(self) -> tuple[Course, list[float | None]]:
-        """The same while it is closed."""
+        """Return the pressure while the valve is closed, and the times of the next changes."""
         returns = self.position > 0.0
         course = Course.towards(self._target(), 1 / FILL_S, self._kpa)
         self._speed = -1 / RETRACT_S if returns and course.at(STEP_S) <= _RETURNS_KPA else 0.0
@@ -118,5 +119,5 @@ class Cylinder(SolvedDevice):
 
 
 def _a_step_before(seconds: float | None) -> float | None:
-    """None: it is so already, or never."""
+    """Return the time one step earlier; None if that is not in the future."""
     return seconds - STEP_S if seconds is not None and seconds > STEP_S else None

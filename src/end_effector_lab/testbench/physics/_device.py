@@ -1,4 +1,4 @@
-"""What every driven device of the bench has, and all devices of one tool in step."""
+"""Base classes of all driven devices, and the plant that advances all devices of one tool together."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from ._parts import STEP_US, Model, SolvedModel, Supply, Valve
 
 ACTUATOR, PRESSURE, LEAKS, PARTS, CHANGER = "actuator", "pressure", "leaks", "parts", "changer"
 STICKS = "sticks"
-"""What the faults of a scenario ask for: it holds something, has a pressure sensor, can leak, may have no part to
-grip, is a tool changer, has parts that may stick to it."""
+"""Traits that the faults of a scenario require: the device holds something, has a pressure sensor, can leak, can be
+without a part, is a tool changer, or its parts can stick.
+"""
 
 
 class Device(Model):
     """A model behind a valve that a line switches.
 
     Attributes:
-        traits: which faults it can have: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`, `STICKS`.
-        grips_bit, released_bit, empty_bit: which of its `bits` shows that it has done what an activation is for, what a
-            deactivation is for, or that it gripped nothing; empty: none does.
-        valve_us: the least and the longest dead time of its valve.
+        traits: traits that decide its possible faults: `ACTUATOR`, `PRESSURE`, `LEAKS`, `PARTS`, `CHANGER`, `STICKS`.
+        grips_bit, released_bit, empty_bit: names of its `bits` that show a completed activation, a completed
+        deactivation, or a grip without a part; empty: there is no such bit.
+        valve_us: the shortest and the longest dead time of its valve, µs.
     """
 
     traits: ClassVar[frozenset[str]] = frozenset({ACTUATOR})
@@ -37,71 +38,71 @@ class Device(Model):
 
     @classmethod
     def on_air(cls, valve: Valve, supply: Supply, start: int) -> Self:
-        """A new one behind this valve, on this air, from ``start`` (µs) on."""
+        """Return a new device behind this valve with this air supply, from ``start`` (µs) on."""
         return cls(valve, start=start)
 
     def command(self, active: bool, at: int) -> None:
         self.valve.command(active, at)
 
     def lose(self, at: int) -> None:
-        """Lose what is held, with the valve still energised: here, the air supply of this device fails."""
+        """Release the held part with the valve still energised: by default, the air supply of this device fails."""
         self.valve.command(False, at)
 
     def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
-        """Leak this much from now on, and more with each second of suction; only what `LEAKS` does."""
+        """Set the leak, l/min, and its growth per second of suction; only devices with the trait `LEAKS` can leak."""
         if litres_min or grows_l_min_s:
             raise ValueError(f"{type(self).__name__} has no leak")
 
     def meet(self, part: bool) -> None:
-        """Whether there is a part to grip from now on; only what has `PARTS` can do without."""
+        """Set whether there is a part to grip; only devices with the trait `PARTS` can be without one."""
         if not part:
             raise ValueError(f"{type(self).__name__} has no parts")
 
     def stick(self, sticks: bool) -> None:
-        """Whether the part stays on it when it is released, until it is blown off; only what `STICKS` does."""
+        """Set whether a released part sticks until it is blown off; only for devices with the trait `STICKS`."""
         if sticks:
             raise ValueError(f"nothing sticks to {type(self).__name__}")
 
     def blow(self, active: bool, at: int) -> None:
-        """Its blow-off valve is energised, or not any more; of most devices nothing hangs on it."""
+        """Switch the blow-off valve; most devices have none."""
 
     @property
     def draw_kpa(self) -> float:
-        """How far it pulls down the supply at this moment."""
+        """Present pressure drop of the supply due to this device, kPa."""
         return 0.0
 
     @abstractmethod
     def settle(self, active: bool) -> None:
-        """Take the state that it has after being active, or inactive, for a long time."""
+        """Set the state that the device has after being active, or inactive, for a long time."""
 
     @property
     @abstractmethod
     def pressure_kpa(self) -> float | None:
-        """Gauge pressure at its sensor (vacuum negative); ``None``: it has no pressure sensor."""
+        """Gauge pressure at its sensor, kPa (vacuum negative); None: it has no pressure sensor."""
 
     @property
     def grips(self) -> bool:
-        """Whether it has done what an activation is for; it decides what sensors show that only conditions know."""
+        """Whether the activation is complete; sensors that only conditions use show it."""
         return self.bits[self.grips_bit] if self.grips_bit else self.settled and self.valve.is_open
 
     @property
     def is_released(self) -> bool:
-        """Whether it has done what a deactivation is for."""
+        """Whether the deactivation is complete."""
         return self.bits[self.released_bit] if self.released_bit else self.settled and not self.valve.is_open
 
     @property
     def is_empty(self) -> bool:
-        """Whether it has gripped nothing."""
+        """Whether the device closed without a part."""
         return bool(self.empty_bit) and self.bits[self.empty_bit]
 
     @property
     @abstractmethod
     def bits(self) -> Mapping[str, bool]:
-        """Its switches, by what they mean: ``extended`` is shown on the channel that ``extended_bit`` names."""
+        """Its switches by meaning: ``extended`` is sent on the channel that ``extended_bit`` names."""
 
 
 class SolvedDevice(Device, SolvedModel):
-    """A device that is solved until something switches; see `SolvedModel`."""
+    """A device that is computed in closed form until the next switching; see `SolvedModel`."""
 
     def command(self, active: bool, at: int) -> None:
         super().command(active, at)
@@ -120,14 +121,14 @@ class SolvedDevice(Device, SolvedModel):
 
 
 class Plant(Model):
-    """Devices that feel each other by the pressure of their supply only.
+    """Devices that affect each other only by the pressure of their supply.
 
-    Those that are solved go from one switching to the next at once; while another one moves, all go in steps.
+    Solved devices jump from one switching to the next; while a stepping device moves, all advance in steps.
 
     Args:
-        supply: feeds them all.
-        devices: by name.
-        start: µs, the time of the initial state of all of them.
+        supply: the air supply of all devices.
+        devices: devices by name.
+        start: time of the initial state of all of them, µs.
     """
 
     def __init__(self, supply: Supply, devices: Mapping[str, Device], start: int = 0) -> None:
@@ -153,13 +154,13 @@ class Plant(Model):
 
     @property
     def quiet_before(self) -> int | None:
-        """µs at which something may switch if nobody does anything; None: nothing does."""
+        """Earliest time, µs, at which something may switch without a new command; None: nothing will."""
         if any(each.stale for each in self._models) or not all(each.settled for each in self._stepping):
             return self.now
         return min([each.due for each in self._models if each.due is not None], default=None)
 
     def ahead(self, at: int) -> Self:
-        """Another plant with the state of ``at`` (µs), before anything switches; raises ValueError: it may by then."""
+        """Return a copy in the state of ``at`` (µs); raises ValueError if something may switch by then."""
         to = self.now + (at - self.now) // STEP_US * STEP_US
         if (switches := self.quiet_before) is not None and switches <= to:
             raise ValueError(f"something switches at {switches} µs")
@@ -174,7 +175,7 @@ class Plant(Model):
         return other
 
     def _go(self, at: int) -> int:
-        """Go to ``at``, or as far as nothing switches; returns how far that was."""
+        """Advance to ``at``, or to the first switching; return the time reached."""
         moving = [device for device in self._stepping if not device.settled]
         if moving or self._stepped or any(model.stale for model in self._models):
             self._begin()
@@ -194,7 +195,7 @@ class Plant(Model):
         return to
 
     def _begin(self) -> None:
-        """Start devices with a new command, and those on the supply once it starts."""
+        """Start devices with a new command, and all devices on the supply if the supply starts."""
         for model in self._solved:
             if model.stale:
                 model.begin()

@@ -9,15 +9,15 @@ from ._device import ACTUATOR, PARTS, Device
 from ._parts import STEP_S, Valve
 
 TRAVEL_S = 0.3
-"""From open to closed on nothing; usual are 0.03 to 0.5 s."""
+"""Time from open to fully closed, s; 0.03 to 0.5 s are usual."""
 PART_AT = 0.6
-"""A part stops the fingers at this share of their way."""
+"""Share of the travel at which a part stops the fingers."""
 _SWITCH = 0.02  # an end switch is made over the last 2 % of the way
 _TRAVEL = STEP_S / TRAVEL_S
 
 
 class Fingers(Device):
-    """They close on the part that stands between them, and without one as far as they go.
+    """Fingers that close on the part between them, or fully if there is none.
 
     Args:
         valve: closes them when open.
@@ -55,7 +55,7 @@ class Fingers(Device):
         super().command(active, at)
 
     def lose(self, at: int) -> None:
-        """The part is pulled out, or breaks: the fingers close on nothing."""
+        """Remove the part, pulled out or broken: the fingers close fully."""
         self._lost = True
 
     def meet(self, part: bool) -> None:

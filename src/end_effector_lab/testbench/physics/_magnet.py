@@ -1,4 +1,4 @@
-"""A magnet that holds while it is driven, and for a while longer."""
+"""A magnet that holds while it is driven, and shortly afterwards."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ._device import ACTUATOR, PARTS, STICKS, Device
 from ._parts import STEP_S, Valve
 
 FIELD_S = 0.06
-"""Time constant of its field, with that of a part that keeps some of it for a while."""
+"""Time constant of its field, s; includes the residual field of the part."""
 _SHARE = 1.0 - math.exp(-STEP_S / FIELD_S)
 _HOLDS, _DROPS = 0.6, 0.1  # of its field: from here on it holds a part; less than this lets it fall
 _STILL = 1e-6
 
 
 class HoldingMagnet(Device):
-    """A part clings to it from most of its field on, and falls when little is left of it.
+    """A magnet that holds a part from 60 % of its field on, and drops it below 10 %.
 
-    One that sticks, by what is left of its field, falls when it is blown off.
+    A part that sticks because of residual magnetism drops when it is blown off.
 
     Args:
         valve: switches its current, or the air that moves its magnets.
@@ -58,7 +58,7 @@ class HoldingMagnet(Device):
         super().command(active, at)
 
     def lose(self, at: int) -> None:
-        """The part is torn off."""
+        """Tear off the part."""
         self._lost, self._holds = True, False
 
     def meet(self, part: bool) -> None:

@@ -1,4 +1,4 @@
-"""What the devices have in common: time on a grid of a millisecond, valve, sensor, air supply."""
+"""Common parts of the devices: time on a grid of one millisecond, valve, sensor, air supply."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ STEP_S = STEP_US / 1e6
 
 
 class Model(ABC):
-    """Something physical that goes on in time, in fixed steps from its start.
+    """A physical model that advances in fixed steps from its start.
 
-    The steps lie on one grid whatever the calls are, so a model asked every 7 ms and one asked once a second
-    tell the same story.
+    The steps lie on one grid, independent of the times of the calls, so a model that is sampled every 7 ms and one
+    that is sampled once a second have the same course.
 
     Args:
-        start: µs, the time of the initial state.
+        start: time of the initial state, µs.
     """
 
     def __init__(self, start: int = 0) -> None:
@@ -29,14 +29,14 @@ class Model(ABC):
     @property
     @abstractmethod
     def settled(self) -> bool:
-        """Whether a step would change nothing, so that any number of them can be left out."""
+        """Whether a step would change nothing, so that any number of steps can be skipped."""
 
     @abstractmethod
     def step(self) -> None:
-        """Go from ``now`` to one step later; ``now`` itself is moved by the caller."""
+        """Advance the state by one step from ``now``; the caller changes ``now``."""
 
     def advance(self, at: int) -> None:
-        """Go to the last grid point at or before ``at`` (µs); a time in the past changes nothing."""
+        """Advance to the last grid point at or before ``at`` (µs); a time in the past changes nothing."""
         steps = (at - self.now) // STEP_US
         while steps > 0:
             if self.settled:
@@ -48,34 +48,36 @@ class Model(ABC):
 
 
 class SolvedModel(Model):
-    """A model that is solved until something switches, so that it need not go there step by step.
+    """A model that is computed in closed form until the next switching, without steps.
 
-    What switches, switches at a point of the grid. Between two of them the state depends on the time since the
-    first alone, so that it is the same whatever the calls are.
+    All switchings happen at grid points. Between two of them the state depends only on the time since the first, so
+    that it is independent of the times of the calls.
     """
 
     def __init__(self, start: int = 0) -> None:
         super().__init__(start)
         self._begun = start
         self.due: int | None = None
-        """µs on the grid at which something switches by itself; None: nothing does."""
+        """Grid time of the next switching by itself, µs; None: there is none."""
         self.stale = True
-        """Something has changed: `begin` is to be called before time goes on."""
+        """Whether the state has changed, so that `begin` must be called before time advances."""
 
     @abstractmethod
     def solve(self) -> float | None:
-        """Solve it from the present state on; returns the seconds until something switches, None: nothing does."""
+        """Compute the course from the present state on; return the seconds until something switches, None: nothing
+        does.
+        """
 
     @abstractmethod
     def show(self, seconds: float) -> None:
-        """Have the state of so long after it was solved."""
+        """Set the state ``seconds`` after the last `solve`."""
 
     def switches_at(self) -> int | None:
-        """µs at which something switches that is known by its time; None: nothing does."""
+        """Return the known time of the next switching, µs; None: there is none."""
         return None
 
     def begin(self) -> None:
-        """Solve it from now on."""
+        """Compute the course from now on."""
         self._begun, self.stale = self.now, False
         in_s, at = self.solve(), self.switches_at()
         dues = [] if in_s is None else [self._begun + math.ceil(in_s / STEP_S) * STEP_US]
@@ -84,14 +86,14 @@ class SolvedModel(Model):
         self.due = max(min(dues), self._begun + STEP_US) if dues else None
 
     def go(self, to: int) -> None:
-        """Have the state of ``to`` (µs), a point of the grid that is not after `due`."""
+        """Set the state of ``to`` (µs), a grid point not after `due`."""
         self.now = to
         self.show((to - self._begun) / 1e6)
         if to == self.due:
             self.stale = True
 
     def ahead(self, to: int) -> Self:
-        """Another one with the state of ``to`` (µs), which is before anything switches; this one stays as it is."""
+        """Return a copy in the state of ``to`` (µs), which must be before any switching; this model is unchanged."""
         other = copy(self)
         vars(other).update(
             {name: copy(part) for name, part in vars(self).items() if isinstance(part, Sensor)}
@@ -100,7 +102,7 @@ class SolvedModel(Model):
         return other
 
     def step(self) -> None:
-        """A step is as long as any other time; ``now`` is moved by the caller."""
+        """Advance the state by one step; the caller changes ``now``."""
         if self.stale:
             self.begin()
         self.go(self.now + STEP_US)
@@ -115,21 +117,21 @@ class SolvedModel(Model):
 
 
 class Valve:
-    """A mono-stable valve with a dead time; a pulse shorter than that does not switch it.
+    """A mono-stable valve with a dead time; a shorter pulse does not switch it.
 
     Args:
-        delay_us: from the coil to the air. Vacuum valves 20 to 45 ms, cylinder valves 15 to 60 ms.
+        delay_us: time from the coil to the air, µs. Vacuum valves 20 to 45 ms, cylinder valves 15 to 60 ms.
     """
 
     def __init__(self, delay_us: int) -> None:
         self.delay_us = delay_us
         self.is_open = False
         self.switches_at: int | None = None
-        """µs at which it does; None: no switching is under way."""
+        """Time of the pending switching, µs; None: none is pending."""
 
     @property
     def settled(self) -> bool:
-        """No switching is under way."""
+        """True if no switching is pending."""
         return self.switches_at is None
 
     def command(self, opens: bool, at: int) -> None:
@@ -140,7 +142,7 @@ class Valve:
             self.switches_at = at + self.delay_us
 
     def advance(self, now: int) -> bool:
-        """Whether it is open at ``now`` (µs)."""
+        """Switch if it is due, and return whether the valve is open at ``now`` (µs)."""
         if self.switches_at is not None and now >= self.switches_at:
             self.is_open, self.switches_at = not self.is_open, None
         return self.is_open
@@ -150,21 +152,21 @@ CLOSE_KPA = 1e-6
 
 
 class Sensor:
-    """A first-order lag; ``kpa`` is what it shows."""
+    """A pressure sensor with a first-order lag; ``kpa`` is its reading."""
 
     LAG_S = 0.007
-    """5 to 10 ms for the usual transmitter."""
+    """Time constant, s; 5 to 10 ms for a usual transmitter."""
 
     def __init__(self) -> None:
         self.kpa = 0.0
 
     def shows(self, kpa: float) -> bool:
-        """Whether the lag is over."""
+        """Return whether the reading has reached the pressure."""
         return abs(kpa - self.kpa) < CLOSE_KPA
 
 
 class Supply(SolvedModel):
-    """A regulator that gives way a little under load.
+    """A regulator whose pressure drops a little under load.
 
     Args:
         regulated_kpa: gauge pressure without load.
@@ -180,7 +182,7 @@ class Supply(SolvedModel):
 
     @property
     def regulated_kpa(self) -> float:
-        """Gauge pressure without load."""
+        """Gauge pressure without load, kPa."""
         return self._regulated_kpa
 
     @regulated_kpa.setter
@@ -189,7 +191,7 @@ class Supply(SolvedModel):
 
     @property
     def draw_kpa(self) -> float:
-        """How far all devices together pull it down."""
+        """Pressure drop due to all devices together, kPa."""
         return self._draw_kpa
 
     @draw_kpa.setter
@@ -202,7 +204,7 @@ class Supply(SolvedModel):
 
     @property
     def course(self) -> Course:
-        """How it goes on from now."""
+        """The course of the pressure from now on."""
         return Course.towards(self._target(), 1 / self.LAG_S, self.kpa)
 
     def solve(self) -> None:

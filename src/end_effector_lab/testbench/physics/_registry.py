@@ -1,4 +1,4 @@
-"""The physics of the kinds by name: our own, and those that other distributions add by an entry point."""
+"""The physics of actuator kinds by name: our own, and those that other distributions add by an entry point."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ OWN = {
 
 
 def physics_of(kind: str) -> type[Device]:
-    """How a kind of actuator behaves.
+    """Return the physics of a kind of actuator.
 
     Raises:
-        UsageError: nobody has said that (with the kinds that can be simulated), or it cannot be loaded.
+        UsageError: the kind has no physics (the message lists those that have), or it cannot be loaded.
     """
     return _PHYSICS.get(kind)
 

@@ -13,7 +13,7 @@ _TRAVEL = STEP_S / 0.15  # from one end to the other
 
 
 class ToolChanger(Device):
-    """A piston between two switches; on its way neither is made.
+    """A piston between two switches; in between, both are off.
 
     Args:
         valve: unlocks when open.

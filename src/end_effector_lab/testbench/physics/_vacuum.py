@@ -1,4 +1,4 @@
-"""An ejector, a hose, a cup: first-order vacuum."""
+"""A vacuum circuit with an ejector, a hose and a cup: first-order vacuum."""
 
 from __future__ import annotations
 
@@ -24,19 +24,21 @@ _SUCTION = 67.0 / 60.0 / VOLUME_L / (ATMOSPHERE_KPA - _ULTIMATE_KPA)  # S0 / V, 
 _PER_L_MIN = ATMOSPHERE_KPA / LEAK_AT_KPA / 60.0 / VOLUME_L
 _STILL_KPA = 1e-7
 _GROWTH_S = 0.02
-"""A leak that grows is taken to be constant for so long."""
+"""Interval in which a growing leak is taken as constant, s."""
 PART_KPA, PART_HYSTERESIS_KPA, GONE_KPA = 55.0, 5.0, 10.0
-"""Its switches: on with a part, off again so far below, and on without vacuum."""
+"""Thresholds, kPa of vacuum: the part switch closes at the first and opens lower by the second; the gone switch closes
+below the third.
+"""
 
 
 class VacuumCircuit(SolvedDevice):
     """Volume, ejector and leak: ``dp/dt = (Q p_atm - S(p) p) / V``, p absolute.
 
-    ``S(p) = S0 (p - p_ult) / (p_atm - p_ult)``, ``Q = k (p_atm - p)``. It passes 55 kPa
-    after 0.33 s and 75 kPa after 0.95 s; with a leak of 4 l/min 55 kPa after 0.38 s and 75 kPa never; with
-    20 l/min it never reaches 55 kPa. When the valve closes, ambient air comes in by the ejector. A blow-off brings
-    compressed air in: gone is gone sooner, and while it blows the pressure is above ambient. A part that sticks
-    closes the circuit: its vacuum stays until it is blown off.
+    ``S(p) = S0 (p - p_ult) / (p_atm - p_ult)``, ``Q = k (p_atm - p)``. It passes 55 kPa after 0.33 s and 75 kPa after
+    0.95 s; with a leak of 4 l/min 55 kPa after 0.38 s and 75 kPa never; with 20 l/min it never reaches 55 kPa. When
+    the valve closes, ambient air enters through the ejector. A blow-off adds compressed air: the part is gone sooner,
+    and during the blow-off the pressure is above ambient. A part that sticks closes the circuit: its vacuum remains
+    until it is blown off.
 
     Args:
         valve: switches the ejector.
@@ -60,7 +62,7 @@ class VacuumCircuit(SolvedDevice):
 
     @property
     def depth_kpa(self) -> float:
-        """The vacuum itself, below ambient, without the sensor."""
+        """The real vacuum below ambient, kPa, without the lag of the sensor."""
         return ATMOSPHERE_KPA - self._absolute
 
     @property
@@ -95,7 +97,7 @@ class VacuumCircuit(SolvedDevice):
         self._sticks, self._stuck, self.stale = sticks, sticks and self.valve.is_open, True
 
     def lose(self, at: int) -> None:
-        """The part comes off the cup; the ejector goes on."""
+        """Take the part off the cup; the ejector stays on."""
         self._lost = self.stale = True
 
     def leak(self, litres_min: float, grows_l_min_s: float = 0.0) -> None:
@@ -135,9 +137,9 @@ class VacuumCircuit(SolvedDevice):
         self._switch = self.depth_kpa >= PART_KPA - (PART_HYSTERESIS_KPA if self._switch else 0.0)
 
     def _ahead(self, leak_l_min: float) -> Course | Suction:
-        """The absolute pressure from now on, with this leak.
+        """Return the absolute pressure from now on, with this leak.
 
-        As quick as in steps of a millisecond, with which its figures were fitted to a real circuit.
+        It is as fast as in steps of a millisecond, for which its figures were fitted to a real circuit.
         """
         leak = leak_l_min + (LOST_L_MIN if self._lost else 0.0)
         if not self.valve.is_open and not self._stuck:

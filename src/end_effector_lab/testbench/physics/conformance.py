@@ -1,5 +1,5 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What the physics of every kind must do; inherit `PhysicsConformance` in your tests (needs pytest).
+"""Tests that the physics of every kind must pass; inherit `PhysicsConformance` in your tests (needs pytest).
 
 class TestJawPhysics(PhysicsConformance):
     kind = Jaw()
@@ -26,7 +26,9 @@ SAMPLE_US = 20 * STEP_US
 
 
 class PhysicsConformance:
-    """Set ``kind``, ``physics``, and ``stanza``: the keys that the kind requires, with every channel named."""
+    """Tests of physics; set ``kind``, ``physics``, and ``stanza``: the keys that the kind requires, with all channels
+    named.
+    """
 
     kind: ClassVar[DeviceKind[Any]]
     physics: ClassVar[type[Device]]
@@ -40,7 +42,7 @@ class PhysicsConformance:
         return self.physics.on_air(Valve(max(self.physics.valve_us)), Air(), 0)
 
     def shown(self, device: Device) -> FixedReadings:
-        """What its sensors show."""
+        """Return the readings of the device's sensors."""
         part, values = self.part, {"supply": 600_000}
         seen: dict[str, Value] = {**values}
         for key in self.kind.channels:
@@ -53,7 +55,7 @@ class PhysicsConformance:
         return FixedReadings(seen)
 
     def judged(self, device: Device, detector: Any, seconds: float) -> list[Evidence]:
-        """The evidence of each sample in so many seconds."""
+        """Return the evidence of every sample in the next ``seconds``."""
         levels = []
         for at in range(device.now + SAMPLE_US, device.now + round(seconds * 1e6), SAMPLE_US):
             device.advance(at)

@@ -1,4 +1,4 @@
-"""The program: a testbench from a command line to a signal, what it is told meanwhile, and what it writes down."""
+"""The testbench program: runs from a command line to a signal, reads commands, and writes records."""
 
 from ._fault_server import FaultServer
 from ._places import lines_of, open_inputs, open_ports, open_sensors

@@ -1,4 +1,4 @@
-"""What a running testbench is told on standard input, and what it says on standard output."""
+"""Commands of a running testbench on standard input, and its messages on standard output."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from end_effector_hal.errors import UsageError
 
 
 class Voice:
-    """Says a line at a time, at once; when nobody reads any more it goes on in silence.
+    """Prints one line at a time without buffering; if nobody reads any more, it continues without output.
 
     Args:
-        as_json: each line is a JSON object.
+        as_json: print every line as a JSON object.
     """
 
     def __init__(self, *, as_json: bool = False) -> None:
         self._as_json = as_json
 
     def say(self, text: str, **fields: object) -> None:
-        """``text`` for people, ``fields`` for programs."""
+        """Print ``text`` for people, or ``fields`` as JSON for programs."""
         line = json_text(fields) if self._as_json else text
         self._write(line, 1)
 
     def refuse(self, text: str) -> None:
-        """To standard error (with JSON: ``{"refused": …}`` to standard output)."""
+        """Print a refusal to standard error (with JSON: ``{"refused": …}`` to standard output)."""
         if self._as_json:
             self._write(json_text({"refused": text}), 1)
         else:
@@ -46,11 +46,11 @@ class Voice:
 
 
 class Commands:
-    """Lines of text: ``scenario TEXT`` and ``quit``.
+    """Executes commands, one per line: ``scenario TEXT`` and ``quit``.
 
     Args:
-        voice: answers ``scenario: TEXT``, or refuses.
-        choose: takes the text of a scenario.
+        voice: prints ``scenario: TEXT``, or a refusal.
+        choose: called with the text of a scenario.
         end: ends the program.
     """
 
@@ -58,7 +58,7 @@ class Commands:
         self._voice, self._choose, self._end = voice, choose, end
 
     def obey(self, line: str) -> None:
-        """One command; an empty one does nothing."""
+        """Execute one command; an empty one does nothing."""
         word, _, rest = line.partition(" ")
         scenario = rest.strip()
         try:
@@ -74,7 +74,7 @@ class Commands:
 
 
 def lines_of(fd: int) -> Iterator[str]:
-    """The lines that come, until their end; the last may lack its end."""
+    """Yield lines until the end of input; the last may lack its newline."""
     data, rest = b"-", b""
     while data:
         try:

@@ -1,7 +1,7 @@
-"""The socket of a testbench: a page sees what is wrong, and chooses something else.
+"""The socket of a testbench: over it a page shows the present faults, and selects others.
 
-The bench never waits for it, and nothing that happens to the socket ends a testbench: without it there is a warning,
-and no page has a panel. The testbench alone judges a scenario; a request that comes too late changes nothing.
+The bench never waits for the socket, and no error of the socket ends a testbench: without it there is a warning, and
+no page has a panel. Only the testbench checks a scenario; a request that comes too late changes nothing.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ ALIVE_US = 400_000
 
 
 class FaultServer:
-    """Serves from `start` to `close`.
+    """Serves the socket from `start` to `close`.
 
     Args:
-        description: of the tool.
-        bench: which runs.
-        chosen: gets each scenario that was chosen here, in a thread of this server.
+        description: description of the tool.
+        bench: the running testbench.
+        chosen: called with every scenario that a page selects, in a thread of this server.
     """
 
     def __init__(self, description: Description, bench: Testbench, chosen: Callable[[str], None]) -> None:
@@ -44,7 +44,7 @@ class FaultServer:
         self._sent, self._sent_at = "", 0
 
     def start(self) -> None:
-        """Make the socket, mode 0660, of the group of the line arbiter's if that is there; raises nothing."""
+        """Create the socket, mode 0660, with the group of the line arbiter's socket if that exists; raises nothing."""
         tool = self._description
         try:
             faults = tuple(offered_faults(tool))
@@ -67,7 +67,7 @@ class FaultServer:
             _log.warning("no page can choose faults: %s", error)
 
     def close(self) -> None:
-        """End all connections, and remove the socket."""
+        """Close all connections, and remove the socket."""
         if self._server is not None:
             self._server.close()
 

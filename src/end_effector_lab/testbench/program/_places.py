@@ -1,4 +1,4 @@
-"""From the texts of a command line to lines and port."""
+"""Opens the inputs, sensors and ports that options of the command line name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from end_effector_lab.testbench.inputs import (
 )
 
 RPI3 = {TOOL_CHANGER: "GPIO19", "bottom": "GPIO16", "cylinder": "GPIO26", "top": "GPIO20"}
-"""Board pins 35 to 38 of a Raspberry Pi, by the channel that proves the actuator on the line."""
+"""Board pins 35 to 38 of a Raspberry Pi, by the channel that confirms the actuator on the line."""
 RPI3_PORT = "/dev/serial0"
 _CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3 or gpio-sim."
 
@@ -28,18 +28,18 @@ _CHOICES = "Expected: virtual:PATH, gpiod, gpiod:LINE=NAME,..., rpi3 or gpio-sim
 def open_inputs(
     text: str | None, description: Description, *, power_cycle: bool = False, scenario: str = "nominal"
 ) -> LineInputs:
-    """The lines that a text names; nothing is opened yet.
+    """Return the inputs for the lines that a text names; nothing is opened yet.
 
     Args:
-        text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``:
-            of other names; ``rpi3``; ``gpio-sim``: simulated ones of this machine's kernel;
-            None: the description's virtual chip.
-        description: whose lines are to be seen.
-        power_cycle: of a virtual chip.
-        scenario: what a virtual chip shows from its beginning.
+        text: ``virtual:PATH``; ``gpiod``: lines of the same names on this machine; ``gpiod:LINE=NAME,...``: lines of
+            other names; ``rpi3``; ``gpio-sim``: simulated lines of this machine's kernel; None: the description's
+            virtual chip.
+        description: description with the lines.
+        power_cycle: make a new virtual chip even if there is one.
+        scenario: scenario for the initial levels of a virtual chip.
 
     Raises:
-        UsageError: it, or the scenario, cannot be used with this description.
+        UsageError: the text or the scenario cannot be used with this description.
     """
     lines = lines_of(description)
     pulled = pulls_of(input_lines(description))
@@ -70,31 +70,31 @@ def open_inputs(
         return GpioSimInputs(lines)
     if text == "rpi3":
         return GpioInputs(_preset(description), text)
-    raise UsageError(f"lines cannot be seen at {text!r}.", todo=_CHOICES)
+    raise UsageError(f"lines cannot be read from {text!r}.", todo=_CHOICES)
 
 
 def open_sensors(text: str | None, description: Description) -> BoardSensors | None:
-    """What plays the inputs of the board, if the tool has any; nothing is opened yet.
+    """Return the simulated inputs of the board, or None if the tool has none; nothing is opened yet.
 
     Args:
-        text: of the lines, as for `open_inputs`.
-        description: whose inputs they are.
+        text: text of the lines, as for `open_inputs`.
+        description: description with the inputs.
 
     Raises:
-        UsageError: inputs cannot be played there.
+        UsageError: inputs cannot be simulated there.
     """
     if board_inputs(description) is None:
         return None
     kind, _, path = text.partition(":") if text else ("virtual", "", description.lines.path or "")
     if input_lines(description) and not (kind == "virtual" and path):
         raise UsageError(
-            f"digital inputs of the board cannot be played at {text!r}.", todo="Expected: virtual:PATH."
+            f"digital inputs of the board cannot be simulated at {text!r}.", todo="Expected: virtual:PATH."
         )
     if any(channel.analog for channel in description.channels.values()):
         folder = description.inputs.iio if description.inputs else Inputs().iio
         if Path(folder).is_relative_to("/sys"):
             raise UsageError(
-                "analog inputs cannot be played in the kernel's own folder.",
+                "analog inputs cannot be simulated in the kernel's own folder.",
                 where=description.where("inputs", "iio"),
                 todo="--prepare FOLDER writes a copy of the tool with a folder of its own.",
             )
@@ -102,18 +102,17 @@ def open_sensors(text: str | None, description: Description) -> BoardSensors | N
 
 
 def open_ports(text: str | None, description: Description, lines: str | None) -> dict[str, Port]:
-    """The ports that a text names, by the names of the links; nothing is opened yet.
+    """Return the ports that a text names, by the names of the links; nothing is opened yet.
 
     Args:
-        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; of several links
-            ``NAME=PORT,...``; None: a pty at each port of the description for virtual lines, ``/dev/serial0`` for
+        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; for several links
+            ``NAME=PORT,...``; None: a pty at every port of the description for virtual lines, ``/dev/serial0`` for
             ``rpi3``.
-        description: whose links they are.
+        description: description with the links.
         lines: the text of the lines.
 
     Raises:
-        UsageError: none is given and none is known, or a name is wrong.
-
+        UsageError: no port is given and no default exists, or a name is wrong.
     """
     links = description.links
     if not links and board_inputs(description):
@@ -149,7 +148,7 @@ def _port(text: str | None, description: Description, name: str, lines: str | No
         return SerialPort(RPI3_PORT, *settings)
     if lines is None or lines.startswith("virtual"):
         return PtyPort(link.port)
-    raise UsageError("the port to answer on is not known.", todo="Give --port PATH.")
+    raise UsageError("the testbench has no serial port.", todo="Give --port PATH.")
 
 
 def lines_of(description: Description) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a testbench writes down: events for benchmarks, and what was really there."""
+"""Files that a testbench writes: events for benchmarks, and the real sensor values."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from end_effector_hal.wires.lines import Edge
 
 
 class TextFile:
-    """A file that is written line by line, and reaches the disk so: a kill loses the last line at most.
+    """A text file that is flushed after every line: a kill loses at most the last line.
 
     Args:
-        path: an existing file is replaced.
+        path: path of the file; an existing file is replaced.
 
     Raises:
-        UsageError: it cannot be written.
+        UsageError: the file cannot be written.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -30,7 +30,7 @@ class TextFile:
             raise self._error(error) from error
 
     def write(self, line: str) -> None:
-        """A line; raises UsageError if the disk is full."""
+        """Write a line; raises UsageError if the disk is full."""
         try:
             self._file.write(line + "\n")
         except OSError as error:
@@ -47,10 +47,10 @@ class TextFile:
 
 
 class Events(TextFile):
-    """JSON lines: ``{"at", "seen", "line", "level"}`` an edge, ``{"at", "frame", "sent", "values"}`` a frame.
+    """JSON lines: ``{"at", "seen", "line", "level"}`` for an edge, ``{"at", "frame", "sent", "values"}`` for a frame.
 
-    ``at`` is monotonic µs: of an edge when its writer made it (``seen``: when the testbench had it), of a
-    frame its last byte.
+    ``at`` is monotonic µs: for an edge the time of its writer (``seen``: the time in the testbench), for a frame its
+    last byte.
     """
 
     def line(self, name: str, level: bool, at: int, seen: int) -> None:
@@ -64,7 +64,7 @@ class Events(TextFile):
 
 
 def edges_of(path: str | Path) -> list[Edge]:
-    """The edges in a file of `Events`."""
+    """Return the edges in a file of `Events`."""
     with Path(path).open(encoding="utf-8") as file:
         entries = [json.loads(line) for line in file if line.endswith("\n")]
     return [
@@ -73,7 +73,7 @@ def edges_of(path: str | Path) -> list[Edge]:
 
 
 class Record(TextFile):
-    """CSV of what every sensor really showed, frame by frame, also while the link was silent or disturbed.
+    """CSV of the real values of all sensors, frame by frame, including silent or disturbed links.
 
     ``time_s`` since the start, then a column per channel: gauge kPa, or 0 and 1; empty: marked as invalid.
     """

@@ -1,4 +1,4 @@
-"""The program: a testbench from its start to a signal."""
+"""Runs a testbench from its start to a signal."""
 
 from __future__ import annotations
 
@@ -42,13 +42,14 @@ def run_testbench(
     record: Path | None,
     for_pages: bool = False,
 ) -> None:
-    """Run a `Testbench` until SIGTERM, SIGINT, SIGHUP or the command ``quit``; in the main thread.
+    """Run a `Testbench` in the main thread until SIGTERM, SIGINT, SIGHUP or the command ``quit``.
 
-    Says ``ready: …`` when lines are seen and frames sent, and each edge if ``verbose``; reads commands from standard
-    input (`Commands`), and writes the files of `Events` and `Record`; ``for_pages``: has a `FaultServer`.
+    It prints ``ready: …`` when it reads lines and sends frames, and every edge if ``verbose``; it reads commands from
+    standard input (`Commands`), and writes the files of `Events` and `Record`; with ``for_pages`` it has a
+    `FaultServer`.
 
     Raises:
-        UsageError: something that was given cannot be used.
+        UsageError: an argument cannot be used.
         WireError: lines or port cannot be used, or have gone.
     """
     voice = Voice(as_json=as_json)
@@ -88,14 +89,14 @@ def run_testbench(
 
 
 def _listen(commands: Commands, mail: Mail) -> None:
-    """Have each line of standard input obeyed."""
+    """Execute every line of standard input as a command."""
     for line in lines_of(sys.stdin.fileno()) if sys.stdin is not None else ():
         mail.post(partial(commands.obey, line))
 
 
 @contextmanager
 def _signals(end: Callable[[], None]) -> Iterator[None]:
-    """Signals end the program, and a background job is not stopped because it reads its terminal."""
+    """Handle signals: they end the program, and a background job that reads its terminal is not stopped."""
 
     def handle(_number: int, _frame: FrameType | None) -> None:
         end()
@@ -110,12 +111,12 @@ def _signals(end: Callable[[], None]) -> Iterator[None]:
 
 
 class Mail(Watcher):
-    """What is told in the threads is done in the main one: a slow terminal or disk holds up no frame.
+    """Passes events from threads to the main thread, so that a slow terminal or disk delays no frame.
 
     Args:
-        voice: says each edge; None: it does not.
-        events: written on each edge and frame.
-        record: written on each frame.
+        voice: prints every edge; None: no edge is printed.
+        events: file for edges and frames.
+        record: file for frames.
     """
 
     def __init__(self, voice: Voice | None, events: Events | None, record: Record | None) -> None:
@@ -147,15 +148,15 @@ class Mail(Watcher):
         self.post(lambda: None)
 
     def post(self, task: Callable[[], None]) -> None:
-        """Have something done in the main thread."""
+        """Run a task in the main thread."""
         self._queue.put(task)
 
     def serve(self) -> None:
-        """Do what is posted, in its order, until the end."""
+        """Run posted tasks in order until the end."""
         while not self.ended:
             self._queue.get()()
 
     def deliver(self) -> None:
-        """Do what has been posted and is not done yet."""
+        """Run the posted tasks that are still pending."""
         while not self._queue.empty():
             self._queue.get()()

@@ -1,4 +1,4 @@
-"""The same tool without hardware: a copy of its description on virtual lines and a pty, for the testbench."""
+"""Makes the same tool without hardware: a copy of its description on virtual lines and a pty, for the testbench."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ NAME = "end_effector.yaml"
 
 
 def write_virtual_copy(description: Description, folder: Path) -> Path:
-    """Write the copy and make its virtual chip, both in ``folder``; there stand the port and the socket as well.
+    """Write the copy and make its virtual chip in ``folder``, which will also contain the port and the socket.
 
     Returns:
         The path of the copy.
 
     Raises:
-        UsageError: it cannot be written.
+        UsageError: the copy cannot be written.
     """
     folder = folder.absolute()
     with os_errors("Cannot be made", folder):
@@ -37,12 +37,12 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
 
 
 def write_description(description: Description, path: Path, what: str) -> None:
-    """Write a description that was made in this program; its automata stay where they are. Raises UsageError.
+    """Write a description that this program made; the path of its automata is kept. Raises UsageError.
 
     Args:
-        description: that is written.
-        path: of the file.
-        what: stands in its first line.
+        description: the description.
+        path: path of the file.
+        what: text for its first line.
     """
     content = description.model_dump(mode="json", by_alias=True, exclude_unset=True)
     content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}

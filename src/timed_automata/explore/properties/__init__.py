@@ -1,4 +1,4 @@
-"""The properties that are decided by searches: queries, worst cases, coverage, divergence of time."""
+"""Properties that searches decide: queries, worst cases, coverage, divergence of time."""
 
 from ._coverage_report import Coverage, CoverageReport, open_channels
 from ._extremes import FoundExtreme, extreme_clock, extreme_integer

@@ -1,4 +1,4 @@
-"""What of a model can happen: locations that are entered, edges that are taken; and what its constants switch off."""
+"""Finds the locations and edges of a model that are never used, and those that its constants switch off."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from timed_automata.network import Edge, Network, Process
 
 
 class CoverageReport(NamedTuple):
-    """What cannot happen, by template: no process of the template does it.
+    """Locations and edges that no process of a template ever uses.
 
     Attributes:
         locations: never entered, ``Template.location``.
         edges: never taken, ``file:line:column: Template a → b (guard, synchronisation)``.
-        disabled: edges that the constants switch off; they and the locations behind them are not in the others.
+        disabled: edges that the constants switch off; they and the locations behind them are not in the other lists.
     """
 
     locations: tuple[str, ...]
@@ -27,19 +27,19 @@ class CoverageReport(NamedTuple):
 
 
 class Coverage:
-    """What a search has met, part by part."""
+    """Collects the locations and edges that a search has reached, part by part."""
 
     def __init__(self) -> None:
         self._visited: set[tuple[int, ...]] = set()
         self._actions: set[Action] = set()
 
     def add(self, records: Iterable[StateRecord], arcs: Iterable[Taken]) -> None:
-        """Note states that were met, and the transitions that were taken from them."""
+        """Record the states that were reached, and the transitions that were taken from them."""
         self._visited |= {record.discrete.vector.locations for record in records if record.passed}
         self._actions |= {move.action for _, _, move in arcs}
 
     def report(self, network: Network) -> CoverageReport:
-        """Compare all of it with what the model has."""
+        """Compare the recorded states and transitions with the model."""
         fired = {id(edge.drawn) for action in self._actions for edge in action.edges}
         off = _statically_disabled(network)
         reached = {
@@ -72,18 +72,18 @@ def _labels(edge: DrawnEdge) -> str:
 
 
 def _drawn(network: Network) -> Iterator[tuple[Process, Edge]]:
-    """Each edge that was drawn, once."""
+    """Yield every drawn edge once."""
     for process in _one_of_each(network):
         yield from {id(edge.drawn): (process, edge) for edge in process.edges}.values()
 
 
 def _one_of_each(network: Network) -> Iterable[Process]:
-    """A process of each template."""
+    """Return one process for every template."""
     return {process.template: process for process in reversed(network.processes)}.values()
 
 
 def open_channels(network: Network) -> Iterator[str]:
-    """Channels with one end only, or with none."""
+    """Yield the channels without a sender or without a receiver, in words."""
     ends: dict[int, set[str]] = {number: set() for number in range(len(network.channels))}
     for process in network.processes:
         for edge in process.edges:
@@ -92,20 +92,22 @@ def open_channels(network: Network) -> Iterator[str]:
     for number, found in ends.items():
         if found != {"!", "?"}:
             missing = {frozenset("!"): "no edge receives on it", frozenset("?"): "no edge sends on it"}
-            yield f"{network.channels[number].name}: {missing.get(frozenset(found), 'nobody uses it')}"
+            yield f"{network.channels[number].name}: {missing.get(frozenset(found), 'no edge uses it')}"
 
 
 class _DisabledParts(NamedTuple):
-    """Edges by the ``id`` of what was drawn, which all processes of a template share; template and location."""
+    """Disabled edges by the ``id`` of the drawn edge, which all processes of a template share, and disabled locations
+    by template and number.
+    """
 
     edges: frozenset[int]
     locations: frozenset[tuple[str, int]]
 
 
 def _statically_disabled(network: Network) -> _DisabledParts:
-    """Edges whose guard the constants make false, and all that can only happen after such edges.
+    """Return the edges whose guard the constants make false, and all parts that are only reachable through such edges.
 
-    A guard that is false and names no constant is no switch: what lies behind it is expected to happen.
+    A false guard without a constant is not a switch: the parts behind it are expected to happen.
     """
     every = [edge for process in network.processes for edge in process.edges]
     possible = {id(edge.drawn) for edge in every if not edge.guard.never}
@@ -126,7 +128,9 @@ def _mentions(edge: Edge, names: Collection[str]) -> bool:
 
 
 def _dead(network: Network, off: frozenset[int]) -> _DisabledParts:
-    """What no process can do without the edges that are off, by the graphs of the processes and by who sends."""
+    """Return the parts that no process can use if the edges ``off`` are disabled, by the graphs and the channels'
+    senders.
+    """
     while True:
         reached = {process.index: set(_reached(process, off)) for process in network.processes}
         edges = [
@@ -149,7 +153,7 @@ def _dead(network: Network, off: frozenset[int]) -> _DisabledParts:
 
 
 def _reached(process: Process, off: frozenset[int]) -> Iterator[int]:
-    """Locations that are connected to the initial one."""
+    """Yield the locations that are connected to the initial one."""
     seen, waiting = {process.initial}, [process.initial]
     while waiting:
         at = waiting.pop()

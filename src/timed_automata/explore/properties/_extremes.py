@@ -1,4 +1,4 @@
-"""Suprema and infima: how large or small a clock or an integer gets where a condition holds."""
+"""Suprema and infima: the largest and smallest value of a clock or an integer where a condition holds."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOST_PARTS = 200  # of a run that are tried
 
 @dataclass(frozen=True, slots=True)
 class FoundExtreme:
-    """An extreme, where it is (None: nowhere), and the part of a zone there that shows it."""
+    """An extreme, the node where it occurs (None if it occurs nowhere), and the part of the zone that shows it."""
 
     extreme: Extreme
     search: Search
@@ -46,7 +46,7 @@ Read = Callable[[tuple[int, ...], tuple[int, ...]], int]
 def extreme_integer(
     discrete: DiscreteSpace, condition: Formula, read: Read, *, upper: bool, progress: Progress | None = None
 ) -> FoundExtreme:
-    """The extreme of an integer expression.
+    """Find the extreme of an integer expression.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.
@@ -67,7 +67,8 @@ def extreme_integer(
 def extreme_clock(
     discrete: DiscreteSpace, condition: Formula, clock: int, *, upper: bool, progress: Progress | None = None
 ) -> FoundExtreme:
-    """The extreme of a clock. Zones are exact up to its limits, which are doubled until the extreme lies below.
+    """Find the extreme of a clock. Zones are exact up to the clock's limits, which are doubled until the extreme lies
+    below.
 
     Raises:
         OutOfRangeError: a value leaves its range on the way.
@@ -95,7 +96,7 @@ class _Attempt:
     limit: int
 
     def run(self) -> FoundExtreme | None:
-        """The extreme; None if it lies beyond the limit."""
+        """Return the extreme, or None if it lies beyond the limit."""
         best, where = -INFINITY, None
         for node in self.search.nodes():
             bound = self._bound(node)
@@ -114,7 +115,7 @@ class _Attempt:
         return FoundExtreme(Extreme(value, attained), self.search, where, self._ending(value, attained))
 
     def _bound(self, node: SearchNode) -> int:
-        """The bound of the clock, upper or negated lower; the larger the more extreme."""
+        """Return the bound of the clock, upper or negated lower; a larger bound is more extreme."""
         record, n = node.record, node.record.n
         index, best = record.form.index[self.clock], -INFINITY
         for constraints, _ in self.cases.of(record):
@@ -124,13 +125,13 @@ class _Attempt:
         return best
 
     def _endless(self, node: SearchNode) -> bool:
-        """Whether time can pass without end where the condition holds."""
+        """Return whether time can pass without end where the condition holds."""
         if not node.record.discrete.endless:
             return False
         return any(all(j for _, j, _ in constraints) for constraints, _ in self.cases.of(node.record))
 
     def _ending(self, value: int, attained: bool) -> Ending:
-        """The extreme itself, or close to it."""
+        """Return an ending that requires the extreme itself, or a value within one unit of it."""
         if self.upper:
             bound = at_most(-value) if attained else below(1 - value)
         else:
@@ -148,16 +149,17 @@ class _Attempt:
         return ending
 
     def unbounded(self, node: SearchNode | None) -> FoundExtreme:
-        """No supremum."""
+        """Return the result that there is no supremum."""
         return FoundExtreme(Extreme(None, attained=False), self.search, node, self.cases.part)
 
 
 def _grows(search: Search, node: SearchNode, clock: int, cases: ZoneCondition) -> bool:
-    """Whether the run to a state shows that the clock has no supremum where the condition holds.
+    """Return whether the run to a state shows that the clock has no supremum where the condition holds.
 
-    On the run, since the clock was last set, a discrete state comes again, and from the valuations in which the clock
-    is past every upper limit all of these are reached again with the clock larger by 1: repeated any number of
-    times, the rest of the run still follows, as nothing asks for an upper bound of the clock any more.
+    The run must repeat a discrete state since the clock was last set. From the valuations in which the clock is past
+    every upper limit, the repetition must reach all of these again with the clock larger by at least 1. Then it can be
+    repeated any number of times, and the rest of the run still follows, because no later constraint has an upper bound
+    on the clock.
     """
     run = _since_set(node, clock)
     upper = max(at.record.form.limits[clock].upper for at in run)
@@ -184,7 +186,7 @@ def _since_set(node: SearchNode, clock: int) -> list[SearchNode]:
 
 
 def _parts(run: list[SearchNode]) -> Iterator[tuple[SearchNode, SearchNode]]:
-    """Pairs with the same discrete state, the shortest parts last in the run first."""
+    """Yield pairs of nodes with the same discrete state: short distances first, and among these the latest first."""
     for length in range(1, len(run)):
         for at in range(len(run) - 1, length - 1, -1):
             if run[at].record is run[at - length].record:
@@ -192,7 +194,7 @@ def _parts(run: list[SearchNode]) -> Iterator[tuple[SearchNode, SearchNode]]:
 
 
 def _follow(space: SymbolicSpace, zone: Zone, run: list[SearchNode]) -> Zone | None:
-    """What becomes of a zone of the first state along the moves of a run."""
+    """Return the zone that results from a zone of the first state after the moves of a run."""
     after: Zone | None = zone
     record = space.record(run[0].record.discrete)
     for node in run[1:]:
@@ -203,7 +205,7 @@ def _follow(space: SymbolicSpace, zone: Zone, run: list[SearchNode]) -> Zone | N
 
 
 def _larger(zone: Zone, later: Zone, index: int, n: int) -> bool:
-    """Whether ``later`` holds all of ``zone`` with the clock at ``index`` larger by some k of at least 1."""
+    """Return whether ``later`` contains all of ``zone`` with the clock at ``index`` larger by some k of at least 1."""
     row = range(index * n, index * n + n)
     gains = [(later[at] - zone[at]) >> 1 for at in row if at - index * n != index and zone[at] != INFINITY]
     k = min(gains, default=0)

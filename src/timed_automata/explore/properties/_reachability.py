@@ -1,4 +1,4 @@
-"""What one search looks for: the answers to A[] and E<>, and states in which time stands still."""
+"""The targets of one search: states that answer A[] and E<>, and states in which time cannot pass."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from timed_automata.queries import Query, compile_formula, mentions_deadlock
 
 @dataclass(slots=True, eq=False)
 class Reachability:
-    """Something that is looked for, and waits for its answer.
+    """A target that a search looks for, and its answer.
 
     Attributes:
-        query: as asked.
-        part: the part of a zone in which it is there.
-        remark: how a run there ends.
-        invariance: whether it must not be there.
-        about_deadlock: whether it asks for deadlocks.
-        limits: that the zones must keep.
-        verdict: None: not answered yet.
-        doubts: deadlocks that were found in widened zones and are none.
+        query: the text of the query.
+        part: returns the part of a zone that is a target.
+        remark: description of the end of a run to the target.
+        invariance: whether the target must not be reachable.
+        about_deadlock: whether the target is about deadlocks.
+        limits: limits of clocks that the zones must keep.
+        verdict: the answer; None if there is none yet.
+        doubts: number of deadlocks that were found in widened zones and proved unreal.
     """
 
     query: str
@@ -47,13 +47,13 @@ class Reachability:
     doubts: int = 0
 
     def decide(self, search: Search, node: SearchNode | None) -> None:
-        """Found, or not found anywhere."""
+        """Set the verdict: the target was found at ``node``, or is not reachable (None)."""
         trace = None if node is None else concrete(search.space, node.legs, self.part, self.remark)
         self.verdict = Verdict(self.query, (node is None) == self.invariance, search.states, trace)
 
 
 def reachability(network: Network, query: Query) -> Reachability:
-    """What a query of the kind A[] or E<> looks for: p of ``E<> p``, the contrary of p of ``A[] p``."""
+    """Return the target of a query A[] or E<>: p for ``E<> p``, the negation of p for ``A[] p``."""
     assert query.condition is not None
     invariance = query.kind == "A[]"
     wanted = compile_formula(network, query.condition, negated=invariance)
@@ -63,7 +63,7 @@ def reachability(network: Network, query: Query) -> Reachability:
 
 
 def timelock() -> Reachability:
-    """A deadlock in which time cannot go on either, which must not be there."""
+    """Return the target of a deadlock in which time cannot go on either; it must not be reachable."""
     deadlocks = Deadlocks()
 
     def part(record: StateRecord, zone: Zone) -> Zone | None:
@@ -76,11 +76,11 @@ def timelock() -> Reachability:
 
 
 def answer(search: Search, asked: list[Reachability], *, trusted: bool) -> None:
-    """Search until all are answered.
+    """Search until all targets have a verdict.
 
-    Zones widened by ExtraLU+ hold valuations that only behave like others as far as transitions go: a deadlock that
-    is found in one counts if the exact zone of the run has it too. What is left in doubt waits for ExtraM+, which
-    tells deadlocked valuations from others (``trusted``).
+    Zones widened by ExtraLU+ contain valuations that are equivalent only in their transitions: a deadlock found in one
+    counts only if the exact zone of the run has it too. Doubtful cases are left to a search with ExtraM+, which
+    separates deadlocked valuations from others (``trusted``).
     """
     open_ = list(asked)
     for node in search.nodes():

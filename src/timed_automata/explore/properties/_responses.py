@@ -1,4 +1,4 @@
-"""Responses, in an exploration of everything: bounded ones, and ``p --> q``."""
+"""Judges responses during an exploration of all states: bounded ones, and ``p --> q``."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ from timed_automata.queries import (
 
 
 class BoundedResponse:
-    """``A[] p imply x <= c``, p never lasts longer than c since x was set, and the largest x that was seen.
+    """The query ``A[] p imply x <= c``: p never lasts longer than c since x was set. Also keeps the largest x seen.
 
     Attributes:
         clock: its number.
         most: the bound, a constant.
-        premise: where the bound must hold.
-        limits: that the zones must keep.
+        premise: the condition under which the bound must hold.
+        limits: limits of clocks that the zones must keep.
     """
 
     def __init__(self, premise: Formula, clock: int, most: int, *, strict: bool) -> None:
@@ -58,7 +58,7 @@ class BoundedResponse:
         self._largest = -INFINITY
 
     def add(self, node: SearchNode) -> None:
-        """Take a symbolic state into account."""
+        """Include a symbolic state in the result."""
         record, n = node.record, node.record.n
         at = record.form.index[self.clock] * n
         for constraints, _ in self._cases.of(record):
@@ -67,34 +67,34 @@ class BoundedResponse:
                 self._largest = part[at]
 
     def forget(self) -> None:
-        """Drop the states that were seen; the results stay."""
+        """Drop the cached data of the states seen; the results stay."""
         self._cases.forget()
 
     @property
     def holds(self) -> bool:
-        """Whether it held in all states seen."""
+        """Whether the bound held in all states seen."""
         return self._largest <= self._bound
 
     @property
     def met(self) -> bool:
-        """Whether the premise held in any."""
+        """Whether the premise held in any state seen."""
         return self._largest != -INFINITY
 
     @property
     def longest(self) -> Extreme | None:
-        """The supremum, None if it lies beyond the bound."""
+        """The supremum of the clock, or None if it lies beyond the bound."""
         if not self.met:
             return Extreme(None, attained=True)
         return Extreme(self._largest >> 1, bool(self._largest & 1)) if self.holds else None
 
     @property
     def at_least(self) -> int:
-        """What the clock exceeds, or reaches: up to the bound it is known exactly. -1: the premise held nowhere."""
+        """A value that the clock reaches or exceeds, exact up to the bound; -1 if the premise held nowhere."""
         return min(self._largest >> 1, self.most) if self.met else -1
 
 
 def bounded(network: Network, query: Query) -> BoundedResponse | None:
-    """A query as a bounded response; None if it is something else.
+    """Return a query as a bounded response, or None if it is something else.
 
     Raises:
         ModelError: the query is not well-formed.
@@ -117,7 +117,7 @@ def bounded(network: Network, query: Query) -> BoundedResponse | None:
 
 
 def relaxed(query: Query, most: int) -> Query:
-    """A bounded response with another bound."""
+    """Return a bounded response with another bound."""
     match query.condition:
         case ast.Binary(op="imply", right=ast.Binary() as bound):
             wider = replace(bound, op="<=", right=ast.Number(bound.right.span, most))
@@ -132,10 +132,10 @@ def _is_constant(network: Network, node: ast.Expression) -> bool:
 
 
 class LeadsTo:
-    """``p --> q``, where only what follows the states of p is looked at.
+    """The query ``p --> q``, decided from the states of p and those that follow them.
 
     Attributes:
-        limits: that the zones must keep.
+        limits: limits of clocks that the zones must keep.
         premise: p.
         met: whether p held anywhere.
         holds: whether q follows.
@@ -156,13 +156,14 @@ class LeadsTo:
         self.met, self.holds = False, True
 
     def add(self, node: SearchNode) -> None:
-        """Note a symbolic state in which p may hold."""
+        """Add a symbolic state in which p may hold."""
         self._nodes.append(node)
 
     def judge(self, space: SymbolicSpace, progress: Progress | None = None) -> None:
-        """Look at what follows the states noted since the last time, and forget them.
+        """Search the successors of the states added since the last call, then drop these states.
 
-        Zones are too large here, never too small: that q follows is true, that it does not may be wrong.
+        Zones may be too large, never too small: a result that q follows is certain, a result that it does not may be
+        wrong.
         """
         starts = [
             Start(space.record(node.record.discrete), tuple(stay.zone), ())

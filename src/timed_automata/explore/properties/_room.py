@@ -1,4 +1,6 @@
-"""Whether what is executed has room for a late reaction: its time-outs are due long enough before an invariant ends."""
+"""Checks that executed templates have room for a late reaction: time-outs are due early enough before an invariant
+ends.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from timed_automata.network import Edge, Network, Process
 
 @dataclass(frozen=True, slots=True)
 class ReactionBound:
-    """Who reacts, and how late.
+    """The executed templates, and their longest lateness.
 
     Attributes:
         executed: names of the templates that a program executes.
@@ -24,9 +26,11 @@ class ReactionBound:
 
 
 class Room:
-    """The time-outs that a search has met: a location with an invariant ``c <= b`` needs an edge of its own, without a
-    receiving synchronisation, that is enabled from ``c >= b - room`` on: with less room the bound cannot be kept, with
-    more a later reaction goes unnoticed."""
+    """Checks the time-outs of the locations that a search reaches.
+
+    A location with an invariant ``c <= b`` needs an edge without a receiving synchronisation that is enabled from ``c
+    >= b - room`` on: with less room a late program violates the bound, with more room a later reaction goes unnoticed.
+    """
 
     def __init__(self, network: Network, reaction: ReactionBound) -> None:
         self._room = reaction.room
@@ -49,7 +53,7 @@ class Room:
         return [edge for edge in process.edges if edge.source == location and edge.direction != "?"]
 
     def add(self, record: StateRecord) -> None:
-        """Note a state that was met; one in which time stands still asks for nothing."""
+        """Check a state that was reached; a state in which time cannot pass has no requirement."""
         if not record.discrete.delays:
             return
         state = record.discrete.state
@@ -72,12 +76,12 @@ class Room:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Locations that leave more or less, in words."""
+        """Locations that leave more or less room than required, in words."""
         return tuple(self._found)
 
 
 def _first(edge: Edge, clock: int, values: tuple[int, ...]) -> int:
-    """When the edge is enabled, on this clock."""
+    """Return the value of the clock from which the edge is enabled."""
     bounds = [each.at(values) for each in edge.guard.clocks]
     lower = [b.value + (b.op == ">") for b in bounds if b.clock == clock and b.op in (">", ">=", "==")]
     return max(lower, default=0)

@@ -1,4 +1,4 @@
-"""What a check says."""
+"""The results of a check: a verdict, and extremes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ class Extreme:
     """The supremum or infimum of a clock or an integer.
 
     Attributes:
-        value: in the model's unit of time, or the integer; None where there is none.
-        attained: whether it is reached, or only approached; without a value: False means that there is no bound,
-            True that the condition holds nowhere.
+        value: the extreme, for a clock in the model's unit of time; None if there is none.
+        attained: whether the value is reached, or only approached; without a value, False means that there is no
+            bound, True that the condition holds nowhere.
     """
 
     value: int | None
@@ -31,11 +31,11 @@ class Verdict:
     """The answer to a query.
 
     Attributes:
-        query: as asked, on one line.
-        holds: whether the property holds; for ``sup`` and ``inf``: whether there is a value for each.
-        states: symbolic states that were stored.
+        query: the query, on one line.
+        holds: whether the property holds; for ``sup`` and ``inf``: whether all targets have a value.
+        states: number of symbolic states that were stored.
         trace: the shortest run found that refutes (``A…``, ``-->``) or shows (``E…``, ``sup``, ``inf``) it.
-        extremes: one per clock or expression of ``sup`` and ``inf``.
+        extremes: one value per clock or expression of ``sup`` and ``inf``.
     """
 
     query: str

@@ -1,13 +1,15 @@
-"""Cycles on which no time needs to pass.
+"""Finds cycles on which no time needs to pass.
 
 An infinite run in finite time takes some transitions infinitely often. From some point on less than one unit of time
 is left, so no clock can both be set to 0 and be tested for at least 1 again and again (Tripakis, *Verifying Progress
-in Timed Systems*, 1999, strong non-Zenoness; here on the discrete states that are reached, so that counters and
-levels count too). If no set of transitions with that property contains a cycle, time diverges in every infinite run.
+in Timed Systems*, 1999, strong non-Zenoness; applied here to the discrete states that are reached, so that counters
+and levels count too). If no set of transitions with that property contains a cycle, time diverges in every infinite
+run.
 
-For each clock a cycle leaves out all its tests or all its settings to 0. A transition that is on a cycle neither
-without the tests nor without the settings of one clock is on no such cycle: to leave those out, clock by clock, takes
-two searches for components for each clock. Only what this cannot thin out is divided into the two cases.
+For every clock, a cycle that needs no time omits either all tests of the clock or all its settings to 0. A transition
+that is neither on a cycle without the tests nor on one without the settings of some clock can be removed. This takes
+two searches for strongly connected components per clock. Only a component from which nothing can be removed is split
+into the two cases.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ Taken = tuple[StateRecord, StateRecord, Move]  # from, to, by
 
 
 def taken(records: Iterable[StateRecord]) -> Iterator[Taken]:
-    """The transitions that a search has taken."""
+    """Yield the transitions that a search has taken."""
     for record in records:
         zones = [node.zone for node in record.passed]
         for plan, target, move in record.steps if zones else ():
@@ -43,7 +45,7 @@ def taken(records: Iterable[StateRecord]) -> Iterator[Taken]:
 
 
 def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:
-    """A run to a cycle on which no time needs to pass, and once round, after a whole search."""
+    """Return a run to a cycle on which no time needs to pass, and once round it; needs a completed search."""
     cycle = zeno_cycle(arcs)
     if cycle is None:
         return None
@@ -59,7 +61,7 @@ def zeno_run(search: Search, arcs: list[Taken]) -> Trace | None:
 
 
 class Arc(NamedTuple):
-    """A transition that was taken: clocks tested for at least 1, clocks set to 0, clocks set to something else."""
+    """A transition that was taken, with the clocks tested for at least 1, set to 0, and set to other values."""
 
     source: StateRecord
     target: StateRecord
@@ -72,7 +74,9 @@ class Arc(NamedTuple):
 def _marks(
     action: Action, invariant: tuple[Bound, ...]
 ) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
-    """Of an action that leads to where an invariant holds: its lower bounds test what is not set on the way."""
+    """Return the clocks tested, set to 0 and set otherwise by an action; the target's invariant also tests unset
+    clocks.
+    """
     kept = (bound for bound in invariant if bound.clock not in action.resets)
     tested = frozenset(
         clock for clock, op, value in (*action.guard, *kept) if op in (">=", ">", "==") and value >= 1
@@ -82,7 +86,7 @@ def _marks(
 
 
 def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
-    """A cycle on which no time needs to pass, the shortest of its kind through one state; None if there is none."""
+    """Return a shortest cycle through one state on which no time needs to pass, or None if there is none."""
     kinds = [(move.action, target.form.entry) for _, target, move in taken]
     marks = {kind: _marks(*kind) for kind in set(kinds)}
     blind = frozenset[int]().union(*(free for _, _, free in marks.values()))
@@ -104,20 +108,20 @@ def zeno_cycle(taken: Sequence[Taken]) -> list[Arc] | None:
 
 
 def _opposed(arcs: list[Arc]) -> frozenset[int]:
-    """The clocks that are both tested and set to 0; one that is set to something else says nothing."""
+    """Return the clocks that are both tested and set to 0; a clock that is set to other values proves nothing."""
     tested = frozenset[int]().union(*(arc.tested for arc in arcs))
     zeroed = frozenset[int]().union(*(arc.zeroed for arc in arcs))
     return (tested & zeroed) - frozenset[int]().union(*(arc.set for arc in arcs))
 
 
 def _cases(arcs: list[Arc], clock: int) -> tuple[list[Arc], list[Arc]]:
-    """Without the tests of a clock, and without its settings to 0."""
+    """Return the arcs without tests of a clock, and the arcs without its settings to 0."""
     untested = [arc for arc in arcs if clock not in arc.tested]
     return untested, [arc for arc in arcs if clock not in arc.zeroed]
 
 
 def _thinned(arcs: list[Arc], clock: int) -> list[Arc]:
-    """The arcs that are on a cycle without the tests of a clock, or on one without its settings to 0."""
+    """Return the arcs that are on a cycle without tests of a clock, or on one without its settings to 0."""
     untested, unset = map(_numbered, _cases(arcs, clock))
     return [
         arc
@@ -128,7 +132,7 @@ def _thinned(arcs: list[Arc], clock: int) -> list[Arc]:
 
 
 def _numbered(arcs: list[Arc]) -> Mapping[StateRecord, int | None]:
-    """The component of each state that is on a cycle, as a number; None: it is on none."""
+    """Return the number of the component of every state on a cycle; None for a state on no cycle."""
     graph: dict[StateRecord, list[StateRecord]] = {one.target: [] for one in arcs}
     for one in arcs:
         following = graph.get(one.source)
@@ -144,7 +148,7 @@ def _numbered(arcs: list[Arc]) -> Mapping[StateRecord, int | None]:
 
 
 def _round(taken: list[Taken]) -> list[Taken]:
-    """Without what leads nowhere, again and again: what is left of most networks is little, or nothing."""
+    """Repeatedly remove transitions that cannot be on a cycle; in most networks few or none remain."""
     while True:
         sources = {source for source, _, _ in taken}
         left = [one for one in taken if one[1] in sources]
@@ -156,7 +160,7 @@ def _round(taken: list[Taken]) -> list[Taken]:
 
 
 def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
-    """The arcs inside each strongly connected component."""
+    """Return the arcs inside every strongly connected component."""
     number = _numbered(arcs)
     parts: dict[int, list[Arc]] = {}
     for one in arcs:
@@ -167,7 +171,7 @@ def _strong(arcs: list[Arc]) -> Iterable[list[Arc]]:
 
 
 def _cycle(arcs: list[Arc]) -> list[Arc]:
-    """A shortest cycle through the source of the first arc; all arcs belong to one component."""
+    """Return a shortest cycle through the source of the first arc; all arcs belong to one component."""
     following: dict[StateRecord, list[tuple[Arc, StateRecord]]] = {}
     for one in arcs:
         following.setdefault(one.source, []).append((one, one.target))

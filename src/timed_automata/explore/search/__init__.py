@@ -1,4 +1,4 @@
-"""Searches over symbolic states: reachability, deadlocks, lassos, and concrete runs of what is found."""
+"""Searches over symbolic states: reachability, deadlocks, lassos, and concrete runs for their results."""
 
 from ._concrete import Ending, Leg, NoRunError, Timing, anywhere, concrete
 from ._conditions import Only, Within, ZoneCondition

@@ -1,4 +1,4 @@
-"""From a symbolic run to a concrete one with absolute times."""
+"""Converts a symbolic run to a concrete one with absolute times."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ Ending = Callable[[StateRecord, Zone], Zone | None]
 
 
 def anywhere(_: StateRecord, zone: Zone) -> Zone | None:
-    """An ending that is satisfied by all of a zone."""
+    """Accept the whole zone as the ending of a run."""
     return zone
 
 
 class NoRunError(Exception):
-    """The legs are not those of a run."""
+    """The legs do not form a run."""
 
 
 class Leg(NamedTuple):
-    """A part of a run: a move (None: none, from here on another rule holds for delays), then a delay."""
+    """A part of a run: a move, then a delay; without a move (None), another rule for delays holds from here on."""
 
     move: Move | None
     grow: Grow = freely
 
 
 class _Visit(NamedTuple):
-    """A leg among exact zones: the record, where it is entered, what a delay makes of that."""
+    """A leg among exact zones: the record, the zone at entry, and the zone after a delay."""
 
     record: StateRecord
     entry: Zone | None  # None: anywhere
@@ -44,20 +44,20 @@ class _Visit(NamedTuple):
 def concrete(
     space: SymbolicSpace, legs: Sequence[Leg], ending: Ending, remark: str, *, loop: int | None = None
 ) -> Trace:
-    """The earliest run along the legs that then satisfies ``ending`` (the part of a zone that does).
+    """Return the earliest run along the legs whose end satisfies ``ending``.
 
     Args:
-        space: in which the run was found.
+        space: the space in which the run was found.
         legs: the first one has no move and starts in the initial state.
-        ending: of the last leg.
-        remark: how it ends.
+        ending: returns the part of the last zone that satisfies the condition.
+        remark: description of the end of the run.
         loop: number of the move to which the run returns.
 
     Raises:
         NoRunError: there is none; never for legs that a search has found.
 
-    A run that is found among widened zones exists as it is (what is added to a zone is simulated by what was in
-    it), so the zones along it are computed once more, without widening.
+    A run found among widened zones is real (every valuation that widening adds is simulated by an original one), so
+    the zones along it are computed once more without widening.
     """
     exact = SymbolicSpace(space.discrete, space.limits, delays=False, widens=False)
     record, zone = exact.initial()
@@ -98,7 +98,9 @@ def _require(timing: Timing, record: StateRecord, zone: Zone | None) -> None:
 def _follow(
     space: SymbolicSpace, record: StateRecord, zone: Zone, legs: list[Leg], ending: Ending
 ) -> list[_Visit] | None:
-    """The exact zones of a run; where a condition leaves several ways to stay, the first that leads to the end."""
+    """Return the exact zones of a run; where a condition leaves several ways to stay, the first that leads
+    to the end.
+    """
     pending: list[tuple[list[_Visit], StateRecord, Zone]] = [([], record, zone)]
     while pending:
         visits, record, zone = pending.pop()
@@ -123,11 +125,10 @@ def _follow(
 
 @dataclass(slots=True)
 class Timing:
-    """When the transitions of a symbolic run can happen: a system of differences, solved for the earliest times.
+    """The times of the transitions of a symbolic run: a system of differences, solved for the earliest times.
 
-    Instants of a run, each not before the one before it; the first is 0, when all clocks are zero.
-
-    A clock is an instant and what it was set to then: its value at another instant is the difference of the two.
+    The unknowns are the instants of the run in order; the first is 0, when all clocks are zero. A clock is stored as
+    an instant and the value set then: its value at another instant is that value plus the difference of the instants.
     """
 
     _set: dict[int, tuple[int, int]] = field(default_factory=dict)
@@ -135,14 +136,14 @@ class Timing:
     now: int = 0
 
     def advance(self, *, delays: bool) -> None:
-        """The next instant; the same time as the last one unless time may pass."""
+        """Start the next instant, at the same time as the last one unless time may pass."""
         self.now += 1
         self._bounds.append((self.now - 1, self.now, AT_MOST_ZERO))
         if not delays:
             self._bounds.append((self.now, self.now - 1, AT_MOST_ZERO))
 
     def require(self, bounds: Iterable[Bound]) -> None:
-        """Clock constraints that hold now."""
+        """Add clock constraints that hold now."""
         for clock, op, value in bounds:
             if op in ("<", "<=", "=="):
                 self.require_difference(clock, 0, below(value) if op == "<" else at_most(value))
@@ -150,7 +151,7 @@ class Timing:
                 self.require_difference(0, clock, below(-value) if op == ">" else at_most(-value))
 
     def require_difference(self, left: int, right: int, bound: int) -> None:
-        """A bound on the difference of two clocks now; 0 is the clock that is always zero."""
+        """Add a bound on the present difference of two clocks; 0 is the clock that is always zero."""
         if bound == INFINITY:
             return
         since_left, value_left = self._set.get(left, (0, 0)) if left else (self.now, 0)
@@ -159,14 +160,14 @@ class Timing:
         self._bounds.append((since_right, since_left, bound + 2 * (value_right - value_left)))
 
     def set(self, clock: int, value: int) -> None:
-        """A clock gets a value now."""
+        """Set a clock to a value now."""
         self._set[clock] = (self.now, value)
 
     def solve(self) -> list[Fraction]:
-        """The earliest times of all instants, as round as they can be.
+        """Return the earliest times of all instants, with denominators as small as possible.
 
         Raises:
-            AssertionError: there are none; the run is not one of the network.
+            AssertionError: no times exist; the run is not one of the network.
         """
         for margin in (*_MARGINS, Fraction(1, self.now + 2)):
             times = self._earliest(margin)

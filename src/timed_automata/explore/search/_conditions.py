@@ -1,4 +1,4 @@
-"""Where a condition holds in a symbolic state, and how time passes there: freely, or only as long as it holds."""
+"""Finds where a condition holds in a symbolic state, and lets time pass there: freely, or only while it holds."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ZoneCase = tuple[tuple[Constraint, ...], bool | None]
 
 
 class ZoneCondition:
-    """A condition, evaluated once per discrete state into what the clocks must satisfy."""
+    """A condition; for every discrete state it is evaluated once into constraints on the clocks."""
 
     def __init__(self, formula: Formula) -> None:
         self._formula = formula
@@ -32,7 +32,9 @@ class ZoneCondition:
         self._known: dict[StateRecord, tuple[ZoneCase, ...]] = {}
 
     def of(self, record: StateRecord) -> tuple[ZoneCase, ...]:
-        """Constraints and deadlock of each case."""
+        """Return the cases of the condition: clock constraints, and whether a deadlock must or must not exist (None:
+        either).
+        """
         found = self._known.get(record)
         if found is None:
             cases = self._formula.cases(record.discrete.state)
@@ -41,12 +43,12 @@ class ZoneCondition:
         return found
 
     def forget(self) -> None:
-        """Drop what is known of records."""
+        """Drop cached results."""
         self._known.clear()
         self._deadlocks.forget()
 
     def part(self, record: StateRecord, zone: Zone) -> Zone | None:
-        """A part of a zone in which the condition holds; None if there is none."""
+        """Return a part of a zone in which the condition holds, or None if there is none."""
         for constraints, deadlock in self.of(record):
             part = constrained(zone, record.n, constraints) if constraints else zone
             if part is not None and deadlock is not None:
@@ -64,7 +66,9 @@ class ZoneCondition:
 
 
 class DelayedZone(NamedTuple):
-    """Where a run enters and where time takes it from there; any point of ``entry`` leads to any later of ``zone``."""
+    """A zone at entry, and the zone that time leads to from there; every point of ``entry`` reaches any later one of
+    ``zone``.
+    """
 
     entry: Zone
     zone: Zone
@@ -74,7 +78,7 @@ Grow = Callable[[StateRecord, Zone], list[DelayedZone]]
 
 
 def freely(record: StateRecord, zone: Zone) -> list[DelayedZone]:
-    """As far as the invariant allows."""
+    """Let time pass as far as the invariant allows."""
     if not record.discrete.delays:
         return [DelayedZone(zone, zone)]
     later = constrained(up(zone, record.n), record.n, record.invariant)
@@ -82,30 +86,30 @@ def freely(record: StateRecord, zone: Zone) -> list[DelayedZone]:
 
 
 class Only:
-    """No delay, and only where a condition holds."""
+    """Allows no delay, and enters only where a condition holds."""
 
     def __init__(self, inside: ZoneCondition) -> None:
         self.inside = inside
 
     def __call__(self, record: StateRecord, zone: Zone) -> list[DelayedZone]:
-        """The parts of a zone in which the condition holds."""
+        """Return the parts of a zone in which the condition holds."""
         cases = (constrained(zone, record.n, constraints) for constraints, _ in self.inside.of(record))
         return [DelayedZone(part, part) for part in cases if part is not None]
 
 
 class Within:
-    """As long as a condition holds, entered only where it does.
+    """Enters only where a condition holds, and lets time pass while it holds.
 
-    A delay is stopped by the first valuation outside. For a convex set B outside, what is reached from A is
-    A↑ minus B↑ (B not met), and what comes after those of A that are past B; for several the common part
-    (the mirror image of Predt in Behrmann, Cougnard, David, Fleury, Larsen, Lime, *UPPAAL-Tiga*, 2007).
+    The first valuation outside of the condition ends a delay. For one convex set B outside, a delay from A reaches A↑
+    minus B↑ (before B), and all that follows the part of A past B; for several sets, the intersection (the mirror
+    image of Predt in Behrmann, Cougnard, David, Fleury, Larsen, Lime, *UPPAAL-Tiga*, 2007).
     """
 
     def __init__(self, inside: ZoneCondition, outside: ZoneCondition) -> None:
         self.inside, self.outside = inside, outside
 
     def __call__(self, record: StateRecord, zone: Zone) -> list[DelayedZone]:
-        """The ways to stay, from a zone inside the invariant."""
+        """Return the possible stays from a zone inside the invariant."""
         n, found = record.n, []
         for constraints, _ in self.inside.of(record):
             entry = constrained(zone, n, constraints)
@@ -140,7 +144,7 @@ class Within:
 
 
 def _past(zone: Zone, outside: Zone, n: int) -> list[DelayedZone]:
-    """The ways to stay clear of one convex set."""
+    """Return the possible stays that avoid one convex set."""
     after = constraints_of(up(outside, n), n)
     found = [DelayedZone(zone, piece) for piece in subtract(up(zone, n), after, n)]
     behind = constrained(zone, n, after)

@@ -11,12 +11,12 @@ L = TypeVar("L")
 
 
 def components(graph: Mapping[N, Sequence[N]]) -> list[list[N]]:
-    """The strongly connected components that have a cycle."""
+    """Return the strongly connected components that contain a cycle."""
     return [found for found in strong(graph) if len(found) > 1 or found[0] in graph[found[0]]]
 
 
 def strong(graph: Mapping[N, Sequence[N]]) -> Iterator[list[N]]:
-    """All strongly connected components, each after those that it leads to (Tarjan 1972, without recursion)."""
+    """Yield all strongly connected components, successors first (Tarjan 1972, without recursion)."""
     order: dict[N, int] = {}
     low: dict[N, int] = {}
     stack: list[N] = []
@@ -53,7 +53,7 @@ def strong(graph: Mapping[N, Sequence[N]]) -> Iterator[list[N]]:
 
 
 def shortest_cycle(start: N, following: Callable[[N], Iterable[tuple[L, N]]]) -> list[L]:
-    """The labels of the edges of a shortest way from a node that is on a cycle back to itself."""
+    """Return the labels of the edges of a shortest cycle through a node that is on a cycle."""
     came: dict[N, tuple[N, L]] = {}
     waiting = deque([start])
     while start not in came:

@@ -1,4 +1,4 @@
-"""Deadlock: no transition is enabled, now or after any time that the invariant allows."""
+"""Finds deadlocks: no transition is enabled, now or after any delay that the invariant allows."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ Way = tuple[Constraint, ...]
 
 
 class Deadlocks:
-    """Finds the valuations without a way on; what lets a state go on is computed once per discrete state."""
+    """Finds deadlocked valuations; the conditions to leave a state are computed once per discrete state."""
 
     def __init__(self) -> None:
         self._ways: dict[StateRecord, tuple[Way, ...]] = {}
         self._known: dict[object, tuple[Way | None, bool]] = {}
 
     def forget(self) -> None:
-        """Drop what is known of records."""
+        """Drop cached data about records."""
         self._ways.clear()
 
     def ruled_out(self, record: StateRecord) -> bool:
-        """Whether one transition is enabled, now or later, from every valuation that the invariant allows.
+        """Return whether one transition is enabled, now or later, from every valuation that the invariant allows.
 
-        Sufficient, not necessary: several transitions may do so together.
+        Sufficient, not necessary: several transitions together may cover all valuations.
         """
         return any(self._way(record, step)[1] for step in record.steps)
 
     def ways(self, record: StateRecord) -> tuple[Way, ...]:
-        """Zones, as constraints, from which a transition is taken now or later."""
+        """Return zones, as constraints, from which a transition is taken now or later."""
         found = self._ways.get(record)
         if found is None:
             ways = {way for step in record.steps if (way := self._way(record, step)[0]) is not None}
@@ -45,7 +45,7 @@ class Deadlocks:
         return found
 
     def _way(self, record: StateRecord, step: PlannedMove) -> tuple[Way | None, bool]:
-        """From where one move is taken now or later, and whether that is wherever the invariant holds."""
+        """Return the zone from which one move is taken now or later, and whether it covers the whole invariant."""
         _, target, move = step
         key = move.action, record.form, target.form if move.error is None else None
         found = self._known.get(key)
@@ -62,7 +62,7 @@ class Deadlocks:
         return found
 
     def of(self, record: StateRecord, zone: Zone) -> list[Zone]:
-        """The parts of a zone that are deadlocked, inside the invariant: widened zones may reach beyond it."""
+        """Return the deadlocked parts of a zone inside the invariant, which widened zones may exceed."""
         inside, n = constrained(zone, record.n, record.invariant), record.n
         left = [] if inside is None else [inside]
         for way in self.ways(record):
@@ -72,12 +72,12 @@ class Deadlocks:
         return left
 
     def part(self, record: StateRecord, zone: Zone) -> Zone | None:
-        """A part of a zone that is deadlocked; None if there is none."""
+        """Return a deadlocked part of a zone, or None if there is none."""
         return next(iter(self.of(record, zone)), None)
 
 
 def _enabling(record: StateRecord, step: PlannedMove) -> tuple[Constraint, ...] | None:
-    """What the clocks must satisfy at the instant of a move: guard, invariant here, invariant there."""
+    """Return the clock constraints at the instant of a move: guard, invariant of the source and of the target."""
     _, target, move = step
     found, resets = [*record.constraints(move.action.guard), *record.invariant], move.action.resets
     for bound in target.discrete.invariant if move.error is None else ():

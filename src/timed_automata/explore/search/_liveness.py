@@ -1,9 +1,9 @@
-"""Runs that stay inside a condition without end: what ``E[]`` looks for, and what refutes ``A<>`` and ``-->``.
+"""Finds runs that stay inside a condition without end: they show ``E[]``, and refute ``A<>`` and ``-->``.
 
-UPPAAL's meaning: such a run is infinite (time need not diverge), or it ends where time can pass without end, or
-where nothing is possible any more. States are distinguished by equality of zones: inclusion would find cycles that are
-none. ExtraLU+ keeps infinite runs (Li, *Checking Timed Büchi Automata Emptiness Using LU-Abstractions*, 2009), but
-not the ends of finite ones: those are checked once more without widening, and where that leaves a doubt with ExtraM+.
+UPPAAL's semantics: such a run is infinite (time need not diverge), or it ends where time can pass without end, or
+where no transition is possible any more. States with different zones count as different: inclusion would find false
+cycles. ExtraLU+ keeps infinite runs (Li, *Checking Timed Büchi Automata Emptiness Using LU-Abstractions*, 2009), but
+not the ends of finite ones: those are checked once more without widening, and with ExtraM+ if a doubt remains.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from timed_automata.explore.zones import (
 
 
 class Start(NamedTuple):
-    """Where runs begin: a zone that was entered (no time passed yet), and how it is reached."""
+    """A start of runs: a zone at entry (no time has passed yet), and the legs that lead to it."""
 
     record: StateRecord
     zone: Zone
@@ -40,7 +40,7 @@ class Start(NamedTuple):
 
 
 class LassoState:
-    """A symbolic state inside the condition; ``parent`` None: a start."""
+    """A symbolic state inside the condition; ``parent`` is None for a start."""
 
     __slots__ = ("action", "depth", "following", "parent", "record", "start", "zone")
 
@@ -53,7 +53,7 @@ class LassoState:
 
 
 class Lasso(NamedTuple):
-    """A run that stays: its legs, what its end satisfies, why it lasts, and the move to which it returns."""
+    """A run that stays: its legs, the condition on its end, why it lasts, and the move to which it returns."""
 
     legs: list[Leg]
     ending: Ending
@@ -62,13 +62,13 @@ class Lasso(NamedTuple):
 
 
 class LassoSearch:
-    """The search. ``space`` must not let zones grow by itself.
+    """Searches for a run that stays inside a condition. ``space`` must not let zones grow by itself.
 
     Args:
-        space: where to search.
+        space: the space to search.
         within: the condition.
-        confirmed: whether a run that ends is one of the network; not asked for those without an end. None: it is.
-        progress: called with the number of states now and then.
+        confirmed: returns whether a run that ends is a run of the network; not called for endless runs. None: all are.
+        progress: called now and then with the number of states.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class LassoSearch:
         self._safe: dict[StateRecord, list[Zone]] = {}  # from which no run stays: of the starts before
 
     def lasso(self, starts: Iterable[Start]) -> Lasso | None:
-        """A run that stays inside the condition without end, from any of the starts; None if there is none.
+        """Return a run that stays inside the condition without end, from any of the starts, or None if there is none.
 
         Raises:
             OutOfRangeError: a value leaves its range on the way.
@@ -172,7 +172,9 @@ class LassoSearch:
         return None
 
     def _stuck(self, record: StateRecord, zone: Zone) -> Zone | None:
-        """The part in which no transition is possible, now or later, and from which time does not lead outside."""
+        """Return the part where no transition is possible, now or later, and from where time does not lead outside; or
+        None.
+        """
         left, n = self._deadlocks.of(record, zone), record.n
         if left and record.discrete.delays:
             for constraints, _ in self.within.outside.of(record):
@@ -183,7 +185,7 @@ class LassoSearch:
         return left[0] if left else None
 
     def _cycle(self) -> Lasso | None:
-        """The cycle that is reached first; all states are known by now, and none ends."""
+        """Return the cycle that is reached first, after all states are known and none ends a run."""
         graph = {state: [other for _, other in state.following] for state in self._known.values()}
         on_cycles = [state for component in components(graph) for state in component]
         if not on_cycles:

@@ -26,7 +26,7 @@ _UNKNOWN: Zone = ()  # what becomes of a zone is not known yet
 
 @contextmanager
 def without_collector() -> Iterator[None]:
-    """Without the garbage collector: nothing that a search keeps can be collected, and looking for it takes long."""
+    """Disable the garbage collector: nothing that a search keeps is garbage, and looking for some takes long."""
     collected = gc.isenabled()
     gc.disable()
     try:
@@ -37,7 +37,7 @@ def without_collector() -> Iterator[None]:
 
 
 class OutOfRangeError(RangeError):
-    """An update, a guard or an index left its range in a state that can be reached; ``legs`` are the way there."""
+    """An update, a guard or an index left its range in a reachable state; ``legs`` lead there."""
 
     def __init__(self, error: RangeError, legs: list[Leg]) -> None:
         super().__init__(error.what, where=error.where, todo=error.todo)
@@ -47,12 +47,12 @@ class OutOfRangeError(RangeError):
 class Search:
     """A search from the initial state; ``states`` counts the symbolic states stored.
 
-    A state whose zone lies inside that of another one with the same discrete state is not stored, and one that is
-    overtaken by a larger one is not expanded: sound for reachability.
+    A state is not stored if its zone lies inside that of another state with the same discrete state, and it is not
+    expanded if a larger zone is found later. Both are sound for reachability.
 
     Args:
-        space: whose equal zones are one object.
-        progress: called with the number of states now and then.
+        space: a space in which equal zones are one object.
+        progress: called now and then with the number of states.
     """
 
     def __init__(self, space: SymbolicSpace, progress: Progress | None = None) -> None:
@@ -61,7 +61,7 @@ class Search:
         self._waiting: deque[SearchNode] = deque()
 
     def nodes(self) -> Iterator[SearchNode]:
-        """Each symbolic state as it is found.
+        """Yield every symbolic state when it is found.
 
         Raises:
             OutOfRangeError: a value leaves its range on the way.
@@ -123,7 +123,7 @@ class Search:
 
 
 def _covered(zone: Zone, others: Sequence[SearchNode]) -> bool:
-    """Whether a zone lies inside that of a node."""
+    """Return whether a zone lies inside the zone of one of the nodes."""
     for other in others:
         if other.zone is zone:
             return True
@@ -135,7 +135,7 @@ def _covered(zone: Zone, others: Sequence[SearchNode]) -> bool:
 
 
 def _inside(node: SearchNode) -> Iterator[bool]:
-    """Whether the zone of each node with the same discrete state lies inside that of this one."""
+    """Yield, for every node with the same discrete state, whether its zone lies inside that of this one."""
     zone, others = node.zone, node.record.passed
     if len(others) < MANY:
         return (all(map(le, other.zone, zone)) for other in others)
@@ -145,21 +145,20 @@ def _inside(node: SearchNode) -> Iterator[bool]:
 
 
 class WidestFirst(Search):
-    """Finds the same states as :class:`Search`, not by the shortest runs, and does not keep the runs.
+    """Finds the same states as :class:`Search`, but not by the shortest runs, and does not keep the runs.
 
-    It goes by stages, the least rank first (:class:`Stage`); a stage that is done is handed over and forgotten.
-
-    Within a stage, where none of the clocks runs yet comes before all else: it leads to where they do. Where time
-    stands still comes before where it passes: what is reached there by many ways is then followed once. A discrete
-    state that is met again waits until all new ones are followed. By then the steps between them are known, and each
-    waits for those that lead to it: what overtakes it would be overtaken itself (topological order: Herbreteau, Tran,
-    *Improving Search Order for Reachability Testing in Timed Automata*, 2015).
+    It works in stages, the lowest rank first (:class:`Stage`); a finished stage is passed to ``done`` and dropped.
+    Within a stage, states without any of the clocks come first, because they lead to those with them. States without
+    delay come before those in which time passes, so that a state that is reached there in many ways is expanded once.
+    A discrete state that is reached again waits until all new ones are expanded. By then the steps between discrete
+    states are known, and a state waits for its predecessors: what it overtakes would be overtaken later anyway
+    (topological order: Herbreteau, Tran, *Improving Search Order for Reachability Testing in Timed Automata*, 2015).
 
     Args:
         space: as for :class:`Search`.
-        clocks: states in which one of these can be largest are expanded first.
-        progress: called with the number of states now and then.
-        done: called with each stage once nothing can lead there any more.
+        clocks: states in which one of these clocks can be largest are expanded first.
+        progress: called now and then with the number of states.
+        done: called with every stage when no state can lead to it any more.
     """
 
     def __init__(

@@ -8,7 +8,7 @@ from timed_automata.explore.zones import Zone, packed
 
 
 class SearchNode:
-    """A symbolic state that was reached, and how."""
+    """A reached symbolic state, with its predecessor and the action that led to it."""
 
     __slots__ = ("_packed", "action", "covered", "parent", "record", "zone")
 
@@ -20,19 +20,19 @@ class SearchNode:
 
     @property
     def packed(self) -> int:
-        """The zone as one integer, made when it is first asked for."""
+        """The zone packed into one integer, computed at first use."""
         if not self._packed:
             self._packed = packed(self.zone)
         return self._packed
 
     @property
     def move(self) -> Move | None:
-        """The last move to here."""
+        """The last move of the run to this state."""
         return None if self.action is None else Move(self.action, self.record.discrete)
 
     @property
     def legs(self) -> list[Leg]:
-        """The run from the initial state to here."""
+        """The legs of the run from the initial state to this state."""
         legs = []
         node: SearchNode | None = self
         while node is not None:

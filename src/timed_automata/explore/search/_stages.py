@@ -1,14 +1,14 @@
-"""How far a search has come: the progress measure of the sweep-line method.
+"""Divides a search into stages: the progress measure of the sweep-line method.
 
-What a run has left behind for good needs no memory (Christensen, Kristensen, Mailund, *A Sweep-Line Method for State
-Space Exploration*, 2001). The measure is read off the network. A process that leaves a strongly connected component of
-its locations never comes back to it: the depth of a component among the others never falls along an edge, and rises
-where a component is left. The rank of a location vector is the sum over the processes. A variable is settled if no edge
-that a process can still take from where it is writes it.
+States that a run can never reach again need no memory (Christensen, Kristensen, Mailund, *A Sweep-Line Method for
+State Space Exploration*, 2001). The measure is computed from the network. A process that leaves a strongly connected
+component of its locations never returns to it: the depth of a component never falls along an edge, and rises where a
+component is left. The rank of a location vector is the sum of the depths over the processes. A variable is settled if
+no edge that a process can still take writes it.
 
-A stage is a component of each process, and the values that are settled there. A step stays in its stage or leads to a
-higher rank: what is settled keeps its value, and a variable becomes settled only where a component is left. So stages
-of equal rank do not reach each other, and a stage is never entered again when all of lower rank, and it itself, are
+A stage is a component for every process, and the values that are settled there. A step stays in its stage or leads to
+a higher rank: settled values do not change, and a variable becomes settled only where a component is left. So stages
+of equal rank do not reach each other, and a stage is never entered again when it and all stages of lower rank are
 done. The search asserts that.
 """
 
@@ -28,11 +28,11 @@ from timed_automata.network import Network, Process
 
 
 class Level:
-    """A component of each process; one object for each combination that was met.
+    """One component per process; there is one object for every combination that was reached.
 
     Attributes:
         rank: the sum of the depths of the components.
-        settled: picks the values that do not change any more.
+        settled: returns the values that do not change any more.
     """
 
     __slots__ = ("rank", "settled")
@@ -42,15 +42,16 @@ class Level:
 
 
 class Stage:
-    """States that only states of this stage, or of lower rank, lead to.
+    """A set of states whose predecessors are all in this stage or in stages of lower rank.
 
     Attributes:
-        level: of all of them.
-        records: those with a zone, as they were found.
-        still, waiting, heap: those that were found first in their discrete state and wait to be followed.
-        again, ordered: the others; in the order of the steps between discrete states once that is known.
-        order: of the records.
-        done: whether all is followed.
+        level: the level of all its states.
+        records: the records with a zone, in the order in which they were found.
+        still, waiting, heap: queues of nodes that are the first of their discrete state.
+        again, ordered: queues of the other nodes; ``ordered`` follows the steps between discrete states once these are
+        known.
+        order: number of a record in that order.
+        done: whether all nodes are expanded.
     """
 
     __slots__ = ("again", "done", "heap", "level", "order", "ordered", "records", "still", "waiting")
@@ -66,7 +67,7 @@ class Stage:
         self.order: dict[StateRecord, int] = {}
 
     def put_in_order(self) -> None:
-        """Number the records so that, but for cycles, each comes after all that lead to it."""
+        """Number the records so that each one comes after its predecessors, except on cycles."""
         graph = {
             record: [target for _, target, _ in record.steps if target.stage is self]
             for record in self.records
@@ -76,12 +77,12 @@ class Stage:
                 self.order[record] = -number
 
     def forget(self) -> None:
-        """Drop all of it: nothing leads here any more."""
+        """Drop all data of the stage, because no state leads to it any more."""
         self.done, self.records, self.order = True, [], {}
 
 
 class Stages:
-    """The stages of a network that were met."""
+    """The stages of a network that a search has reached."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
@@ -94,7 +95,9 @@ class Stages:
         return len(self._stages)
 
     def of(self, record: StateRecord, before: Stage | None) -> Stage:
-        """The stage of a record that a step from the stage ``before`` leads to; None: nothing leads there."""
+        """Return the stage of a record that a step from the stage ``before`` leads to; ``before`` is None for the
+        first one.
+        """
         vector = record.discrete.vector
         level = self._level_of.get(vector)
         if level is None:
@@ -125,11 +128,11 @@ class Stages:
 
 
 def _nothing(_: Values) -> None:
-    """What is settled where nothing is."""
+    """Return the settled values if no value is settled: None."""
 
 
 class _Region(NamedTuple):
-    """A component of the locations of a process, and the variables that are written there and later."""
+    """A component of the locations of a process, and the variables that are written in it or later."""
 
     number: int
     depth: int
@@ -137,7 +140,7 @@ class _Region(NamedTuple):
 
 
 def _regions(process: Process) -> list[_Region]:
-    """The component of each location."""
+    """Return the component of every location."""
     edges = [edge for edge in process.edges if not edge.guard.never]
     graph: dict[int, list[int]] = {at: [] for at in range(len(process.locations))}
     for edge in edges:

@@ -1,4 +1,4 @@
-"""The discrete and the symbolic states of a network, each worked out once."""
+"""The discrete and the symbolic states of a network; each state is computed once."""
 
 from ._discrete import Action, DiscreteSpace, DiscreteState, Move
 from ._semantics import SlicedSemantics

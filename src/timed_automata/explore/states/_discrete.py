@@ -1,4 +1,4 @@
-"""The discrete states of a network, each computed once: expressions are evaluated per discrete state, not per zone."""
+"""The discrete states of a network, computed once: expressions are evaluated per discrete state, not per zone."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Resets = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Action:
-    """What a transition does to clocks, and who takes part; one object for all transitions that are alike.
+    """The effect of a transition on the clocks, and its participants; equal actions are one object.
 
     Attributes:
-        edges: participants, the sender first.
+        edges: edges of the participants, the sender first.
         channel: number of the channel; None without synchronisation.
-        guard: what the clocks must satisfy.
-        resets: what they are set to.
+        guard: constraints on the clocks.
+        resets: new values of the clocks that the transition sets.
     """
 
     edges: tuple[Edge, ...]
@@ -34,7 +34,7 @@ class Action:
 
 
 class Firing:
-    """What some edges, the sender's first, do together, found once: many transitions have the same."""
+    """The joint effect of some edges, the sender's first; computed once, because many transitions share it."""
 
     __slots__ = ("_actions", "_after", "_edges", "_fixed", "_space", "_targets", "_updates")
 
@@ -48,7 +48,7 @@ class Firing:
         self._actions: dict[object, Action] = {}
 
     def __call__(self, vector: LocationVector, packed: bytes) -> tuple[LocationVector, bytes, Resets]:
-        """The next discrete state, and the clocks that are set, in order, with their values.
+        """Return the next discrete state, and the clocks that are set, in order, with their values.
 
         Raises:
             RangeError: an assignment is out of range.
@@ -70,7 +70,7 @@ class Firing:
         return after, values.tobytes(), tuple(resets)
 
     def action(self, guard: tuple[Bound, ...], channel: int | None, resets: Resets) -> Action:
-        """The action of a transition with these edges."""
+        """Return the action of a transition with these edges."""
         key = (guard, channel, resets)
         found = self._actions.get(key)
         if found is None:
@@ -81,7 +81,7 @@ class Firing:
 class Move(NamedTuple):
     """A transition out of a discrete state.
 
-    ``target`` is None where an update leaves the range of a variable; then ``error`` says which.
+    ``target`` is None if an update leaves the range of a variable; then ``error`` is the reason.
     """
 
     action: Action
@@ -111,7 +111,7 @@ class DiscreteState:
 
     @property
     def state(self) -> State:
-        """Locations and values."""
+        """Locations and values of the state."""
         return State(self.vector.locations, self._space.packing.unpack(self.packed))
 
     @property
@@ -121,18 +121,18 @@ class DiscreteState:
 
     @property
     def moves(self) -> Iterator[Move]:
-        """All transitions, whatever the clocks say; those into a violated data invariant left out."""
+        """All transitions for any clock values, except those into a violated data invariant."""
         return (Move(*arc) for arc in self.kept_arcs())
 
     def kept_arcs(self) -> Iterable[Arc]:
-        """The same as :meth:`arcs`, found once."""
+        """Return the same as :meth:`arcs`, computed once and kept."""
         if self._arcs is None:
             self._arcs = tuple(chain.from_iterable(self.arcs()))
         parts = iter(self._arcs)
         return zip(parts, parts, parts, strict=True)
 
     def arcs(self) -> Iterator[Arc]:
-        """The moves, as plain tuples that are not kept: action, target and error."""
+        """Yield the moves as plain tuples, which are not kept: action, target and error."""
         space, vector, packed = self._space, self.vector, self.packed
         firings, transitions = space.firings, self._transitions
         self._transitions = None
@@ -151,12 +151,12 @@ class DiscreteState:
                 yield firing.action(bounds, channel, resets), target, None
 
     def forget(self) -> None:
-        """Drop the moves; they are computed again when they are asked for."""
+        """Drop the moves; they are computed again when they are needed."""
         self._arcs = None
 
 
 class DiscreteSpace:
-    """All discrete states met so far. One of these serves any number of queries about a network."""
+    """All discrete states reached so far; it can serve any number of queries about a network."""
 
     def __init__(self, network: Network, semantics: CachedSemantics | None = None) -> None:
         self.network = network
@@ -179,7 +179,7 @@ class DiscreteSpace:
         return sum(len(vector.states) for vector in self._vectors.values())
 
     def drop(self, state: DiscreteState) -> None:
-        """Drop a state; it is made again when it is met again."""
+        """Drop a state; it is created again when it is reached again."""
         state.vector.states.pop(state.packed, None)
         state.forget()
 
@@ -192,7 +192,7 @@ class DiscreteSpace:
             vector.states.clear()
 
     def vector(self, locations: tuple[int, ...]) -> LocationVector:
-        """The one object for these locations."""
+        """Return the unique object for these locations."""
         found = self._vectors.get(locations)
         if found is None:
             facts = [each[at] for each, at in zip(self._facts, locations, strict=True)]
@@ -202,12 +202,14 @@ class DiscreteSpace:
         return found
 
     def at(self, state: State) -> DiscreteState | None:
-        """A discrete state, None if the data part of an invariant does not hold in it."""
+        """Return a discrete state, or None if the data part of an invariant does not hold in it."""
         vector, packed = self.vector(state.locations), self.packing.pack(state.values)
         return vector.states[packed] if packed in vector.states else self.met(vector, packed)
 
     def met(self, vector: LocationVector, packed: bytes) -> DiscreteState | None:
-        """The same for a state that was not met before."""
+        """Create a discrete state that was not reached before; None if the data part of an invariant does not hold in
+        it.
+        """
         discrete: DiscreteState | None = None
         if not self._checked or self.semantics.allowed(State(vector.locations, self.packing.unpack(packed))):
             discrete = DiscreteState(self, vector, packed)
@@ -215,11 +217,11 @@ class DiscreteSpace:
         return discrete
 
     def firing(self, edges: tuple[Edge, ...]) -> Firing:
-        """The firing of edges that were not taken together before."""
+        """Create the firing of edges that were not taken together before."""
         firing = self.firings[edges] = Firing(edges, self)
         return firing
 
     def invariant(self, vector: LocationVector, packed: bytes) -> tuple[Bound, ...]:
-        """Bounds of clocks in a discrete state; equal ones are one object."""
+        """Return the bounds of clocks in a discrete state; equal bounds are one object."""
         bounds = vector.invariant_at(self.packing.unpack(packed))
         return self._invariants.setdefault(bounds, bounds)

@@ -1,8 +1,8 @@
-"""What a move does to zones, compiled: guard, settings of clocks, delay, invariant, widening.
+"""The effect of a move on zones, compiled: guard, settings of clocks, delay, invariant, widening.
 
-Zones hold only the clocks that are active in their discrete state, so a move also drops and adds clocks: all of it
-is one rearrangement of the matrix. Equal plans are shared, and remember what they made of each zone: states that
-differ in data only, and repeat in time, cost a look-up.
+A zone contains only the clocks that are active in its discrete state, so a move also removes and adds clocks: all of
+it is one rearrangement of the matrix. Equal plans are shared and cache their result for every zone, so that states
+that differ only in data, and repeat in time, cost one look-up.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from timed_automata.explore.zones import (
 
 
 class Rearrangement:
-    """How the clocks of one zone become those of the next.
+    """Maps the clocks of one zone to the clocks of the next.
 
     Args:
-        n: size of the zones that it takes.
-        sources: for each place of the zone that results, the place it is taken from, or the value that it is set
-            to and 0: ``(place, value)``; x_0 first.
+        n: size of the zones that it accepts.
+        sources: for every place of the resulting zone a pair ``(place, value)``: the place it is copied from and 0, or
+            place 0 and the value that it is set to; x_0 comes first.
     """
 
     __slots__ = ("_add", "_gather", "n", "size")
@@ -43,7 +43,7 @@ class Rearrangement:
         self._gather = itemgetter(*places) if self.size > 1 else None
 
     def __call__(self, zone: Sequence[int]) -> list[int]:
-        """What becomes of the bounds."""
+        """Return the rearranged bounds."""
         if self._gather is None:
             return [AT_MOST_ZERO]
         found = self._gather(zone)
@@ -55,18 +55,18 @@ class Rearrangement:
 
 
 class Plan:
-    """The way of zones along a move.
+    """Computes the zone that a move leads to.
 
     Args:
-        guard: constraints on the zones that it takes.
-        rearrangement: of their clocks.
-        delays: whether time passes then.
-        invariant: constraints on what results.
-        limits: how to widen it; None: not at all.
-        unique: what results is the one object for its bounds. None: any object.
+        guard: constraints on the zones that it accepts.
+        rearrangement: mapping of their clocks.
+        delays: whether time passes after the move.
+        invariant: constraints on the result.
+        limits: limits for widening the result; None: no widening.
+        unique: makes equal results one object; None: results are not made unique.
 
     Attributes:
-        known: what became of the zones so far.
+        known: results for the zones so far.
     """
 
     __slots__ = ("_delays", "_guard", "_invariant", "_limits", "_rearranged", "_unique", "known")
@@ -85,7 +85,7 @@ class Plan:
         self.known: dict[Zone, Zone | None] = {}
 
     def __call__(self, zone: Zone) -> Zone | None:
-        """What becomes of a zone; None if nothing is left."""
+        """Return the zone after the move, or None if it is empty."""
         try:
             return self.known[zone]
         except KeyError:

@@ -1,4 +1,4 @@
-"""The semantics for an exploration: with a memory, and without the variables that nothing reads."""
+"""The semantics for an exploration: with a cache, and without the variables that nothing reads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_KNOWN = 20_000  # of one location; what a process sees may hardly ever be 
 
 
 class _Started(NamedTuple):
-    """An edge whose data guard holds; ``alone``: the transition, if no other process takes part."""
+    """An edge whose data guard holds; ``alone`` is the transition if no other process takes part."""
 
     edge: Edge
     bounds: tuple[Bound, ...]
@@ -28,8 +28,8 @@ _Active = tuple[Edge, Callable[[Values], Any] | None, Any]
 class _StartCache:
     """The edges that leave a location and can start a transition.
 
-    Those that need a value of a variable are found by it: of a thousand edges that are selected for one of many places
-    (``j == focus``) only those of the place at hand are looked at.
+    Edges that need a certain value of a variable are looked up by it: of a thousand edges that are selected by place
+    (``j == focus``) only those of the current place are tested.
     """
 
     def __init__(self, network: Network, active: Sequence[_Active]) -> None:
@@ -50,7 +50,7 @@ class _StartCache:
         return bool(self._always or self._where)
 
     def started(self, values: Values) -> tuple[_Started, ...]:
-        """Those whose data guards hold."""
+        """Return the edges whose data guards hold."""
         seen = self._seen(values)
         found = self._known.get(seen)
         if found is None:
@@ -83,9 +83,9 @@ _Starting = tuple[tuple[int, _StartCache], ...]  # by process
 
 
 class CachedSemantics(Semantics):
-    """Gives the same transitions in the same order (a test holds it against its base).
+    """Returns the same transitions in the same order as `Semantics` (a test compares both), from a cache.
 
-    What a process can start where it reads the same values is worked out once.
+    The edges that a process can start are computed once for equal values of the variables that they read.
 
     Attributes:
         fixed: variable, offset and value of the variables that keep their value.
@@ -101,7 +101,7 @@ class CachedSemantics(Semantics):
         self._starting: dict[tuple[int, ...], _Starting | None] = {}
 
     def transitions(self, state: State) -> Iterator[Transition]:
-        """All transitions whose data guards hold and that committed locations allow."""
+        """Yield all transitions whose data guards hold and that committed locations allow."""
         locations = state.locations
         try:
             starting = self._starting[locations]
@@ -110,7 +110,7 @@ class CachedSemantics(Semantics):
         return super().transitions(state) if starting is None else self._uncommitted(state, starting)
 
     def _starts(self, locations: tuple[int, ...]) -> _Starting:
-        """The processes that can start anything."""
+        """Return the processes that can start a transition."""
         caches = [cache[at] for cache, at in zip(self._cache, locations, strict=True)]
         return tuple([each for each in caches if each[1]])
 
@@ -126,10 +126,10 @@ class CachedSemantics(Semantics):
 
 
 class SlicedSemantics(CachedSemantics):
-    """The semantics of a network with respect to the texts of some queries: fewer states, the same answers.
+    """The semantics of a network reduced to what some queries need: fewer states, the same answers.
 
-    A variable that no guard, invariant, channel index, update or query reads cannot change what can happen. It keeps
-    its first value here, so that states that differ in it alone are one (cone of influence, variable by variable).
+    A variable that no guard, invariant, channel index, update or query reads cannot change the behaviour. It keeps its
+    initial value here, so that states that differ only in it are one (cone of influence, variable by variable).
     """
 
     def __init__(self, network: Network, queries: Iterable[str]) -> None:
@@ -141,7 +141,7 @@ class SlicedSemantics(CachedSemantics):
 
 
 def _unread(network: Network, queries: Iterable[str]) -> set[str]:
-    """The names of the variables that neither the network nor one of the queries reads."""
+    """Return the names of the variables that neither the network nor one of the queries reads."""
     read = set(effects_of(network.processes).reads)
     words = {word for query in queries for word in names_in(query)}
     for scope in (network.scope, *(process.scope for process in network.processes)):
@@ -154,7 +154,7 @@ def _unread(network: Network, queries: Iterable[str]) -> set[str]:
 
 
 def _places(network: Network, names: Container[str]) -> Iterator[tuple[str, int]]:
-    """Name and offset of each scalar of some variables."""
+    """Yield name and offset of every scalar of the named variables."""
     for variable in network.variables:
         if variable.name in names:
             for offset in range(variable.offset, variable.offset + variable.type.size):

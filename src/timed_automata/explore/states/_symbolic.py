@@ -23,7 +23,7 @@ from timed_automata.explore.zones import (
 
 
 class PlannedMove(NamedTuple):
-    """A move with its plan, and the record of the state that it leads to."""
+    """A move with its plan, and the record of its target."""
 
     plan: Plan
     target: StateRecord
@@ -31,20 +31,20 @@ class PlannedMove(NamedTuple):
 
 
 class Form:
-    """What the zones of some discrete states have in common; equal ones are one object.
+    """The common properties of the zones of some discrete states; equal forms are one object.
 
     Attributes:
-        limits: of the active clocks.
-        index: the number of each active clock in the zones; of all forms with the same clocks one object.
+        limits: limits of the active clocks.
+        index: the place of every active clock in the zones; one object for all forms with the same clocks.
         n: the size of the zones.
-        widening: what ``extrapolated`` takes.
-        invariant: on the zones.
-        entry: lower bounds of the invariant: what time cannot break, and a move into it can.
+        widening: the limits that ``extrapolated`` needs.
+        invariant: constraints on the zones.
+        entry: lower bounds of the invariant, which a move into the state can violate, but time cannot.
         delays: whether time passes.
-        arriving: number of what it asks of the clocks of a move that leads there; equal ones have one.
-        leaving: the same of a move that leads away.
-        zones: number of what zones become there, by the places of the clocks: forms whose clocks differ, but stand
-            at the same places and are asked the same, have one.
+        arriving: number that is equal for forms with the same constraints on the clocks of a move that enters.
+        leaving: number that is equal for forms with the same constraints on the clocks of a move that leaves.
+        zones: number that is equal for forms with the same constraints at the same places of the zone, even for other
+            clocks.
     """
 
     __slots__ = (
@@ -75,19 +75,19 @@ class Form:
 
     @property
     def clocks(self) -> tuple[int, ...]:
-        """The active clocks, as numbers of the network; x_1 of the zones is the first."""
+        """The active clocks by their number in the network; the first is x_1 of the zones."""
         return tuple(self.index)
 
 
 class StateRecord:
-    """A discrete state inside one analysis, and what the analysis notes about it.
+    """A discrete state inside one analysis, with the data that the analysis keeps about it.
 
     Attributes:
         discrete: the discrete state.
-        form: of its zones.
-        passed: nodes that wait or are done, for the user.
-        note: for the user.
-        stage: for the user.
+        form: the form of its zones.
+        passed: nodes that wait or are done; set by the search.
+        note: free for the user of the space.
+        stage: set by the search.
     """
 
     __slots__ = ("_space", "_steps", "discrete", "form", "note", "passed", "stage")
@@ -106,33 +106,33 @@ class StateRecord:
 
     @property
     def invariant(self) -> tuple[Constraint, ...]:
-        """On its zones."""
+        """Constraints of the invariant on its zones."""
         return self.form.invariant
 
     @property
     def steps(self) -> Iterable[PlannedMove]:
-        """All moves that lead to a state; the move itself names no target. One whose update leaves a range has a plan
-        and leads to itself."""
+        """All moves with their targets; the move itself names no target. A move whose update leaves a range has a plan
+        and leads to its own source.
+        """
         if self._steps is None:
             self._steps = tuple(self._space.steps(self))
         parts = iter(self._steps)
         return zip(parts, parts, parts, strict=True)  # type: ignore[return-value]
 
     def forget(self) -> None:
-        """Drop the steps and the notes."""
+        """Drop the steps and the data of the analysis."""
         self._steps, self.passed, self.note = None, (), None
 
     def constraints(self, bounds: tuple[Bound, ...]) -> tuple[Constraint, ...]:
-        """Clock constraints over the zones of this record."""
+        """Return clock constraints in the places of this record's zones."""
         return as_constraints(bounds, self.form.index)
 
 
 class SymbolicSpace:
-    """One analysis of a network: discrete states with zones that are widened by the limits given.
+    """One analysis of a network: discrete states with zones that are widened by the given limits.
 
-    ``delays``: whether zones are let grow by time as they are entered (reachability: equal zones are then one object)
-    or left to the user (liveness). ``frugal``: what
-    the moves of a discrete state are is not kept.
+    ``delays``: zones grow by time as they are entered (for reachability; equal zones are then one object); if false,
+    the user lets time pass (for liveness). ``frugal``: the moves of a discrete state are not kept.
     """
 
     def __init__(
@@ -156,7 +156,7 @@ class SymbolicSpace:
 
     @property
     def records(self) -> Iterable[StateRecord]:
-        """All records met so far."""
+        """All records so far."""
         return self._records.values()
 
     def forget(self) -> None:
@@ -166,13 +166,13 @@ class SymbolicSpace:
         self._records.clear()
 
     def drop(self, record: StateRecord) -> None:
-        """Forget a record and its discrete state; they are made again when they are met again."""
+        """Drop a record and its discrete state; they are created again when they are reached again."""
         self._records.pop(record.discrete, None)
         self.discrete.drop(record.discrete)
         record.forget()
 
     def form(self, discrete: DiscreteState) -> Form:
-        """What the zones of a discrete state are like."""
+        """Return the form of the zones of a discrete state."""
         limits = self.limits.at(discrete.vector.locations)
         key = id(limits), id(discrete.invariant), discrete.delays  # equal ones are one object
         found = self._forms.get(key)
@@ -197,14 +197,14 @@ class SymbolicSpace:
         return form
 
     def record(self, discrete: DiscreteState) -> StateRecord:
-        """The record of a discrete state."""
+        """Return the record of a discrete state."""
         record = self._records.get(discrete)
         if record is None:
             record = self._records[discrete] = StateRecord(self, discrete)
         return record
 
     def initial(self) -> tuple[StateRecord, Zone]:
-        """Where a network starts: all clocks zero.
+        """Return the initial state of the network with all clocks zero.
 
         Raises:
             ModelError: an invariant does not hold there.
@@ -233,12 +233,12 @@ class SymbolicSpace:
         raise AssertionError("every invariant holds in the initial state")
 
     def step(self, source: StateRecord, move: Move) -> PlannedMove:
-        """The move with its plan."""
+        """Return the move with its plan."""
         target = source if move.target is None else self.record(move.target)
         return PlannedMove(self._way(source, move.action, target, move.error), target, move)
 
     def steps(self, source: StateRecord) -> list[object]:
-        """Plan, target and move of each step, one after the other; the move is shared and names no target."""
+        """Return plan, target and move of all steps in one flat list; the move is shared and names no target."""
         arcs = source.discrete.arcs() if self.frugal else source.discrete.kept_arcs()
         shared, ways, records, leaving = self._shared, self._ways, self._records, source.form.leaving
         found: list[object] = []
@@ -274,17 +274,17 @@ class SymbolicSpace:
         return plan
 
     def asked_inside(self, form: Form) -> object:
-        """What guards ask besides the guard of the move, of the zones of a form."""
+        """Return the constraints on the zones of a form that guards add to those of the move; here none."""
         return None
 
     def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
-        """What the zones of a record must satisfy for a move."""
+        """Return the constraints that a move puts on the zones of a record."""
         return source.constraints(action.guard)
 
     def _plan(
         self, n: int, guard: tuple[Constraint, ...], sources: tuple[tuple[int, int], ...], target: Form
     ) -> Plan:
-        """The one for zones of size ``n``; see :class:`Plan`."""
+        """Return a plan for zones of size ``n``; see :class:`Plan`."""
         rearrangement = self._rearrangements.get((n, sources))
         if rearrangement is None:
             rearrangement = self._rearrangements[n, sources] = Rearrangement(n, sources)
@@ -293,12 +293,14 @@ class SymbolicSpace:
         return Plan(guard, rearrangement, delays, target.invariant, limits, self._unique)
 
     def widens_in(self, form: Form) -> bool:
-        """Whether zones are widened there."""
+        """Return whether zones are widened in states of this form."""
         return self.widens
 
 
 def _entering(source: StateRecord, action: Action, target: StateRecord) -> Iterator[Constraint]:
-    """The lower bounds of the target's invariant, as a guard of the move: what it does not set keeps its value."""
+    """Yield the lower bounds of the target's invariant as guards of the move, because unset clocks keep
+    their values.
+    """
     for bound in target.form.entry:
         if bound.clock not in action.resets:
             yield from source.constraints((bound,))
@@ -307,21 +309,21 @@ def _entering(source: StateRecord, action: Action, target: StateRecord) -> Itera
 
 
 class InvariantGuardedSpace(SymbolicSpace):
-    """For an exploration that looks for deadlocks among zones widened by ExtraLU+.
+    """A space for explorations that look for deadlocks among zones widened by ExtraLU+.
 
-    That lets zones grow past invariants, by valuations that only behave like others as far as transitions go: some are
-    deadlocked and stand for none that is. Here a transition starts inside the invariant of its source, and zones are
-    widened only where time passes: a chain of committed locations is too short to need it.
+    ExtraLU+ lets zones grow past invariants by valuations that are equivalent only in their transitions: some of these
+    are deadlocked and represent no real deadlock. Here a transition starts inside the invariant of its source, and
+    zones are widened only where time passes: a chain of committed locations is too short to need it.
     """
 
     def guard(self, source: StateRecord, action: Action) -> tuple[Constraint, ...]:
-        """What the zones of a record must satisfy for a move: the invariant, too."""
+        """Return the constraints that a move puts on the zones of a record, including the invariant."""
         return (*super().guard(source, action), *source.invariant)
 
     def asked_inside(self, form: Form) -> object:
-        """The invariant."""
+        """Return the invariant, which guards include here."""
         return form.invariant
 
     def widens_in(self, form: Form) -> bool:
-        """Where time passes."""
+        """Return whether time passes in states of this form; only then zones are widened."""
         return form.delays

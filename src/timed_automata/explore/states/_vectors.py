@@ -1,4 +1,4 @@
-"""What discrete states are made of: location vectors, and values as bytes."""
+"""The parts of discrete states: location vectors, and values as bytes."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from timed_automata.network import Location, Network
 
 
 class LocationFacts(NamedTuple):
-    """A location.
+    """The properties of a location that do not depend on the values.
 
     Attributes:
         delays: whether time may pass in it.
-        clocks: of its invariant.
-        fixed: the bounds of its invariant, where they are the same whatever the values; None otherwise.
+        clocks: clock constraints of its invariant.
+        fixed: the bounds of its invariant if they are the same for all values, else None.
     """
 
     delays: bool
@@ -26,7 +26,7 @@ class LocationFacts(NamedTuple):
 
     @classmethod
     def of(cls, location: Location) -> LocationFacts:
-        """What does not depend on the state."""
+        """Return the properties of a location."""
         clocks = tuple(location.invariant.clocks)
         fixed = tuple(bound for part in clocks if (bound := part.fixed) is not None)
         delays = not (location.urgent or location.committed)
@@ -34,13 +34,13 @@ class LocationFacts(NamedTuple):
 
 
 class LocationVector:
-    """A location of each process; one object for each combination that was met: what depends on it is found once.
+    """One location per process; every combination is one object, so that data that depends on it is computed once.
 
     Attributes:
-        locations: them, as numbers.
+        locations: the numbers of the locations.
         delays: whether no urgent or committed location stops time.
-        invariant: bounds of clocks, where they are the same whatever the values; None otherwise.
-        states: for the user, what is known of the discrete states here, by their packed values.
+        invariant: bounds of clocks if they are the same for all values, else None.
+        states: the discrete states with these locations, by packed values; filled by the user.
     """
 
     __slots__ = ("_parts", "delays", "invariant", "locations", "states")
@@ -57,14 +57,14 @@ class LocationVector:
         self.states: dict[bytes, Any] = {}
 
     def invariant_at(self, values: Values) -> tuple[Bound, ...]:
-        """The bounds of clocks in a discrete state."""
+        """Return the bounds of clocks in a discrete state."""
         return tuple([part.at(values) for part in self._parts])
 
 
 class Packing:
-    """Packs values into as many bytes each as the ranges of the variables need.
+    """Packs values into as few bytes per value as the ranges of the variables need.
 
-    That is an eighth of the memory of a tuple, hashed and compared at the speed of memory.
+    That takes an eighth of the memory of a tuple, and is hashed and compared at the speed of memory.
     """
 
     def __init__(self, network: Network) -> None:
@@ -76,14 +76,14 @@ class Packing:
         self.unpack = Struct(f"{len(network.initial.values)}{self._code}").unpack
 
     def pack(self, values: tuple[int, ...]) -> bytes:
-        """Values as bytes."""
+        """Return the values as bytes."""
         return array(self._code, values).tobytes()
 
     def open(self, packed: bytes) -> array[int]:
-        """A copy to be changed in place; ``tobytes`` packs it again."""
+        """Return a copy that can be changed in place; ``tobytes`` packs it again."""
         return array(self._code, packed)
 
 
 def _half(code: str) -> int:
-    """Half the number of values that the type can hold."""
+    """Return half the number of values that the type can hold."""
     return 1 << (array(code).itemsize * 8 - 1)

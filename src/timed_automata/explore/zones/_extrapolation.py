@@ -1,4 +1,4 @@
-"""ExtraLU+: a zone widened by what no guard can distinguish, so that there are finitely many zones.
+"""ExtraLU+: widens a zone by valuations that no guard can distinguish, so that there are finitely many zones.
 
 Behrmann, Bouyer, Larsen, Pelánek, *Lower and Upper Bounds in Zone-Based Abstractions of Timed Automata*, 2006,
 definition 4. With equal lower and upper limits it is ExtraM+.
@@ -14,11 +14,11 @@ from timed_automata.explore.zones._zone import AT_MOST_ZERO, INFINITY, Zone, at_
 
 
 class Widening(NamedTuple):
-    """Limits as bounds, each indexed by the place of a clock in the zone; index 0 is x_0.
+    """Limits as bounds, indexed by the place of a clock in the zone; index 0 is x_0.
 
     Attributes:
-        lower_at_most: ``x <= lower limit``: upper bounds above it say nothing.
-        past_lower: ``-x <= -lower limit``: a lower bound tighter than it is past the lower limit.
+        lower_at_most: ``x <= lower limit``; an upper bound above it is dropped.
+        past_lower: ``-x <= -lower limit``; a lower bound tighter than it is past the lower limit.
         past_upper: the same for the upper limit.
         kept: the lower bound that is kept when past the upper limit.
     """
@@ -30,7 +30,7 @@ class Widening(NamedTuple):
 
 
 def widening(limits: Iterable[Limit]) -> Widening:
-    """The widening by the limits of the clocks x_1, x_2, …"""
+    """Return the widening for the limits of the clocks x_1, x_2, …"""
     limits = tuple(limits)
     past = {NEVER: INFINITY}  # any lower bound is past a limit that does not exist
     return Widening(
@@ -42,7 +42,7 @@ def widening(limits: Iterable[Limit]) -> Widening:
 
 
 def extrapolated(zone: list[int], n: int, limits: Widening) -> Zone:
-    """The widened zone, canonical; ``zone`` is changed."""
+    """Return the widened zone in canonical form; ``zone`` is changed."""
     lower_at_most, past_lower, past_upper, kept = limits
     lower = zone[:n]
     whole = [INFINITY] * n
@@ -77,10 +77,10 @@ def extrapolated(zone: list[int], n: int, limits: Widening) -> Zone:
 
 
 def _close(zone: list[int], n: int, rows: list[int], loosened: list[tuple[int, list[int]]]) -> None:
-    """Make canonical what was, but for the bounds that were loosened (start of a row, columns), in place.
+    """Restore the canonical form in place after some bounds (start of a row, columns) were loosened.
 
-    Floyd and Warshall's way over ``rows``, for the loosened bounds only: the others are as tight as ever, and a row
-    without bounds neither gets one nor leads to one.
+    It runs Floyd and Warshall's algorithm over ``rows`` for the loosened bounds only: the others are as tight as
+    before, and a row without bounds neither gets one nor leads to one.
     """
     for k in rows:
         on = zone[k * n : k * n + n]

@@ -1,8 +1,8 @@
-"""Largest constants that clocks are compared with, by location: what a clock is past them does not matter.
+"""Largest constants that clocks are compared with, by location: beyond these the value of a clock does not matter.
 
-Lower and upper bounds apart, computed backwards along the edges of each process until a clock is set (Behrmann,
-Bouyer, Larsen, Pelánek, *Lower and Upper Bounds in Zone-Based Abstractions of Timed Automata*, 2006). A clock
-without any limit in a location is not active there: its value is never asked for before it is set again.
+Lower and upper bounds are separate, computed backwards along the edges of every process until a clock is set
+(Behrmann, Bouyer, Larsen, Pelánek, *Lower and Upper Bounds in Zone-Based Abstractions of Timed Automata*, 2006). A
+clock without any limit in a location is not active there: its value is not read before it is set again.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ByClock = Mapping[int, Limit]
 
 
 def merged(left: dict[int, Limit], right: ByClock) -> bool:
-    """Widen ``left`` in place; whether anything changed."""
+    """Widen ``left`` in place; return whether it changed."""
     changed = False
     for clock, limit in right.items():
         old = left.get(clock)
@@ -46,7 +46,7 @@ def merged(left: dict[int, Limit], right: ByClock) -> bool:
 
 
 def of_bounds(bounds: Iterable[Bound]) -> dict[int, Limit]:
-    """The limits that clock constraints ask for."""
+    """Return the limits that clock constraints need."""
     limits: dict[int, Limit] = {}
     for clock, op, value in bounds:
         if value >= 0:
@@ -59,7 +59,7 @@ def of_bounds(bounds: Iterable[Bound]) -> dict[int, Limit]:
 
 
 def limits_of(formula: Formula) -> dict[int, Limit]:
-    """The clock limits that a formula asks for."""
+    """Return the clock limits that a formula needs."""
     limits: dict[int, Limit] = {}
     if isinstance(formula, Comparison):
         constraint = formula.constraint
@@ -83,7 +83,7 @@ def _of_constraints(constraints: Iterable[ClockConstraint]) -> dict[int, Limit]:
 
 
 def _constraints(network: Network) -> Iterator[ClockConstraint]:
-    """All that the network asks of clocks."""
+    """Yield all clock constraints of the network."""
     for process in network.processes:
         for location in process.locations:
             yield from location.invariant.clocks
@@ -93,17 +93,17 @@ def _constraints(network: Network) -> Iterator[ClockConstraint]:
 
 
 def largest(network: Network) -> int:
-    """The largest constant of all."""
+    """Return the largest constant that the network compares a clock with."""
     return max((constraint.high for constraint in _constraints(network)), default=0)
 
 
 def tested_clocks(network: Network) -> set[int]:
-    """The clocks that the network itself tests; the others are there for queries."""
+    """Return the clocks that the network itself tests; the others serve queries."""
     return {clock for constraint in _constraints(network) for clock in constraint.clocks}
 
 
 def _of_process(process: Process, asked: Iterable[QueryLimits]) -> list[dict[int, Limit]]:
-    """Against the edges, until a clock is set."""
+    """Return the limits per location of a process, propagated backwards along the edges until a clock is set."""
     limits = [_of_constraints(location.invariant.clocks) for location in process.locations]
     for query in asked:
         if query.at is not None and query.at[0] == process.index:
@@ -122,10 +122,10 @@ def _of_process(process: Process, asked: Iterable[QueryLimits]) -> list[dict[int
 
 
 class QueryLimits(NamedTuple):
-    """Limits that a query asks for; ``at``: process and location, None: everywhere.
+    """Limits that a query needs; ``at``: process and location where it needs them, None: everywhere.
 
-    ``A[] (P.L && …) imply x <= c`` asks for x while P is in L. Elsewhere its value matters only if P can come to L
-    without setting x on the way, as with the limits of guards.
+    ``A[] (P.L && …) imply x <= c`` needs x while P is in L. Elsewhere the value matters only if P can reach L without
+    setting x on the way, as with the limits of guards.
     """
 
     limits: ByClock
@@ -133,9 +133,9 @@ class QueryLimits(NamedTuple):
 
 
 class Limits:
-    """The limits of a network, and of queries.
+    """The limits of a network and of queries.
 
-    ``symmetric``: one limit for both directions, which deadlock and liveness need (ExtraM+ instead of ExtraLU+).
+    ``symmetric``: use one limit for both directions, which deadlock and liveness need (ExtraM+ instead of ExtraLU+).
     """
 
     def __init__(
@@ -154,11 +154,11 @@ class Limits:
         self._found: dict[object, dict[int, Limit]] = {}
 
     def and_also(self, extra: ByClock) -> Limits:
-        """These limits and further ones."""
+        """Return these limits extended by further ones."""
         return Limits(self._network, (*self._asked, QueryLimits(extra)), symmetric=self._symmetric)
 
     def at(self, locations: tuple[int, ...]) -> dict[int, Limit]:
-        """The limits of the active clocks, in the order of their numbers; equal ones are one object."""
+        """Return the limits of the active clocks in the order of their numbers; equal limits are one object."""
         key = tuple([numbers[locations[process]] for process, numbers in self._places])
         known = self._known.get(key)
         if known is None:
@@ -174,5 +174,5 @@ class Limits:
 
 
 def _numbered(limits: list[dict[int, Limit]]) -> list[int]:
-    """A number for each location of a process; those with the same limits have one."""
+    """Return a number for every location of a process; locations with the same limits have the same number."""
     return [limits.index(here) for here in limits]

@@ -1,9 +1,9 @@
 """Zones: sets of clock valuations as canonical difference bound matrices.
 
-A zone of n - 1 clocks is a flat tuple of n * n bounds, row by row; entry (i, j) bounds ``x_i - x_j`` and x_0 is
-zero. Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes canonical zones (each bound as
-tight as the others make it) and gives canonical ones, or None for the empty zone. Clocks are never negative. The
-caller knows which clock is which.
+A zone of n - 1 clocks is a flat tuple of n * n bounds, row by row; entry (i, j) bounds ``x_i - x_j``, and x_0 is zero.
+Row 0 holds lower bounds (negated), column 0 upper bounds. Every function takes canonical zones (all bounds as tight as
+the others make them) and returns canonical ones, or None for the empty zone. Clocks are never negative. The caller
+knows which place belongs to which clock.
 
 Bounds are integers: ``x - y <= c`` is ``2c + 1``, ``x - y < c`` is ``2c``. A tighter bound is a smaller integer, and
 CPython compares bounds at the speed of integers (Bengtsson and Yi, *Timed Automata: Semantics, Algorithms and Tools*,
@@ -27,17 +27,17 @@ AT_MOST_ZERO = 1  # x - y <= 0
 
 
 def at_most(value: int) -> int:
-    """``<= value``."""
+    """Return the bound ``<= value``."""
     return 2 * value + 1
 
 
 def below(value: int) -> int:
-    """``< value``."""
+    """Return the bound ``< value``."""
     return 2 * value
 
 
 def negated(bound: int) -> int:
-    """The bound on ``y - x`` that says that ``x - y`` is *not* within ``bound``."""
+    """Return the bound on ``y - x`` that holds if ``x - y`` is *not* within ``bound``."""
     return 1 - bound
 
 
@@ -54,10 +54,10 @@ class Unique(tuple[int, ...]):
 
 
 class UniqueZones:
-    """All zones that were met: gives the one object for the bounds of each.
+    """All zones so far, with one unique object for equal bounds.
 
-    A zone stands here under its hash (or the next number that is free), not under a copy of itself; and equal bounds
-    are one object, as a number takes more memory than its place in a zone.
+    A zone is stored under its hash (or the next free number), not under a copy of itself; and equal bounds are one
+    object, because a number takes more memory than its place in a zone.
     """
 
     def __init__(self) -> None:
@@ -68,7 +68,7 @@ class UniqueZones:
         return len(self._zones)
 
     def of(self, zone: Zone) -> Unique:
-        """The one with these bounds."""
+        """Return the unique zone with these bounds."""
         number = hash(zone)
         while (found := self._zones.get(number)) is not None:
             if tuple.__eq__(found, zone):
@@ -84,7 +84,7 @@ IMPOSSIBLE: Constraint = (0, 0, 0)  # x_0 - x_0 < 0
 
 
 def as_constraints(bounds: Iterable[Bound], places: Mapping[int, int]) -> tuple[Constraint, ...]:
-    """Clock constraints over the places of the clocks in a zone."""
+    """Return clock constraints in the places of the clocks in a zone."""
     found: list[Constraint] = []
     for clock, op, value in bounds:
         place = places[clock]
@@ -98,7 +98,7 @@ def as_constraints(bounds: Iterable[Bound], places: Mapping[int, int]) -> tuple[
 
 
 def everything(n: int) -> Zone:
-    """Any valuation."""
+    """Return the zone of all valuations."""
     row = [INFINITY] * n
     rows = [AT_MOST_ZERO] * n
     for i in range(1, n):
@@ -108,9 +108,10 @@ def everything(n: int) -> Zone:
 
 
 def tighten(z: list[int], n: int, i: int, j: int, bound: int) -> bool:
-    """Intersect with ``x_i - x_j`` within ``bound``, in place; False if nothing is left (``z`` is then garbage).
+    """Intersect with ``x_i - x_j`` within ``bound``, in place; return False if nothing is left (``z`` is then
+    garbage).
 
-    Only paths through the new bound can become shorter: O(n²), and far less where few do.
+    Only paths through the new bound can become shorter: O(n²), and much less if few do.
     """
     start = i * n
     if bound >= z[start + j]:
@@ -139,7 +140,7 @@ def tighten(z: list[int], n: int, i: int, j: int, bound: int) -> bool:
 
 
 def constrained(zone: Zone, n: int, constraints: Iterable[Constraint]) -> Zone | None:
-    """The intersection with all constraints."""
+    """Return the intersection with all constraints, or None if it is empty."""
     z: list[int] | None = None
     for i, j, bound in constraints:
         if z is None:
@@ -152,12 +153,12 @@ def constrained(zone: Zone, n: int, constraints: Iterable[Constraint]) -> Zone |
 
 
 def included(inner: Zone, outer: Zone) -> bool:
-    """Whether every valuation of one is one of the other."""
+    """Return whether every valuation of ``inner`` is in ``outer``."""
     return all(map(le, inner, outer))
 
 
 def packed(zone: Zone) -> int:
-    """All bounds in one integer, 64 bits for each; the highest of them, the guard bit, is left free.
+    """Return all bounds in one integer, 64 bits each; the highest bit of each, the guard bit, stays free.
 
     ``inner`` lies inside ``outer`` if no bound borrows from its guard bit: ``(packed(outer) + guard_bits(len(outer)) -
     packed(inner))`` still has all of :func:`guard_bits`. One subtraction compares all bounds (Lamport, *Multiple Byte
@@ -168,19 +169,19 @@ def packed(zone: Zone) -> int:
 
 @cache
 def guard_bits(size: int) -> int:
-    """The guard bit of each of so many bounds."""
+    """Return the guard bits of ``size`` packed bounds."""
     return int.from_bytes(array("Q", [1 << 63] * size).tobytes(), sys.byteorder)
 
 
 def intersection(left: Zone, right: Zone, n: int) -> Zone | None:
-    """The common valuations."""
+    """Return the common valuations of two zones, or None if there are none."""
     if included(left, right):
         return left
     return constrained(left, n, constraints_of(right, n))
 
 
 def constraints_of(zone: Zone, n: int) -> list[Constraint]:
-    """The bounds of a zone that say something."""
+    """Return the bounds of a zone that are a restriction."""
     return [
         (at // n, at % n, bound)
         for at, bound in enumerate(zone)
@@ -189,17 +190,16 @@ def constraints_of(zone: Zone, n: int) -> list[Constraint]:
 
 
 def up(zone: Zone, n: int) -> Zone:
-    """Let any time pass."""
+    """Return the valuations that are reached by letting any time pass."""
     z = list(zone)
     z[n::n] = [INFINITY] * (n - 1)
     return tuple(z)
 
 
 def delay(z: list[int], n: int, upper: Iterable[tuple[int, int]]) -> None:
-    """Let time pass up to upper bounds, which ``z`` keeps: (place, bound); in place.
+    """Let time pass in place, up to the upper bounds (place, bound) that ``z`` satisfies.
 
-    How clocks differ, and how large they are at least, is then as before; so no way round is shorter but those over
-    the upper bounds.
+    The differences and lower bounds of clocks stay the same; so only paths over the upper bounds become shorter.
     """
     for at in range(n, n * n, n):
         most = INFINITY
@@ -213,7 +213,7 @@ def delay(z: list[int], n: int, upper: Iterable[tuple[int, int]]) -> None:
 
 
 def down(zone: Zone, n: int) -> Zone:
-    """The valuations from which the zone is reached by letting time pass."""
+    """Return the valuations from which the zone is reached by letting time pass."""
     z = list(zone)
     for column in range(1, n):
         z[column] = min(AT_MOST_ZERO, *zone[n + column :: n])
@@ -221,7 +221,7 @@ def down(zone: Zone, n: int) -> Zone:
 
 
 def subtract(zone: Zone, other: Iterable[Constraint], n: int) -> list[Zone]:
-    """What is left without the valuations that satisfy all constraints: disjoint zones."""
+    """Return the zone without the valuations that satisfy all constraints, as disjoint zones."""
     pieces = []
     rest: Zone | None = zone
     for i, j, bound in other:
@@ -235,5 +235,5 @@ def subtract(zone: Zone, other: Iterable[Constraint], n: int) -> list[Zone]:
 
 
 def unbounded(zone: Zone, n: int) -> bool:
-    """Whether time can pass without end inside the zone."""
+    """Return whether time can pass without end inside the zone."""
     return all(bound == INFINITY for bound in zone[n::n])

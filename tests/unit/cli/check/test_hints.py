@@ -216,5 +216,5 @@ def test_a_period_with_which_a_silence_is_seen_late_is_warned_of(tmp_path: Path)
     ):
         path.write_text(text.replace("LINK, ", period), "utf-8")
         warned = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["warnings"]
-        late = [each for each in warned if "may be seen only after" in each]
+        late = [each for each in warned if "may be detected only after" in each]
         assert [told in each for each in late] == [True] * bool(told), warned

@@ -118,7 +118,7 @@ def test_constants_that_do_not_fit(constants, message):
 
 
 def test_a_constant_that_leaves_another_without_its_shape():
-    with pytest.raises(ModelError, match="'TABLE' has room for 3 values, here are 2") as error:
+    with pytest.raises(ModelError, match="'TABLE' needs 3 values, not 2") as error:
         load_network(LAMP, {"LAMPS": 3})
     assert error.value.where == f"{LAMP}:8:46"
 

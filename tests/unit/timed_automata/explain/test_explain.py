@@ -50,7 +50,7 @@ def refuted(query: str, *templates: Template, declared: str = DECLARED) -> Expla
         ),
         (
             "A[] P.Idle || x < 2",
-            "At 2 ms: one of these must be so: P is in Idle or x is less than 2 ms; but P is "
+            "At 2 ms: one of these must hold: P is in Idle or x is less than 2 ms; but P is "
             "not in Idle (but in Busy) and x is 2 ms (at least 2 ms).",
         ),
         ("A[] mode[0] != ON", "At 7 ms: mode[cups] must not be ON, but it is."),
@@ -69,7 +69,7 @@ def refuted(query: str, *templates: Template, declared: str = DECLARED) -> Expla
         ("A[] quiet()", "At 2 ms: quiet() must hold, but mode[cups] is PENDING."),
         (
             "A[] !(P.Busy && valve[0])",
-            "At 2 ms: these must not be so together: P is in Busy and valve[cups] is true.",
+            "At 2 ms: these must not all hold together: P is in Busy and valve[cups] is true.",
         ),
         (
             "A[] valve[0] == (mode[0] == ON)",

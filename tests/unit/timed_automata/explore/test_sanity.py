@@ -48,10 +48,10 @@ def test_channels_with_one_end() -> None:
     edges = ["a -> a; guard: x >= 1; sync: out[1]!; do: x = 0", "a -> a; sync: into?"]
     found = survey("clock x; broadcast chan out[2]; chan into, none;", loop(*edges))
     assert found.open_channels == (
-        "out[0]: nobody uses it",
+        "out[0]: no edge uses it",
         "out[1]: no edge receives on it",
         "into: no edge sends on it",
-        "none: nobody uses it",
+        "none: no edge uses it",
     )
     assert not found.complete
 

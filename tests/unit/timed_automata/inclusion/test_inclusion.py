@@ -193,7 +193,7 @@ def test_a_specification_with_two_ways_on_is_refused_with_its_place() -> None:
 
 def test_a_specification_with_a_step_that_nobody_sees_is_refused() -> None:
     hidden = lamp({"more": "Lit -> Lost; guard: u >= 7"})
-    with pytest.raises(ModelError, match="Nothing is seen of what 'Lamp: Lit -> Lost' does"):
+    with pytest.raises(ModelError, match="The step 'Lamp: Lit -> Lost' has no observed effect"):
         compared(lamp(), hidden)
 
 

@@ -148,7 +148,7 @@ def test_another_edge_that_does_the_same_is_not_followed(tmp_path):
     for observation in [*seen[:-1], other]:
         monitor.observe(observation)
     (found,) = monitor.objections
-    assert found.what == "P A → C is recorded, but P A → B comes first, and does what was seen."
+    assert found.what == "P A → C is recorded, but P A → B comes first, and has the recorded effect."
     assert monitor.snapshot is not None
     assert monitor.snapshot.locations == {"P": "B"}
 

@@ -238,13 +238,13 @@ def test_a_condition_chooses_what_makes_it_true_not_what_leaves_it_so():
     [
         (
             "c[1] @ 1",
-            "Choice 1, 'c[1] @ 1', is not possible after 0 steps, at 0 ms: its time is from 2 ms to 9 ms.",
+            "Choice 1, 'c[1] @ 1', is not possible after 0 steps, at 0 ms: it is possible from 2 ms to 9 ms.",
         ),
         (
             "c[1]; P.b",
             "Choice 2, 'P.b', is not possible after 1 steps, at 2 ms. Possible: P.a (from 4 ms to 9 ms).",
         ),
-        ("c[1]; P.a @ 10", "its time is from 4 ms to 9 ms"),
+        ("c[1]; P.a @ 10", "it is possible from 4 ms to 9 ms"),
         (
             "c[0]",
             "Choice 1, 'c[0]', is not possible after 0 steps, at 0 ms. Possible: c[1] (from 2 ms to 9 ms).",

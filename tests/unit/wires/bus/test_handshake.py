@@ -101,7 +101,9 @@ def test_a_grip_that_is_never_taken_is_given_up_and_is_not_taken_later(
     jaws.takes_us = None
     command(bus, True)
     bus.to(bus.at + 5 * S)
-    assert bus.outputs.troubles(bus.at) == {JAWS: "was not activated: the device did not take it in time"}
+    assert bus.outputs.troubles(bus.at) == {
+        JAWS: "was not activated: the device did not accept the command in time"
+    }
     assert jaws.written[-1] == END, "or it would take later what was asked of it"
     told = len(jaws.written)
     jaws.takes_us = 0

@@ -73,7 +73,7 @@ def test_what_is_no_number_is_invalid_and_told(adc: Converter, text: str) -> Non
     inputs = reader(adc)
     assert inputs.read("cup") is None
     if "1" not in text:
-        assert "that is no number" in inputs.errors["cup"]
+        assert "not a number" in inputs.errors["cup"]
     adc.put(voltage0_raw=1000)
     assert inputs.read("cup") == -50_000
     assert not inputs.errors
