@@ -106,7 +106,10 @@ def test_the_answer_of_another_device_is_none(tool: Description) -> None:
 @pytest.mark.parametrize(
     ("scenario", "sentence"),
     [
-        ("late-answers:jaws:20", "'late-answers:jaws:20' is a fault of a polled link, and jaws is not polled."),
+        (
+            "late-answers:jaws:20",
+            "'late-answers:jaws:20' is a fault of a polled link, and jaws is not polled.",
+        ),
         ("noise:cup:0.1", "'noise:cup:0.1': no link is named 'cup'. Did you mean 'cups'?"),
         ("no-answers:cups:2", "'no-answers:cups:2': rate must be a number from 0 to 1."),
         ("leak:cups", "'leak:cups': no actuator is named 'cups'. Did you mean 'cup'?"),
