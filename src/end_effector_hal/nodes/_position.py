@@ -1,4 +1,4 @@
-"""Node Position: where the cylinders and the tool changer stand, by their sensors."""
+"""Node Position: the positions of the cylinders and of the tool changer, as their sensors show them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _CYLINDER = {
     Evidence.CONFIRMED: CylinderPlace.EXTENDED,
 }
 _FRACTIONS: dict[IntEnum, float] = {CylinderPlace.RETRACTED: 0.0, CylinderPlace.EXTENDED: 1.0}
-"""Of the stroke, where a switch proves it."""
+"""Fractions of the stroke at the positions that a switch proves."""
 _CHANGER = {
     (True, False): ChangerPlace.LOCKED,
     (False, True): ChangerPlace.UNLOCKED,
@@ -55,7 +55,7 @@ _CHANGER = {
 
 
 class PositionNode:
-    """Publishes each position and the joints at every change, and at 10 Hz; what is stale turns UNKNOWN by itself."""
+    """Publishes each position and the joints at every change and at 10 Hz; a stale position becomes UNKNOWN."""
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
@@ -125,7 +125,10 @@ class PositionNode:
         self._known_joints = joints
 
     def _proven_joints(self) -> dict[str, float]:
-        """A joint whose position is not proven is left out: NaN ends in a broken transform, an old value in a lie."""
+        """Return the positions of the joints that are proven.
+
+        Others are left out: NaN would break a transform, and an old value would be wrong.
+        """
         evidence = self._senses.now.evidence
         found = {joint.name: joint.position(evidence) for joint in self._joints}
         found[self._grip_joint] = grip_position(evidence)

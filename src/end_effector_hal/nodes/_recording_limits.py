@@ -1,4 +1,4 @@
-"""The limits of a recording, from the private parameters of a node."""
+"""Read the limits of a recording from the private parameters of a node."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .transport import NodeTransport
 
 
 def recording_limits(node: NodeTransport) -> RecordingLimits:
-    """What ``~segment_mb`` and ``~keep_mb`` say, or the defaults; raises UsageError when they are no such limits."""
+    """Return the limits of ``~segment_mb`` and ``~keep_mb``, or the defaults; raises UsageError if they are invalid."""
     return RecordingLimits.of_megabytes(_number(node, SEGMENT_MB, "64"), _number(node, KEEP_MB, "1000"))
 
 

@@ -1,4 +1,4 @@
-"""Starts a node by its name; only the modules of that node are imported."""
+"""Start a node by its name; only the modules of that node are imported."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ _NODES = {
 
 
 def start_node(name: str, node: NodeTransport) -> int | None:
-    """Start a node of the table.
+    """Start a node of the interface table.
 
     Args:
-        name: of the node in the table.
+        name: name of the node in the interface table.
         node: its transport.
 
     Returns:
-        None: the node works in the threads of its transport, until that ends. Only the Supervisor works in this
-        thread; once it has come to its end, its exit code.
+        None: the node works in the threads of its transport, until that ends. Only the Supervisor works in the calling
+            thread; then its exit code is returned.
     """
     module, what = _NODES[name]
     started = getattr(import_module(f"{__package__}.{module}"), what)(node)

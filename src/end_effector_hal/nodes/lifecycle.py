@@ -1,4 +1,4 @@
-"""What a managed node asks before it lets a tool work: is it proven, and do its sensors say where it is?"""
+"""Checks of a managed node before it activates a tool: its proof, and whether its sensors show its state."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 def require_proof(description: Description, *, prove_now: bool) -> Verdict:
-    """The verdict about exactly this tool; raises UsageError where there is none, or it is bad.
+    """Return the verdict on exactly this tool; raises UsageError if there is none, or if it is negative.
 
     Args:
         description: the tool.
-        prove_now: prove it where no verdict is kept, which takes seconds.
+        prove_now: whether to prove it if no verdict is stored, which takes seconds.
     """
     from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import keep_verdict, kept_verdict, proof_verdict
@@ -51,7 +51,7 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
 
 
 def what_is_missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
-    """What a tool that is not ready lacks, each a clause, and what it complains of; nothing: it is ready."""
+    """Return clauses with the reasons why a tool is not ready, and its alarms; empty: it is ready."""
     if state is None:
         return ("its nodes report nothing",)
     pairs = zip(state.actuator_names, state.evidence, strict=True)

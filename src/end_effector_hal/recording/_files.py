@@ -1,4 +1,4 @@
-"""Files of a recording: locked while they are written, written whole or not at all, and numbered."""
+"""File operations of a recording: locks while a file is written, all-or-nothing writes, and numbered files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def lock(fd: int) -> bool:
-    """Show that this file is being written; the lock ends with its process. False: somebody else writes it."""
+    """Lock a file that is being written, until this process ends; return False if another process holds the lock."""
     try:
         import fcntl
 
@@ -24,7 +24,7 @@ def lock(fd: int) -> bool:
 
 
 def is_written(path: Path) -> bool:
-    """Whether a process writes a segment now; raises OSError."""
+    """Return whether a process writes a segment now; raises OSError."""
     fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         return not lock(fd)
@@ -33,14 +33,17 @@ def is_written(path: Path) -> bool:
 
 
 def still_there(path: Path, fd: int) -> None:
-    """Raises OSError when this open file does not stand at its path any more: what is written to it is lost."""
+    """Raise OSError if this open file is no longer at its path, because everything written to it would be lost."""
     found, own = os.stat(path), os.fstat(fd)
     if (found.st_dev, found.st_ino) != (own.st_dev, own.st_ino):
         raise OSError(errno.ENOENT, "another file is in its place")
 
 
 def append_whole(fd: int, data: bytes) -> None:
-    """All or nothing, raises OSError: a piece of a row, or of a record, would spoil whatever follows."""
+    """Append data completely or not at all; raises OSError.
+
+    A partial row, or a partial record, would spoil everything after it.
+    """
     size = os.fstat(fd).st_size
     try:
         while data:
@@ -52,7 +55,7 @@ def append_whole(fd: int, data: bytes) -> None:
 
 
 def numbered_files(path: str | Path) -> list[tuple[int, Path]]:
-    """The files ``NAME-1.csv``, ``NAME-2.csv``, … that stand beside a file ``NAME.csv``, with their numbers."""
+    """Return the files ``NAME-1.csv``, ``NAME-2.csv``, … in the folder of ``NAME.csv``, with their numbers."""
     path = Path(path)
     pattern = re.compile(rf"{re.escape(path.stem)}-(\d{{1,9}}){re.escape(path.suffix)}", re.ASCII)
     with suppress(OSError):
@@ -62,12 +65,12 @@ def numbered_files(path: str | Path) -> list[tuple[int, Path]]:
 
 
 def next_number(path: Path) -> int:
-    """One more than the highest number of ``NAME-N`` beside ``NAME``, which is number 1 itself."""
+    """Return the highest number of the files ``NAME-N`` plus one; ``NAME`` itself counts as number 1."""
     return 1 + max((number for number, _ in numbered_files(path)), default=int(path.exists()))
 
 
 def read_file(path: str | Path) -> bytes:
-    """All of a regular file; raises OSError, also for what would be waited for, such as a pipe."""
+    """Return the content of a regular file; raises OSError, also for anything that would block, such as a pipe."""
     if not stat.S_ISREG(os.stat(path).st_mode):
         if Path(path).is_dir():
             raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))

@@ -43,7 +43,7 @@ class RecordingLimits:
     def __post_init__(self) -> None:
         if not 0 < self.segment_bytes <= self.total_bytes // LEAST_SEGMENTS:
             what = f"A recording cannot be kept in {_mb(self.total_bytes)} with segments of {_mb(self.segment_bytes)}."
-            raise UsageError(what, todo=f"Keep at least {LEAST_SEGMENTS} segments, of more than nothing.")
+            raise UsageError(what, todo=f"Keep at least {LEAST_SEGMENTS} segments of a positive size.")
 
     @classmethod
     def of_megabytes(cls, segment_mb: float, keep_mb: float) -> RecordingLimits:
@@ -99,7 +99,7 @@ def _note(folder: Path, name: str, size: int) -> None:
         finally:
             os.close(fd)
     except OSError as error:
-        _log.warning("%s: that %s was removed cannot be written: %s", path, name, error.strerror)
+        _log.warning("%s: the removal of %s cannot be noted: %s", path, name, error.strerror)
 
 
 def _mb(count: int) -> str:

@@ -1,4 +1,4 @@
-"""What a recording lacks because it could not be written."""
+"""Track the rows of a recording that could not be written."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from end_effector_hal.errors import ReportedError
 
 
 class Losses:
-    """Of one folder; not thread-safe.
+    """The write failures of one recording folder; not thread-safe.
 
     Attributes:
         failing: files that could not be written at the last attempt, with the reason.
-        gaps: what is missing, a sentence for each time, for run.json.
-        info_due: run.json is to be written.
+        gaps: sentences about missing rows, one for each interval, for run.json.
+        info_due: whether run.json must be written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -27,9 +27,10 @@ class Losses:
         self._why = ""
 
     def write(self, name: str, time_s: float, write: Callable[[], bool], *, again: bool = False) -> bool:
-        """Write a row that is offered for ``time_s``; False: it was not needed, or cannot be written.
+        """Write a row of ``time_s``; return False if it was not needed, or cannot be written.
 
-        ``write`` says whether it has proven that the file can be written; ``again``: the row was lost before.
+        ``write`` returns whether it has proven that the file can be written; ``again``: the row was counted as lost
+        before.
         """
         try:
             written = write()
@@ -42,13 +43,13 @@ class Losses:
         return written
 
     def fail(self, name: str, time_s: float, error: Exception) -> None:
-        """A file could not be written."""
+        """Note that a file could not be written."""
         self._why = self._why or (error.what if isinstance(error, ReportedError) else str(error))
         self._since_s = time_s if self._since_s is None else self._since_s
         self.failing[name] = str(error)
 
     def over(self, time_s: float) -> bool:
-        """Whether something was lost since this was asked last; then it stands in :attr:`gaps`."""
+        """Return whether a loss has occurred since the last call; if rows were lost, add a sentence to :attr:`gaps`."""
         if self._since_s is None:
             return False
         if self._rows:
@@ -58,7 +59,7 @@ class Losses:
         return True
 
     def complain(self) -> None:
-        """Raise ReportedError, in the words of the first failure, while something cannot be written."""
+        """Raise ReportedError, with the text of the first failure, while a file cannot be written."""
         if self.failing:
-            what = f"The recording lacks rows, and is tried again: {self._why}"
+            what = f"Rows of the recording cannot be written; writing is retried: {self._why}"
             raise ReportedError(what, where=str(self._folder))

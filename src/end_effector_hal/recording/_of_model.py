@@ -30,5 +30,5 @@ def check_replaceable(folder: Path) -> None:
     scenario = read_run(folder).scenario
     of_model = scenario == COUNTEREXAMPLE or scenario.startswith(MODEL_RUN)
     if any(each.suffix == ".mcap" for each in recorded) or ((recorded or has_run) and not of_model):
-        what = "A recording is in this folder: a run of the model would replace files of it."
+        what = "This folder contains a recording: a run of the model would overwrite its files."
         raise UsageError(what, where=str(folder), todo="Name another folder with -o.")

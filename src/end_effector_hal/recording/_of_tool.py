@@ -1,4 +1,4 @@
-"""What a recording says of the tool that made it, and which of its channels it has."""
+"""The facts about a tool that its recording contains, and the channels that are recorded."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ DISTRIBUTION = "end-effector-hal"
 def run_info(
     description: Description, *, scenario: str = "", seed: int | None = None, ros: int = 0
 ) -> RunInfo:
-    """What a recording says of the tool that made it; ``ros``: the generation that carries its states, 0: none."""
+    """Return the facts about a tool for its recording.
+
+    ``ros`` is the generation of ROS that carries its states; 0: none.
+    """
     return RunInfo(
         scenario=scenario,
         description=description.name,
@@ -39,13 +42,13 @@ def run_info(
 
 
 def content_hash(description: Description) -> str:
-    """Twelve hex digits of the tool and its automata: the same wherever its wires lead to."""
+    """Return twelve hex digits of the hash of a tool and its automata, which does not depend on its wiring."""
     content = description.model_dump(mode="json", by_alias=True)
     return hash_of(content, description.automata_path.read_bytes())
 
 
 def hash_of(content: Mapping[str, Any], model: bytes) -> str:
-    """The same of a description as JSON, every default written out, and of its UPPAAL file."""
+    """Return the same hash from a description as JSON, with all defaults written out, and its UPPAAL file."""
     kept: dict[str, Any] = json.loads(json.dumps(content))
     kept.pop("lines", None)
     for link in (kept.get("link"), *(kept.get("links") or {}).values()):
@@ -58,9 +61,9 @@ def hash_of(content: Mapping[str, Any], model: bytes) -> str:
 
 
 def pressure_channels(description: Description) -> tuple[str, ...]:
-    """Channels of pressures that the link carries: the actuators' in sequence order, then the supply.
+    """Return the pressure channels that the link carries: those of the actuators in sequence order, then the supply.
 
-    After them the quantities, such as a distance, that the evidence of an actuator looks at.
+    After them come the quantities, such as a distance, that the evidence of an actuator uses.
     """
     carried = carrier_of(description).channels
     wanted = [*(actuator.channel for _, actuator in description.ordered), description.supply.channel]
@@ -70,13 +73,13 @@ def pressure_channels(description: Description) -> tuple[str, ...]:
 
 
 def switch_channels(description: Description) -> tuple[str, ...]:
-    """Bits that are carried and asked for: those of the actuators in sequence order, then of the other devices."""
+    """Return the bits that are carried and used: of the actuators in sequence order, then of the other devices."""
     carried = carrier_of(description).channels
     return tuple(name for name in used_channels(description) if carried.get(name) is Kind.BIT)
 
 
 def _switches(description: Description) -> dict[str, dict[str, Any]]:
-    """Of those that prove something of an actuator: of which, and what."""
+    """Return the switches that prove something about an actuator, with the actuator and their meanings."""
     fitted, found = switch_channels(description), dict[str, dict[str, Any]]()
     for name, part in description.ordered:
         for channel, meaning in switch_meanings(part).items():
@@ -86,7 +89,7 @@ def _switches(description: Description) -> dict[str, dict[str, Any]]:
 
 
 def _e_stop(description: Description) -> str:
-    """The channel of its input; empty: there is none, or nothing carries it."""
+    """Return the channel of the e-stop's input; empty: there is none, or it is not carried."""
     stop = description.e_stop
     return stop.channel if stop and stop.channel in switch_channels(description) else ""
 
@@ -108,7 +111,7 @@ _NOT = {"<": "≥", ">": "≤", "≥": "<", "≤": ">"}
 
 
 def _measured(actuator: Actuator) -> list[dict[str, Any]]:
-    """The numbers that its conditions compare a quantity with that is no pressure, such as a distance."""
+    """Return the thresholds of an actuator's conditions on quantities other than pressures, such as a distance."""
     found = []
     for leaf in actuator.evidence.leaves if actuator.evidence else ():
         for index, (key, at) in enumerate(leaf.thresholds):
@@ -121,7 +124,7 @@ def _measured(actuator: Actuator) -> list[dict[str, Any]]:
 
 
 def product_version() -> str:
-    """Of the installed distribution; empty if it is not installed."""
+    """Return the version of the installed distribution; empty if it is not installed."""
     try:
         return version(DISTRIBUTION)
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""``run.json``: where a recording comes from, written at its start."""
+"""``run.json``: the origin of a recording, written at its start."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from end_effector_hal.recording._watched import Watched, read_watched
 
 FILE_NAME = "run.json"
 SCHEMA_VERSION = 1
-"""Raised when a key goes, or means something else. New keys come without."""
+"""Raised when a key is removed or changes its meaning; a new key does not raise it."""
 KINDS = {
     **dict.fromkeys(
         ("scenario", "description", "hash", "version", "started", "e_stop", "violated", "because"), str
@@ -33,32 +33,32 @@ _OF_COUNTEREXAMPLES = ("violated", "violated_s", "because", "watched")
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What a figure says about a run besides its states.
+    """The facts about a run, besides its states, that figures and reports need.
 
     Args:
         scenario: of the testbench; empty on real hardware.
         description: name of the tool.
-        hash: of the description and its automata.
-        version: of this product.
+        hash: hash of the description and its automata.
+        version: version of this product.
         ros: whether ROS carried the states.
-        ros_generation: which generation of it, 1 or 2; None: not known, or without.
-        started: ISO 8601 time.
+        ros_generation: generation of ROS, 1 or 2; None: unknown, or without ROS.
+        started: time of the start, ISO 8601.
         actuators: name -> kind (``vacuum``, ``cylinder``).
-        limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum
-            kPa below ambient, else gauge kPa); ``measured``: with what its conditions compare a quantity that is no
-            pressure (``channel``, ``proves``, ``sign``, ``at``). What is missing is not drawn.
-        switches: channel of a switch -> its ``actuator``, and what it proves ``on`` and ``off``, in a word
-            (``confirmed``, ``gone``, ``empty``); a switch of no actuator is not there.
-        e_stop: channel of the e-stop's input; empty: none is read, or not known. Without one it is not written.
-        simulated: whether a testbench answered; None: when a scenario is named.
+        limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum kPa
+            below ambient, else gauge kPa); ``measured``: the thresholds of its conditions on quantities other than
+            pressures (``channel``, ``proves``, ``sign``, ``at``). Missing limits are not drawn.
+        switches: channel of a switch -> its ``actuator``, and a word for what it proves ``on`` and ``off``
+            (``confirmed``, ``gone``, ``empty``); switches of no actuator are left out.
+        e_stop: channel of the e-stop's input; empty: none is read, or unknown. An empty one is not written.
+        simulated: whether a testbench supplied the inputs; None: it did if a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
-        gaps: in words: rows that could not be written, and when.
-        seed: of the testbench's noise and dead times; None: not known, or nothing is simulated.
-        violated: of a counterexample the requirement that does not hold; empty: it is none.
-        violated_s: when that is shown, s.
-        because: why it is violated, a sentence.
-        watched: what it speaks of.
-        note: what could not be read, a sentence; it is not written.
+        gaps: sentences about rows that could not be written, and when.
+        seed: seed of the testbench's noise and dead times; None: unknown, or nothing is simulated.
+        violated: the requirement that a counterexample refutes; empty: the run is no counterexample.
+        violated_s: time at which the violation shows, s.
+        because: why the requirement is violated, a sentence.
+        watched: the variables, locations and clocks that the violated requirement names.
+        note: a sentence about unreadable content; it is not written.
     """
 
     scenario: str = ""
@@ -83,7 +83,7 @@ class RunInfo:
     note: str = field(default="", compare=False)
 
     def write(self, folder: str | Path) -> Path:
-        """Write ``run.json`` into a folder, whole or not at all; raises OSError."""
+        """Write ``run.json`` into a folder, completely or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
         left_out = ["note", *(() if self.e_stop else ("e_stop",))]
         left_out += () if self.violated else _OF_COUNTEREXAMPLES
@@ -109,13 +109,13 @@ class RunInfo:
         return path
 
     def attempts(self, actuator: str) -> int | None:
-        """How many failed attempts abort, when the run says so."""
+        """Return the number of failed attempts that aborts a grip; None: the run does not state it."""
         number = self.limits.get(actuator, {}).get("attempts")
         return number if isinstance(number, int) and not isinstance(number, bool) and number > 0 else None
 
 
 def read_run(path: str | Path) -> RunInfo:
-    """Read a ``run.json``, or that of a folder; what is missing or unusable is left at its default, and noted."""
+    """Read a ``run.json``, or that of a folder; unusable values get their defaults, and ``note`` reports them."""
     path = Path(path)
     try:
         if path.is_dir():
@@ -131,12 +131,12 @@ def read_run(path: str | Path) -> RunInfo:
         return RunInfo(note=_not_read(path, "not an object"))
     found = {key: _usable(key, value) for key, value in content.items() if key in KINDS and value is not None}
     wrong = [key for key, value in found.items() if value is None or _len(value) != _len(content[key])]
-    note = _not_read(path, f"of another type than it should be: {', '.join(wrong)}") if wrong else ""
+    note = _not_read(path, f"wrong type of {', '.join(wrong)}") if wrong else ""
     return RunInfo(**{key: value for key, value in found.items() if value is not None}, note=note)
 
 
 def _usable(key: str, value: object) -> Any:
-    """The value, or what can be used of its elements; None: nothing can."""
+    """Return the value, or the usable elements of it; None: there are none."""
     if not isinstance(value, KINDS[key]):
         return None
     if isinstance(value, dict):
@@ -152,4 +152,4 @@ def _len(value: object) -> int:
 
 
 def _not_read(path: Path, why: str) -> str:
-    return f"{path} is left out as far as it cannot be read: {why}."
+    return f"{path} can only be read in part: {why}."

@@ -1,4 +1,4 @@
-"""``run.csv``: the tables of a recording as one, with numbers only."""
+"""``run.csv``: all tables of a recording in one, with numbers only."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from end_effector_hal.vocabulary import ChangerState
 
 @dataclass(frozen=True)
 class _Columns:
-    """Some columns with rows of their own; ``before``: what stands there until the first of them."""
+    """Columns from one table with its rows; ``before``: the cell text until the first row."""
 
     names: tuple[str, ...]
     times_s: Sequence[float]
@@ -31,7 +31,7 @@ class _Columns:
     before: str = "NaN"
 
     def at(self, time_s: float) -> Sequence[Sequence[str]]:
-        """Its rows of an instant; where it has none, the one that holds then."""
+        """Return the rows of an instant; if there are none, the row that holds then."""
         first, end = bisect_left(self.times_s, time_s), bisect_right(self.times_s, time_s)
         if first < end:
             return self.rows[first:end]
@@ -46,15 +46,15 @@ def write_run_table(
     alarms: Sequence[AlarmRow] = (),
     switches: SwitchesLog | None = None,
 ) -> Path:
-    """Write one table of a recording: a row for each instant at which anything in it has changed.
+    """Write one table of a recording, with a row for each instant at which any value changes.
 
-    Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` where there is one, ``alarms`` (how many
-    stand), ``CHANNEL_on`` for each switch (1 on, 0 off), ``CHANNEL_gauge_kpa`` for each pressure and ``CHANNEL_mm``
-    (or another unit) for each quantity. What has not changed is repeated; what is not known is ``NaN``.
-    States that were left in the instant of their entry have a row each.
+    Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` if the recording has it, ``alarms`` (number of
+    active alarms), ``CHANNEL_on`` for each switch (1 on, 0 off), ``CHANNEL_gauge_kpa`` for each pressure and
+    ``CHANNEL_mm`` (or another unit) for each quantity. Unchanged values are repeated; unknown ones are ``NaN``. States
+    that were left in the instant of their entry get a row each.
 
     Raises:
-        UsageError: it cannot be written, or the recording holds no row.
+        UsageError: the file cannot be written, or the recording contains no row.
     """
     if not log.rows:
         raise UsageError("This recording holds no row, so there is nothing to write.", where=log.source)
@@ -74,7 +74,7 @@ def write_run_table(
 
 
 def _rows(columns: Sequence[_Columns], time_s: float) -> Iterator[str]:
-    """The rows of one instant, those of each table in their order."""
+    """Yield the rows of one instant, with the rows of each table in their order."""
     found = [each.at(time_s) for each in columns]
     for number in range(max(map(len, found))):
         yield ",".join(cell for rows in found for cell in rows[min(number, len(rows) - 1)])

@@ -1,4 +1,4 @@
-"""What a violated requirement speaks of, over the run that violates it: stands in ``run.json`` of a counterexample."""
+"""The values that a violated requirement names, over the run: part of ``run.json`` of a counterexample."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pydantic import FiniteFloat, TypeAdapter, ValidationError
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """A variable, the location of a process, or a clock.
+    """The course of a variable, of the location of a process, or of a clock.
 
     Attributes:
         name: ``evidence[cups]``, ``Gripper``, ``Observer.x``.
-        wrong: whether it is in the part that does not hold at the end.
-        values: from when on, s, it is what, in words; none of a clock.
-        points: of a clock: (s, s), joined by lines.
-        limits: of a clock: what it is compared with, in words and s.
-        deadline_s: of a clock: when it passed the limit that does not hold; None: it has passed none.
+        wrong: whether it belongs to the part of the requirement that does not hold at the end.
+        values: pairs of a start time, s, and the value from then on, in words; empty for a clock.
+        points: for a clock: points (s, s), joined by lines.
+        limits: for a clock: the limits with which it is compared, in words and s.
+        deadline_s: for a clock: when it passed the limit that does not hold; None: it has passed none.
     """
 
     name: str
@@ -28,7 +28,7 @@ class Watched:
     deadline_s: FiniteFloat | None = None
 
     def document(self) -> dict[str, object]:
-        """As JSON; what is empty is left out."""
+        """Return the fields as JSON, without the empty ones."""
         return {key: value for key, value in asdict(self).items() if value not in ((), None)}
 
 
@@ -36,7 +36,7 @@ _WATCHED = TypeAdapter(Watched)
 
 
 def read_watched(content: object) -> Watched | None:
-    """From JSON; None: it is something else, or holds no value at all."""
+    """Return the object in JSON content; None: the content has another form, or no values."""
     try:
         found = _WATCHED.validate_python(content)
     except ValidationError:

@@ -1,3 +1,3 @@
-"""The nodes in ROS 1: how they start, talk and end there."""
+"""Run the nodes in ROS 1: their start, communication and end."""
 
 from ._run import main

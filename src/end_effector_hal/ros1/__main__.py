@@ -1,4 +1,4 @@
-"""``python3 -m end_effector_hal.ros1``: the check of the launch file before it starts anything."""
+"""``python3 -m end_effector_hal.ros1``: run the check of the launch file before it starts anything."""
 
 import sys
 

@@ -20,13 +20,13 @@ HOW = "_description:=FILE or _profile:=NAME"
 
 
 def tool_named(argv: Sequence[str], parameter: Callable[[Parameter], str]) -> Path:
-    """The description that the arguments name, else the private parameters.
+    """Return the path of the description that the arguments name, or else the private parameters.
 
-    What an earlier start left on the parameter server does not count besides arguments.
+    If the arguments name a tool, values from an earlier start on the parameter server are ignored.
 
     Args:
-        argv: of the program; ``_description:=`` and ``_profile:=`` name a tool, empty ones none.
-        parameter: gives a private parameter, empty if it is not set.
+        argv: arguments of the program; ``_description:=`` and ``_profile:=`` name a tool, empty values name none.
+        parameter: returns a private parameter, empty if it is not set.
 
     Raises:
         UsageError: neither or both are given, or no profile has that name.
@@ -43,18 +43,18 @@ def _argument(argv: Sequence[str], parameter: Parameter) -> str | None:
 
 
 def node_name(name: str) -> str:
-    """What this process will be called as a node: in its namespace, or as ``__name:=`` says."""
+    """Return the resolved name of this process as a node: in its namespace, or as ``__name:=`` defines it."""
     called = rospy.names.get_mappings().get("__name", name)
     return str(rosgraph.names.ns_join(rospy.names.get_namespace(), called))
 
 
 def refuse_taken_name(name: str, tool: str) -> None:
-    """Raise RosError when a node of this name runs: it is left alone, and the new one does not start.
+    """Raise RosError if a node of this name runs: it keeps running, and the new one does not start.
 
     A node that does not answer counts as lost, and is replaced, unless it was started for another tool.
 
     Args:
-        name: resolved, of the new node.
+        name: resolved name of the new node.
         tool: path of its description; empty: it has none.
     """
     uri = ask_master("lookupNode", name)
@@ -80,12 +80,12 @@ def refuse_taken_name(name: str, tool: str) -> None:
 
 
 def private_parameter(node: str) -> Callable[[Parameter], str]:
-    """A function that reads the private parameters of a node, by its resolved name, from the master."""
+    """Return a function that reads the private parameters of a node, by its resolved name, from the master."""
     return lambda each: str(ask_master("getParam", f"{node}/{each.name}") or "")
 
 
 def _tool_of(name: str) -> str:
-    """Path of the description that a node was started with; empty: it is not known."""
+    """Return the path of the description that a node was started with; empty: unknown."""
     try:
         return str(tool_named((), private_parameter(name)))
     except UsageError:

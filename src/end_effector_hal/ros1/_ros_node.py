@@ -1,4 +1,4 @@
-"""A node of ROS 1: how it starts, talks and ends with rospy."""
+"""A node of ROS 1: its start, communication and end with rospy."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ _LEVELS = (
 
 
 def write_line(level: int, text: str) -> None:
-    """Write a text at a level of `logging`, with the name of this node: the console shows none."""
+    """Write a text at a level of `logging`, with the name of this node, which the console does not show."""
     log = next((log for least, log in _LEVELS if level >= least), rospy.logdebug)
     log("%s", f"{rospy.get_name()}: {text}")
 
 
 LAST_MESSAGES_S = 0.05
-"""For the last messages to leave the queues."""
+"""Time for the last messages to leave the queues, s."""
 LONGEST_END_S = 5.0
 
 
@@ -69,7 +69,7 @@ class RosNode:
 
     Raises:
         RosError: there is no master, or a node of this name runs already.
-        UsageError: no tool is named, where the node needs one; or an argument is none of a node.
+        UsageError: the node needs a tool and none is named, or an argument is invalid for a node.
     """
 
     generation = 1
@@ -102,30 +102,30 @@ class RosNode:
         rospy.core.add_shutdown_hook(lambda reason: self._end.begin())
 
     def description(self) -> Description:
-        """The tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
+        """Return the tool that ``~description`` or ``~profile`` names; raises DescriptionError."""
         assert self._tool is not None, "only nodes of the table have a description"
         return load_for_nodes(self._tool)
 
     def frames(self, description: Description) -> Frames:
-        """A process has one node here."""
+        """Return new frames, as a process has only one node in ROS 1."""
         return Frames(description)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
-        """A private parameter."""
+        """Return a private parameter."""
         return str(rospy.get_param("~" + parameter.name, default))
 
     def parameter_once(self, parameter: Parameter) -> str:
-        """A private parameter, which is removed from the parameter server."""
+        """Return a private parameter, and remove it from the parameter server."""
         if text := self.parameter(parameter):
             rospy.delete_param(f"~{parameter.name}")
         return text
 
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """A function that publishes a message on a topic."""
+        """Return a function that publishes a message on a topic."""
         return publisher(topic, lambda: self._closing)
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Call back for every message of a topic that comes from a node that the table names."""
+        """Call ``callback`` for every message of a topic that comes from a node that the interface table names."""
         kind, options = message_class(topic.type), {"queue_size": topic.queue, "tcp_nodelay": True}
         if topic.public:
             rospy.Subscriber(topic.name, kind, callback, **options)
@@ -146,7 +146,7 @@ class RosNode:
         subscriber.impl.add_callback(admitted, None)
 
     def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Why a call of an internal service is refused; empty: it comes from a node that the table names."""
+        """Return why a call of an internal service is refused; empty: the interface table names its caller."""
         caller, known = caller_of(request), nodes_of(service.name, service.callers)
         if caller in known:
             return ""
@@ -161,18 +161,18 @@ class RosNode:
         rospy.Service(service.name, kind, lambda request: respond(handler(request)))
 
     def call(self, service: Service) -> Answer | None:
-        """Call a service without arguments; None: its node cannot be reached."""
+        """Call a service without arguments and return its answer; None: its node cannot be reached."""
         try:
             return answer_of(rospy.ServiceProxy(service.name, service_class(service.type))())
         except rospy.ServiceException:
             return None
 
     def command_client(self, service: Service) -> CommandClient:
-        """A client that gives commands to another node."""
+        """Return a client that sends commands to another node."""
         return Commander(service.server, lambda: CommandService(service))
 
     def offers(self, action: Action) -> bool:
-        """Whether the table offers an action in ROS 1."""
+        """Return whether the interface table offers an action in ROS 1."""
         return self.generation in action.generations
 
     def action_server(
@@ -186,19 +186,19 @@ class RosNode:
         return action_server(action, on_goal, on_cancel, result, self.log)
 
     def action_client(self, action: Action) -> ActionClient:
-        """A client of an action."""
+        """Return a client of an action."""
         return action_client(action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        """Call back at a rate, in a thread of its own."""
+        """Call ``callback`` at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, self.log))
 
     def on_close(self, callback: Callable[[], None]) -> None:
-        """Call back at the end, while the node can still publish; the last added comes first."""
+        """Call ``callback`` at the end, while the node can still publish; the last registered one is called first."""
         self._closers.insert(0, callback)
 
     def on_end(self, callback: Callable[[], None]) -> None:
-        """Call back when this object is left as a context manager; the last added comes first."""
+        """Call ``callback`` when the context manager of this node exits; the last registered one is called first."""
         self._at_end.callback(callback)
 
     @property
@@ -215,12 +215,12 @@ class RosNode:
         self._at_end.close()
 
     def end(self) -> None:
-        """End the node, for its work is done or a signal came; in the main thread."""
+        """End the node because its work is done or a signal came; must be called in the main thread."""
         self._end.bound()
         rospy.signal_shutdown("quit")
 
     def spin(self) -> int:
-        """Work until the end; the exit code. Raises what :meth:`fail` was given."""
+        """Work until the end, and return the exit code; raises the error that :meth:`fail` got."""
         self._starters.start()
         try:
             return self._end.wait()
@@ -228,7 +228,7 @@ class RosNode:
             self.end()
 
     def fail(self, error: ReportedError) -> None:
-        """End the node with an error, so that roslaunch starts it again; may be called in any thread."""
+        """End the node with an error, so that roslaunch restarts it; callable from any thread."""
         if self._end.fail(error):
             rospy.signal_shutdown(str(error))
 

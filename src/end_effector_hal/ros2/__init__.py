@@ -1,3 +1,3 @@
-"""The nodes in ROS 2: how they start, talk and end there."""
+"""Run the nodes in ROS 2: their start, communication and end."""
 
 from ._run import MANAGED, PROGRAMS, ROS_PACKAGES, main

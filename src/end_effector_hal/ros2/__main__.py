@@ -1,4 +1,4 @@
-"""``python3 -m end_effector_hal.ros2 hal --ros-args -p profile:=NAME``: the executables, without a workspace."""
+"""``python3 -m end_effector_hal.ros2 hal --ros-args -p profile:=NAME``: run the executables without a workspace."""
 
 import sys
 

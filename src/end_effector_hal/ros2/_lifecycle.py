@@ -1,4 +1,4 @@
-"""A managed node, as ROS 2's lifecycle has it: the nodes of a tool work in its process while it is active."""
+"""A managed node of ROS 2's lifecycle: the nodes of a tool work in its process while it is active."""
 
 from __future__ import annotations
 
@@ -38,16 +38,15 @@ _LOOK_S = 0.05
 
 
 class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
-    """Configure loads the tool and asks for its proof; activate starts its nodes and waits for the sensors.
+    """Configure loads the tool and checks its proof; activate starts its nodes and waits for the sensors.
 
-    Deactivate ends the nodes as SIGTERM does: the lines go where `endings: sigterm` says, by default what is
-    held stays held.
-    Cleanup moves no line. A transition that fails says why in the log.
+    Deactivate ends the nodes as SIGTERM does: the lines get the state that `endings: sigterm` defines; by default held
+    parts stay held. Cleanup changes no line. A transition that fails logs the reason.
 
     Args:
-        process: that it runs in.
-        names: of the nodes of the table that work while it is active.
-        argv: of the program.
+        process: the process that it runs in.
+        names: the nodes of the interface table that work while it is active.
+        argv: arguments of the program.
     """
 
     def __init__(self, process: Process, names: Sequence[str], argv: Sequence[str]) -> None:
@@ -62,21 +61,23 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._hash = ""
         self._group: NodeGroup | None = None
         self._starting = threading.RLock()
-        """Held while nodes start: a signal that comes meanwhile ends them all, not those that were there already."""
+        """Held while nodes start, so that a signal during the start ends all of them, not only those that exist
+        already.
+        """
         self._guard_transitions()
         self._own = NodeGroup(process, (MANAGER,))
         self._own.add(self, MANAGER)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Load the description, and look for its verdict."""
+        """Load the description, and check its proof."""
         return self._tried("configured", self._configure)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Open, adopt, and wait for the sensors."""
+        """Start the nodes, adopt the lines, and wait for the sensors."""
         return self._tried("activated", self._activate)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """End the nodes; by default what is held stays held."""
+        """End the nodes; by default held parts stay held."""
         self._end_group()
         return super().on_deactivate(state)
 
@@ -86,24 +87,24 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return TransitionCallbackReturn.SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From any state: end the nodes and the process; its launcher restarts it."""
+        """End the nodes and the process, from any state; its launcher restarts it."""
         self._end_group()
         self._process.end()
         return TransitionCallbackReturn.SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """A transition has raised: close everything and return to unconfigured."""
+        """Close everything after an exception in a transition, and return to unconfigured."""
         self._end_group()
         return TransitionCallbackReturn.SUCCESS
 
     def close(self) -> None:
-        """At the end of the process, in any state."""
+        """End the node and its group at the end of the process, in any state."""
         self._own.close()
         self._end_group()
         self._log_handler.end()
 
     def _guard_transitions(self) -> None:
-        """A transition that is not possible now raises in rclpy, which would end the executor: it is refused."""
+        """Refuse transitions that are not possible now; in rclpy they raise, which would end the executor."""
         service = next(each for each in self.services if each.srv_name.endswith("/change_state"))
         change = service.callback
 
@@ -166,7 +167,9 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             raise UsageError(f"{description.name} was ended while it waited for its sensors.")
         if why and last[0] is not None and any(last[0].outputs):
             # nodes that ended would leave nobody to drop what is held
-            self._log.warning("active, for outputs are; but %s", "; ".join(why))
+            self._log.warning(
+                "active because outputs are active, although the tool is not ready: %s", "; ".join(why)
+            )
         elif why:
             raise UsageError(
                 f"{description.name} is not ready after {ready_s:g} s: {'; '.join(why)}.",
@@ -190,7 +193,7 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self._log.error("not %s: %s", what, error)
             return TransitionCallbackReturn.FAILURE
         except Exception:  # noqa: BLE001 rclpy would not say which
-            self._log.exception("not %s, by a fault of the program", what)
+            self._log.exception("not %s because of an error in the program", what)
             return TransitionCallbackReturn.ERROR
         self._log.info("%s", what)
         return TransitionCallbackReturn.SUCCESS
@@ -207,7 +210,7 @@ def _seconds(text: str) -> float:
 
 
 def _without_own_name(argv: Sequence[str]) -> list[str]:
-    """The arguments for the nodes: a launch file names the managed node with a rule that would name all."""
+    """Return the arguments without the rule that names the managed node, because it would rename all nodes."""
     arguments: list[str] = []
     words = iter(argv[1:])
     for word in words:

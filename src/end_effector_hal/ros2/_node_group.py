@@ -1,4 +1,4 @@
-"""Nodes that start and end together: one executor in a thread of its own, one bus between them."""
+"""Nodes that start and end together: they share one executor in a thread of its own, and one bus."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from .connections import LocalBus
 
 _log = logging.getLogger("end_effector_hal.ros2")
 LAST_MESSAGES_S = 0.05
-"""For the last messages to leave the queues."""
+"""Time for the last messages to leave the queues, s."""
 LONGEST_END_S = 5.0
 WORKERS = 16
-"""Calls of services that may block at once."""
+"""Maximum number of service calls that may block at the same time."""
 
 
 class NodeGroup:
     """Runs nodes until they are closed, or one of them fails, which ends the process.
 
     Args:
-        process: that they run in.
-        names: of the nodes that will run here.
-        arguments: of ROS, in place of those of the process.
-        parameters: values for what the arguments do not give.
-        description: the tool, whatever their parameters name; None: they say it.
+        process: the process that they run in.
+        names: the nodes that will run here.
+        arguments: arguments of ROS that replace those of the process.
+        parameters: values for parameters that the arguments do not set.
+        description: the tool, which overrides their parameters; None: the parameters name it.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class NodeGroup:
         self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
 
     def node(self, name: str) -> Node:
-        """A node of rclpy in this group."""
+        """Return a new node of rclpy in this group."""
         own = (
             {} if self._arguments is None else {"cli_args": [*self._arguments], "use_global_arguments": False}
         )
@@ -78,7 +78,7 @@ class NodeGroup:
         return node
 
     def add(self, node: Node, name: str) -> None:
-        """Run a node in this group; raises UsageError where another one of it has its name, or it has ended."""
+        """Run a node in this group; raises UsageError if its name is taken in the group, or the group has ended."""
         if self._closing:
             node.destroy_node()
             raise UsageError(f"{name} is not started: the process ends.")
@@ -92,7 +92,7 @@ class NodeGroup:
             self._thread.start()
 
     def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
-        """Call back at a rate, in a thread of its own."""
+        """Call ``callback`` at a rate, in a thread of its own."""
         self._tickers.append(Ticker(1 / rate_hz, callback, log))
 
     def on_close(self, callback: Callable[[], None]) -> None:
@@ -100,7 +100,7 @@ class NodeGroup:
         self._closers.insert(0, callback)
 
     def on_end(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at the very end, when nothing comes any more."""
+        """Call ``callback`` at the very end, after the last message."""
         self._enders.insert(0, callback)
 
     @property
@@ -109,11 +109,13 @@ class NodeGroup:
         return self._closing or self._process.ending
 
     def fail(self, error: ReportedError) -> None:
-        """End the process with an error, so that its launcher starts it again; in any thread."""
+        """End the process with an error, so that its launcher restarts it; callable from any thread."""
         self._process.fail(error)
 
     def close(self) -> None:
-        """End all nodes: callbacks while the topics are open, then all that comes, the last callbacks, the topics."""
+        """End all nodes: first call `on_close` callbacks, then end the executor, call `on_end` callbacks, close
+        topics.
+        """
         if self._closed:
             return
         self._closing = self._closed = True
@@ -148,7 +150,7 @@ class NodeGroup:
 
 
 def _destroy(node: Node) -> None:
-    """rclpy forgets the actions of a node: their servers would be there until the garbage is collected."""
+    """Destroy a node with its actions, which rclpy omits: their servers would exist until the garbage is collected."""
     for each in list(node.waitables):
         if isinstance(each, ActionServer | ActionClient):
             each.destroy()

@@ -1,4 +1,4 @@
-"""A process of ROS 2: one context, and one end, by a signal or by a fault."""
+"""A process of ROS 2 with one context, and one end: by a signal or by an error."""
 
 from __future__ import annotations
 
@@ -14,19 +14,22 @@ from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes.process import ProcessEnd, leave_within
 
 LONGEST_END_S = 15.0
-"""Longer than all that ends in good order may take together."""
+"""Longest time for an end in good order, s; longer than all its parts together."""
 MIDDLEWARE_S = 5
-"""Fast DDS may wait for itself for ever where processes that know each other end together (eProsima/Fast-DDS#6193)."""
+"""Longest wait for the middleware to end, s.
+
+Fast DDS may deadlock when processes that communicate with each other end at the same time (eProsima/Fast-DDS#6193).
+"""
 
 
 class Process:
-    """Works until a signal comes, or something in it fails.
+    """Works until a signal comes, or a part of it fails.
 
     Args:
-        argv: of the program, with what stands behind ``--ros-args``.
+        argv: arguments of the program, with those after ``--ros-args``.
 
     Raises:
-        UsageError: an argument is none of ROS 2.
+        UsageError: an argument is not valid for ROS 2.
         RosError: ROS 2 cannot be started.
     """
 
@@ -51,17 +54,17 @@ class Process:
         return self._end.begun
 
     def fail(self, error: ReportedError) -> None:
-        """End with an error, so that the launcher starts this process again; in any thread."""
+        """End with an error, so that the launcher restarts this process; callable from any thread."""
         if self._end.fail(error):
             self._end.begin()
 
     def bound_middleware(self) -> None:
-        """Only the middleware has still to end; if it hangs, the process leaves after `MIDDLEWARE_S`."""
+        """Exit the process after `MIDDLEWARE_S` if the middleware, which ends last, hangs."""
         if self.ending:
             leave_within(MIDDLEWARE_S, self._end.exit_code)
 
     def close(self) -> None:
-        """Give the context back; the nodes have ended."""
+        """Shut down the context; the nodes must have ended."""
         rclpy.try_shutdown(context=self.context)
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:

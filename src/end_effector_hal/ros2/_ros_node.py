@@ -1,4 +1,4 @@
-"""A node of ROS 2: how it starts, talks and ends with rclpy."""
+"""A node of ROS 2: its start, communication and end with rclpy."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ from .connections import (
 
 
 def writer_of(node: Node) -> Callable[[int, str], None]:
-    """A function that writes a text at a level of `logging`."""
+    """Return a function that writes a text at a level of `logging`."""
     # each place of the code may log at one level only
     logger = node.get_logger()
 
@@ -71,7 +71,7 @@ def writer_of(node: Node) -> Callable[[int, str], None]:
 
 
 def declared(node: Node, parameter: Parameter, default: str = "") -> str:
-    """Declare a parameter; its value."""
+    """Declare a parameter, and return its value."""
     descriptor = ParameterDescriptor(description=parameter.about, read_only=True, dynamic_typing=True)
     value = node.declare_parameter(parameter.name, default, descriptor).value
     return "" if value is None else str(value)
@@ -84,12 +84,12 @@ CALL_S = 5.0
 class RclpyNode:
     """The transport of one node.
 
-    Topics are called back in the executor's thread, those of this process in the thread of the publisher; services
-    in threads of their own.
+    Callbacks of topics run in the executor's thread, those of topics within this process in the thread of the
+    publisher; those of services run in threads of their own.
 
     Args:
-        name: of the node in the table.
-        group: that it runs in.
+        name: name of the node in the interface table.
+        group: the group that it runs in.
     """
 
     generation = 2
@@ -110,26 +110,26 @@ class RclpyNode:
         self.on_close(self._log_handler.end)
 
     def description(self) -> Description:
-        """The tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
+        """Return the tool that the parameter ``description`` or ``profile`` names; raises DescriptionError."""
         if self._group.description is not None:
             return self._group.description
         given = [self._parameters.get(each.name, "") for each in (DESCRIPTION, PROFILE)]
         return load_for_nodes(tool_path(*given, how=HOW))
 
     def frames(self, description: Description) -> Frames:
-        """What the nodes of this group share."""
+        """Return the frames that the nodes of this group share."""
         return self._group.frames.of(description)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
-        """A parameter."""
+        """Return a parameter."""
         return self._parameters.get(parameter.name) or default
 
     def parameter_once(self, parameter: Parameter) -> str:
-        """A parameter: in ROS 2 it ends with its node."""
+        """Return a parameter; in ROS 2 it ends with its node, and need not be removed."""
         return self.parameter(parameter)
 
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """A function that publishes a message on a topic; first to the nodes of this process."""
+        """Return a function that publishes a message on a topic, first to the nodes of this process."""
         kind = message_class(topic.type)
         make = RclpyMessageMaker(kind, self._node.get_clock())
         sender = self._node.create_publisher(kind, topic.name, writer_quality(topic))
@@ -143,7 +143,7 @@ class RclpyNode:
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Call back for every message of a topic that comes from a node that the table names."""
+        """Call ``callback`` for every message of a topic that comes from a node that the interface table names."""
         if self._group.bus.carries(topic):
             self._group.bus.subscribe(topic, callback)
             return
@@ -178,11 +178,11 @@ class RclpyNode:
         )
 
     def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Nothing: ROS 2 does not tell a server in Python who calls (SAFETY.md)."""
+        """Return an empty text: ROS 2 does not report the caller to a server in Python (SAFETY.md)."""
         return ""
 
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
-        """Answer the calls of a service; an internal one only within this process, where its callers run here too."""
+        """Answer the calls of a service; an internal one only within this process, if its callers run here too."""
         self._group.bus.serve(service, handler)
         if service.internal and self._group.bus.runs(service.callers):
             return
@@ -207,7 +207,7 @@ class RclpyNode:
         )
 
     def call(self, service: Service) -> Answer | None:
-        """Call a service without arguments; None: its node cannot be reached."""
+        """Call a service without arguments and return its answer; None: its node cannot be reached."""
         kind = service_class(service.type)
         client = self._node.create_client(kind, service.name, callback_group=self._calls)
         try:
@@ -220,7 +220,7 @@ class RclpyNode:
             self._node.destroy_client(client)
 
     def command_client(self, service: Service) -> CommandClient:
-        """A client that gives commands to another node."""
+        """Return a client that sends commands to another node."""
         bus = self._group.bus
         if bus.serves(service):
             return Commander(service.server, lambda: LocalService(lambda: bus.handler(service), service))
@@ -230,7 +230,7 @@ class RclpyNode:
         return Commander(service.server, lambda: RclpyCommandService(client, service))
 
     def offers(self, action: Action) -> bool:
-        """Whether the type of an action is there; one that may be missing is told in the log."""
+        """Return whether the type of an action is installed; a missing optional type is logged."""
         if self.generation not in action.generations:
             return False
         if not action.optional or has_action_class(action.type):
@@ -249,11 +249,11 @@ class RclpyNode:
         return RclpyActionServer(self._node, action, on_goal, on_cancel, result, self.log)
 
     def action_client(self, action: Action) -> ActionClient:
-        """A client of an action."""
+        """Return a client of an action."""
         return RclpyActionClient(self._node, action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        """Call back at a rate, in a thread of its own."""
+        """Call ``callback`` at a rate, in a thread of its own."""
         self._group.every(rate_hz, callback, self.log)
 
     @property

@@ -1,4 +1,4 @@
-"""How the executables of the ROS 2 package start: an error is one sentence, and the exit code says its kind."""
+"""Start the executables of the ROS 2 package: an error is printed as one sentence, and the exit code shows its kind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROS_PACKAGES = (
     "std_msgs",
     "std_srvs",
 )
-"""What the nodes import of ROS 2."""
+"""Packages of ROS 2 that the nodes import."""
 
 
 _HAL = (PRESSURE, GRIP, TOOL_CHANGE, POSITION, HAL_MAIN)
@@ -32,16 +32,16 @@ PROGRAMS = {
     MANAGED: _HAL,
     **{program: (node,) for program, node in NODE_PROGRAMS.items()},
 }
-"""The executables and their nodes. Grip is the first that gets a frame: a line waits for it. HALMain starts last and
-ends first: its clients hear from it that it ends.
+"""The executables and their nodes. Grip is the first node that gets a frame, because a line depends on it. HALMain
+starts last and ends first, so that it can report its end to its clients.
 
-Those of `MANAGED` work while its lifecycle node is active.
+The nodes of `MANAGED` work while its lifecycle node is active.
 """
 CHECK_LAUNCH = "check_launch"
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the nodes of an executable in one process, or the check of the launch file; returns the exit code.
+    """Run the nodes of an executable in one process, or the check of the launch file; return the exit code.
 
     Args:
         argv: the name of the executable, then its arguments.

@@ -1,7 +1,8 @@
-"""A tool put together: description, automata and wires, in real time.
+"""A tool at work: its description, automata and wires put together, in real time.
 
-Rooms, the upper of which import the lower: ``tool``, a whole end-effector in one process; ``programs``, controllers
-with a thread each; ``boundary``, what goes in and out of them, recorded; ``outputs``, from statuses to writes.
+Packages, of which an upper one imports those below it: ``tool``, a whole end-effector in one process; ``programs``,
+controllers with one thread per program; ``boundary``, recorded inputs and outputs of the programs; ``outputs``, from
+statuses to writes.
 """
 
 from ._automata import load_automata

@@ -1,4 +1,4 @@
-"""The automata of a tool, put together with its description."""
+"""Load the automata of a tool with the constants of its description."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from timed_automata import Network
 
 
 def load_automata(description: Description) -> Network:
-    """The network of a tool with its constants; both programs can be put together from it.
+    """Return the network of a tool with its constants, and check that its programs can be executed with it.
 
     Raises:
-        ModelError: the UPPAAL file is not valid, or does not fit the description; with its place.
+        ModelError: the UPPAAL file is not valid, or does not fit the description; the error names the place.
     """
     try:
         network = network_of(description)

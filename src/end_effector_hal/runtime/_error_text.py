@@ -1,4 +1,4 @@
-"""What somebody else's code has raised, as an alarm that every face can send."""
+"""Turn exceptions of third-party code into text that every interface can send."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ LONGEST = 300
 
 
 def error_text(error: BaseException) -> str:
-    """One line of at most 300 characters that can be encoded; an error that cannot say what it is, is named."""
+    """Return the error as one line of at most 300 characters that can be encoded.
+
+    An error whose text cannot be read is shown by the name of its class.
+    """
     try:
         text = str(error)
     except Exception:  # noqa: BLE001 a third party's
@@ -19,5 +22,5 @@ def error_text(error: BaseException) -> str:
 
 
 def sendable(text: str) -> str:
-    """One line of at most 300 characters that can be encoded."""
+    """Return the text as one line of at most 300 characters that can be encoded."""
     return " ".join(text.split())[:LONGEST].encode("utf-8", "replace").decode()

@@ -45,7 +45,7 @@ def reload_answer(before: Description) -> Answer:
         what = ", ".join(kept)
         return Answer(
             False,
-            f"The line arbiter runs with what would change: {what}. The description that runs stays in force. End the "
+            f"Only a restart of the line arbiter can change {what}. The description that runs stays in force. End the "
             "programs, restart the line arbiter (its lines keep their levels), and start them again; with systemd "
             "`install.sh -c` does that.",
         )

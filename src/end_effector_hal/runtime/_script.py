@@ -1,4 +1,4 @@
-"""A script: commands of Table II in words, one after the other."""
+"""Parse scripts: sequences of commands of Table II, written as words."""
 
 from __future__ import annotations
 
@@ -21,36 +21,38 @@ VERBS: Mapping[str, Command] = {
     "exit": Command.QUIT,
 }
 ARM = "arm"
-"""Arms an unlock (IL-02); Table II has no command for it."""
+"""Word that arms an unlock (IL-02); Table II has no command for it."""
 RESET = "reset"
-"""Clears latched faults; Table II has no command for it."""
+"""Word that clears latched faults; Table II has no command for it."""
 STOP = "stop"
-"""Latches a stop (IL-13); Table II has no command for it."""
+"""Word that latches a stop (IL-13); Table II has no command for it."""
 RELOAD = "reload"
-"""Takes over the description as it is in the file now, of the session."""
+"""Word that makes the session adopt the current content of the description file."""
 SHOWN = ("status", "help")
-"""Asked of the session, not of the tool."""
+"""Words that the session answers, not the tool."""
 WAIT = "wait"
 SET = "set"
-"""Switches a plain output: ``set lamp on``."""
+"""Word that switches a plain output: ``set lamp on``."""
 LEVELS = {"on": True, "off": False}
 SCENARIO = "scenario"
-"""What goes wrong on a simulated tool from now on: ``scenario leak:top_vacuum``."""
+"""Word that selects the scenario of a simulated tool from now on: ``scenario leak:top_vacuum``."""
 WORDS = (*VERBS, ARM, STOP, RESET, RELOAD, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
 class ScriptCommand:
-    """One command; where ``command`` is None a stop, a reset, a reload, an arming, an output, something to show, a
-    scenario, or else a wait.
+    """One step of a script.
+
+    If ``command`` is None, the step is a stop, a reset, a reload, an arming, an output, something to show, a scenario,
+    or else a wait.
 
     Attributes:
-        background: the next one follows without waiting for the outcome, as after ``&`` in a shell.
-        show: one of `SHOWN`.
+        background: whether the next step starts without waiting for the outcome, as after ``&`` in a shell.
+        show: a word of `SHOWN`; empty: none.
         output: the plain output to switch; empty: none.
-        active: what it becomes.
-        scenario: for the testbench of a simulated tool; empty: none.
+        active: the level that the output gets.
+        scenario: the scenario for the testbench of a simulated tool; empty: none.
     """
 
     command: Command | None = None
@@ -67,10 +69,10 @@ class ScriptCommand:
 
 
 def read_script(text: str) -> tuple[ScriptCommand, ...]:
-    """Commands from text such as ``lock; grip &; wait 2; cancel; quit``; a line end separates as ``;`` does.
+    """Parse text such as ``lock; grip &; wait 2; cancel; quit``; a line end separates commands as ``;`` does.
 
     Raises:
-        UsageError: a step is no command; it says which, and what was perhaps meant.
+        UsageError: a step is not a command; the error names the step and suggests a similar word.
     """
     lines = (line.partition("#")[0] for line in text.splitlines())
     parts = (part.strip() for line in lines for part in line.split(";"))
@@ -78,7 +80,7 @@ def read_script(text: str) -> tuple[ScriptCommand, ...]:
 
 
 def read_command(text: str) -> ScriptCommand:
-    """One command; raises UsageError."""
+    """Parse one step of a script; raises UsageError."""
     words = text.lower().removesuffix("&").split()
     background = text.rstrip().endswith("&")
     verb, *rest = words or [""]

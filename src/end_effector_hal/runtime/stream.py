@@ -1,21 +1,24 @@
-"""The socket of a program: its records go out, commands come in (`wires.rpc`).
+"""The socket of a program: it sends the program's records to its clients and receives commands (`wires.rpc`).
 
-Processes that may command the lines of a program may read its records, and give it commands.
+A process that may command the lines of a program may also read its records and send it commands.
 
-Rule 1: The program never waits. `RecordStream.put` hands records over; if the thread of the stream does not keep up,
-    all readers lose their place and get a new state.
-Rule 2: A reader begins with a state of the controller, which the program gives between two jobs, and gets every record
-    from there on.
+Rule 1: The program never waits. `RecordStream.put` queues records; if the thread of the stream does not keep up, all
+clients lose their place and get a new state.
+
+Rule 2: A client first gets a state of the controller, which the program supplies between two jobs, and then every
+record after it.
+
 Rule 3: The automata decide on a command; the stream decides nothing.
-Rule 4: Nothing that happens to the socket ends a program: without it there is a warning in the log, and nothing else.
 
-The records have the words of the recording (docs/reference/recordings.md). The first is the ``header``; then comes
-``state``, where the program stands (nothing, if it has not started yet), and from there on every record. Two kinds are
-in no recording: ``published`` (the status with what the program adds to its automata) and ``alive`` (each 0.4 s in
-which nothing else is sent, while the program works). ``header`` comes again, with a new ``state``, when records were
-lost.
+Rule 4: A failure of the socket never ends a program: it only causes a warning in the log.
 
-A request has a ``command``, in maintenance with the ``actuator``. Only the automata accept a command or refuse it; in
+The records use the names of the recording (docs/reference/recordings.md). The first is the ``header``; then comes
+``state``, the current state of the program (absent if it has not started yet), and after it every record. Two kinds
+are in no recording: ``published`` (the status with the additions of the program) and ``alive`` (sent after 0.4 s
+without another record, while the program works). After a loss of records, ``header`` and a new ``state`` are sent
+again.
+
+A request has a ``command`` and, in maintenance, an ``actuator``. Only the automata accept or refuse a command; in
 maintenance the answer comes when the line is written, before a sensor shows anything.
 """
 
@@ -38,24 +41,27 @@ from end_effector_hal.wires.rpc import Reply, RpcRequest, Server, ask, record_li
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 2_000
-"""The largest number of records that wait for the thread of the stream."""
+"""Maximum number of records that wait for the thread of the stream."""
 LOOK_S = 0.1
-"""The interval between two looks for records while a client reads: that of the page, because each look costs time."""
+"""Interval at which the queue is checked while a client reads, s; the same as for the live page, because each check
+costs time.
+"""
 ALIVE_US = 400_000
 AT_ONCE = 65_536
-"""The largest number of bytes sent at once; with more a fast reader would count as slow."""
+"""Maximum number of bytes sent at once; with more, a fast client would count as slow."""
 TOO_LATE = "The command came too late and was not executed."
 MAINTENANCE_WORDS = ("activate", "deactivate")
 """Commands for one actuator (IL-12)."""
 RELOAD, GO_ON = "reload", "go-on"
 RELOAD_WORDS = (RELOAD, GO_ON)
-"""Of either program: whether it can take over its description as the file is now; if so, nothing is activated for 30 s,
-or until ``go-on``."""
+"""Commands of both programs. ``reload`` checks whether the program can adopt the current description file; if it can,
+nothing is activated for 30 s, or until ``go-on``.
+"""
 PROGRAM_WORDS: Mapping[str, tuple[str, ...]] = {
     "grip": ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS),
     "tool_change": ("lock", "unlock", "arm", "reset"),
 }
-"""The commands of each program; ``acknowledge``: a person has seen the alarms that are over."""
+"""Commands of each program; ``acknowledge``: a person has seen the alarms that are over."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +73,9 @@ class ProgramCommand(RpcRequest):
 
 
 def program_socket(description: Description, program: str) -> Path:
-    """The socket of a program: beside that of the line arbiter; raises WireError as `socket_path` does."""
+    """Return the path of a program's socket, next to that of the line arbiter; raises WireError as
+    `socket_path` does.
+    """
     arbiter = socket_path(description)
     return arbiter.with_name(f"{arbiter.name}.{program}")
 
@@ -78,23 +86,25 @@ def program_of(word: str) -> str:
 
 
 def ask_program(path: Path, program: str, command: str) -> Answer:
-    """Request a command and wait for the answer; without one, return an undecided answer."""
+    """Send a command to a program and wait for the answer; if none comes, return an undecided answer."""
     return Answer(*ask(path, f"The {program} program", command=command))
 
 
 Entry = tuple[str, int, object]
-"""A record: its kind, its time and its content."""
+"""A record: kind, time (µs) and content."""
 Commander = Callable[[ProgramCommand], Answer]
 
 
 class RecordStream:
-    """Serves from `serve` to `close`. `put` and `begin` belong to one thread at a time, and never wait.
+    """Serves the records of a program on a socket, from `serve` to `close`.
+
+    `put` and `begin` never wait; only one thread at a time may call them.
 
     Args:
-        path: of the Unix socket: mode 0660, of the group of ``beside``.
-        beside: the socket of the line arbiter, whose rights it gets.
-        header: makes the first record for a reader.
-        words: the commands that the program takes.
+        path: the Unix socket: mode 0660, with the group of ``beside``.
+        beside: the socket of the line arbiter, whose group is copied.
+        header: makes the first record for a client.
+        words: the commands that the program accepts.
     """
 
     def __init__(
@@ -102,7 +112,7 @@ class RecordStream:
     ) -> None:
         self._path, self._beside, self._header, self._words = path, beside, header, frozenset(words)
         self.wants_state = False
-        """A client waits for a state: call `begin`."""
+        """Whether a client waits for a state; if so, call `begin`."""
         self._active = False
         self._batches: queue.SimpleQueue[tuple[bool, Sequence[Entry]]] = queue.SimpleQueue()
         self._put_count = self._sent_count = 0  # each counted by one side only
@@ -110,12 +120,12 @@ class RecordStream:
         self._server: Server | None = None
 
     def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
-        """Make the socket and start; raise nothing.
+        """Create the socket and start to serve; raise nothing.
 
         Args:
-            command: asks the program, in a thread that may wait.
-            alive: whether the program works.
-            nudge: has the program do a job without an event, so that it sees :attr:`wants_state`; must not wait.
+            command: passes a command to the program, in a thread that may wait.
+            alive: returns whether the program works.
+            nudge: makes the program run a job without an event, so that it checks :attr:`wants_state`; must not wait.
         """
         self._command, self._alive, self._nudge = command, alive, nudge
         try:
@@ -130,7 +140,7 @@ class RecordStream:
             )
             server.start("stream", lambda: self._turn(server))
         except (ReportedError, OSError, RuntimeError) as error:
-            _log.warning("no page can show this program: %s", error)
+            _log.warning("the live page cannot show this program: %s", error)
         else:
             self._server = server
 
@@ -146,12 +156,12 @@ class RecordStream:
         self._batches.put((False, batch))
 
     def begin(self, first: Sequence[Entry]) -> None:
-        """Start the waiting clients with these records, after the header; return at once."""
+        """Send the header and these records to the waiting clients; return at once."""
         self.wants_state, self._active = False, True
         self._batches.put((True, first))
 
     def close(self) -> None:
-        """End all connections, and remove the socket."""
+        """Close all connections and remove the socket."""
         if self._server is not None:
             self._server.close()
 

@@ -117,7 +117,7 @@ def test_any_other_position_is_refused_in_the_log(system: System, ask: Send) -> 
     for position in (0.5, 1.1, nan, -inf):
         status, result = ask(position).result()
         assert (status, result.stalled, result.reached_goal) == (ABORTED, False, False)
-        words = f"REJECTED. The position {position:g} is none of this tool: 0 grips, 1 drops."
+        words = f"REJECTED. The position {position:g} is not valid for this tool: 0 grips, 1 drops."
         system.until("the reason", lambda words=words: words in log(system))
     assert system.wait_for(GRIPPED).held
 

@@ -177,7 +177,11 @@ def test_what_is_held_can_be_dropped_though_a_sensor_is_lost(managed: Managed) -
     begun = len(managed.states)
     assert managed.change(ACTIVATE)
     managed.until(
-        "why", lambda: "active, for outputs are; but its sensors do not show top_vacuum" in managed.said()
+        "why",
+        lambda: (
+            "active because outputs are active, although the tool is not ready: its sensors do not show top_vacuum"
+            in managed.said()
+        ),
     )
     managed.until("adopted", lambda: any(each.held for each in managed.states[begun:]))
     assert managed.edges() == held

@@ -89,7 +89,7 @@ def test_one_that_blocks_delays_nobody_and_gets_the_newest(ear: Ear, monkeypatch
     wait_until("it is called", lambda: listening._called_at is not None)
     for number in range(1, 31):
         listening.put(number)
-    text = "The listener Ear does not keep up with what it is called with."
+    text = "The listener Ear is too slow for its calls."
     assert str(listening.alarm) == text
     ear.goes_on.set()
     wait_until("it works", lambda: len(ear.heard) == 11)
@@ -123,7 +123,7 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
     tool.program = GripProgram(load(profile_path()), tool.arbiter, fails)
     tool.program.start()
     tool.grip_to(2)
-    tool.until(lambda status: "A listener failed, and lacks a state: SystemExit: 1" in status.alarm_texts)
+    tool.until(lambda status: "A listener failed and missed a status: SystemExit: 1" in status.alarm_texts)
     tool.confirmed[TOP] = True
     tool.until(lambda status: status.ee == State.GRIPPED)
     tool.until(
@@ -170,7 +170,7 @@ def test_a_tool_whose_listeners_raise_and_block_grips_and_drops(world: World) ->
             "both alarms", lambda: len(tool.status.alarm_texts) == 2 and tool.status.alarm_texts
         )
         assert sorted(alarm.partition(">.")[2] for alarm in alarms) == [
-            "blocks does not keep up with what it is called with.",
+            "blocks is too slow for its calls.",
             "raises failed: RuntimeError: third party",
         ]
         wait_until("the listeners know it", lambda: told[-1].alarm_texts == alarms)

@@ -89,7 +89,7 @@ def test_a_run_of_the_model_replaces_no_recording(left: list[str]) -> None:
     for command in (("model", "simulate", "--steps", "3"), ("verify", "--model", "model.xml")):
         Path("model.xml").write_text(REFUTED)
         error = str(run(*command, "-o", "run").exception)
-        assert error.startswith("run: A recording is in this folder")
+        assert error.startswith("run: This folder contains a recording")
         assert {each.name: each.read_bytes() for each in Path("run").iterdir()} == before
 
 
@@ -107,7 +107,7 @@ def test_a_counterexample_replaces_its_own_files_and_no_recording() -> None:
         assert run("verify", "--model", "model.xml", "-o", "found").exit_code == 4
     (place,) = Path("found").iterdir()
     (place / "grip.mcap").write_bytes(b"trace")
-    assert "A recording is in this folder" in str(
+    assert "This folder contains a recording" in str(
         run("verify", "--model", "model.xml", "-o", "found").exception
     )
 

@@ -36,7 +36,7 @@ def test_a_place_begins_as_it_is_written() -> None:
     ("words", "said"),
     [
         (("run", "--simulate", "--scenario", "leek", str(profile_path())), "No fault is named 'leek'."),
-        (("testbench", "--lines", "nowhere"), "Lines cannot be seen at 'nowhere'."),
+        (("testbench", "--lines", "nowhere"), "Lines cannot be read from 'nowhere'."),
         (("demo", "--only", "nominall", "--no-ros"), "There is no scenario"),
         (("arbiter", "--profile", "nobody"), "No profile is named 'nobody'."),
     ],

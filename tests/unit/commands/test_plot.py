@@ -112,7 +112,7 @@ def test_what_is_cut_off_or_damaged_is_noted_and_the_rest_drawn(plot, run):
     assert code == 0
     assert err.splitlines() == [
         f"Note: {run}/states.csv:13: the last line is cut off and was dropped.",
-        f"Note: {run}/run.json is left out as far as it cannot be read: not JSON: Expecting property name "
+        f"Note: {run}/run.json can only be read in part: not JSON: Expecting property name "
         "enclosed in double quotes: line 1 column 2 (char 1).",
         f"Note: {run}/pressures.csv:2: time_s is 'x', expected is a number. The pressures are not drawn.",
     ]

@@ -70,7 +70,7 @@ def test_the_ends_of_the_joint_are_commands(
 def test_nothing_between_or_beyond_is_a_command(
     gripper: GoalType, parallel: GoalType, position: float
 ) -> None:
-    why = f"The position {position:g} is none of this tool: 0 grips, 1 drops."
+    why = f"The position {position:g} is not valid for this tool: 0 grips, 1 drops."
     assert gripper.command(one(position)) == parallel.command(joints(position)) == why
 
 
@@ -102,8 +102,9 @@ def test_that_an_effort_is_ignored_is_told_once(
             gripper.command(one(0.0, 40.0))
             parallel.command(joints(1.0, effort=(40.0,)))
     assert caplog.messages == [
-        "gripper_controller/gripper_cmd: max_effort is ignored: the air decides. Logged once.",
-        "parallel_gripper_controller/gripper_cmd: velocity and effort are ignored: the air decides. Logged once.",
+        "gripper_controller/gripper_cmd: max_effort is ignored: the air sets force and speed. Logged once.",
+        "parallel_gripper_controller/gripper_cmd: velocity and effort are ignored: "
+        "the air sets force and speed. Logged once.",
     ]
 
 

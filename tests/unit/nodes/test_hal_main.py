@@ -108,7 +108,7 @@ def test_a_position_that_is_none_ends_its_goal_and_asks_no_program(
     transport.goals[GRIPPER_COMMAND.name](goal)
     assert ended == [(Outcome.REJECTED, None, False)]
     (record,) = caplog.records
-    why = "The position 0.5 is none of this tool: 0 grips, 1 drops."
+    why = "The position 0.5 is not valid for this tool: 0 grips, 1 drops."
     assert record.getMessage() == f"{GRIPPER_COMMAND.name}: REJECTED. {why}"
     assert record.levelno == logging.WARNING, "its result has no place for the reason"
 

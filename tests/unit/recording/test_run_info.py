@@ -74,7 +74,7 @@ def test_what_cannot_be_watched_is_left_out_and_said(tmp_path, wrong):
     (tmp_path / "run.json").write_text(json.dumps(content))
     info = read_run(tmp_path)
     assert info.watched == (Watched("ee", values=((0.0, "OFF"),)),)
-    assert info.note.endswith("of another type than it should be: watched.")
+    assert info.note.endswith("wrong type of watched.")
 
 
 @pytest.mark.parametrize(
@@ -83,9 +83,7 @@ def test_what_cannot_be_watched_is_left_out_and_said(tmp_path, wrong):
 def test_what_is_unusable_is_left_at_its_default(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
     assert read_run(tmp_path) == RunInfo()
-    assert read_run(tmp_path).note.startswith(
-        f"{tmp_path}/run.json is left out as far as it cannot be read: "
-    )
+    assert read_run(tmp_path).note.startswith(f"{tmp_path}/run.json can only be read in part: ")
 
 
 def test_what_is_usable_is_taken(tmp_path):
@@ -95,7 +93,7 @@ def test_what_is_usable_is_taken(tmp_path):
     info = read_run(tmp_path)
     assert info == RunInfo(scenario="nominal", limits={"a": {"attempts": 3}})
     assert (info.attempts("a"), info.attempts("b")) == (3, None)
-    assert info.note.endswith("of another type than it should be: limits.")
+    assert info.note.endswith("wrong type of limits.")
 
 
 def test_a_missing_file_is_no_error(tmp_path):

@@ -168,7 +168,7 @@ def test_a_disk_that_hangs_delays_nobody(tmp_path: Path, disk: Disk, monkeypatch
     recording.say()
     assert disk.hangs.wait(60)
     recording.say(30)  # would never return if it waited
-    assert "the disk does not take the records in time" in recording.writer.trouble
+    assert "the disk is too slow for the records" in recording.writer.trouble
     disk.works.set()
     wait_until("the disk", lambda: recording.writer.wants_state)
     recording.say()

@@ -59,7 +59,7 @@ def test_another_name_is_dropped_counted_and_told_once() -> None:
     graph = Graph()
     message = graph.connect("/forger", FORGED)
     assert not any(graph.publishers.admit(message) for _ in range(100))
-    alarm = "/sensor_frame: what /forger sends does not count, only /Pressure has a say there."
+    alarm = "/sensor_frame: messages of /forger are ignored; only /Pressure may send there."
     assert graph.told == [alarm]
     assert tuple(map(str, graph.strangers.alarms())) == (alarm,)
     assert graph.strangers.counts() == {"/sensor_frame": 100}

@@ -201,7 +201,7 @@ def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
             False,
             f"While the line arbiter was lost {A} changed, which this program had not commanded; ",
         ),
-        ({B: False}, False, f"After the line arbiter was lost nobody knew how {A} stood; "),
+        ({B: False}, False, f"After the line arbiter was lost the level of {A} was unknown; "),
         (
             {A: False, B: False},
             True,

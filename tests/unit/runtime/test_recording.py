@@ -27,7 +27,10 @@ from tests.support.full_disk import FullDisk
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000
-FULL = "The recording lacks rows, and is tried again: A row could not be written: No space left on device."
+FULL = (
+    "Rows of the recording cannot be written; writing is retried: "
+    "A row could not be written: No space left on device."
+)
 
 
 @pytest.fixture

@@ -17,14 +17,14 @@ HEADER = "time_s,command\n"
 
 
 class CommandsLog(Closing):
-    """Writes a row per command: seconds since the start of the recording, the integer of Table II.
+    """Writes one row per command: seconds since the start of the recording, and the integer of Table II.
 
     Args:
-        folder: of the recording; a file that is there is continued.
-        seconds: from µs on the monotonic clock to the recording's time.
+        folder: the folder of the recording; an existing file is continued.
+        seconds: converts µs on the monotonic clock to the recording's time.
 
     Raises:
-        UsageError: it cannot be written.
+        UsageError: the file cannot be written.
     """
 
     def __init__(self, folder: Path, seconds: Callable[[int], float]) -> None:
@@ -39,11 +39,11 @@ class CommandsLog(Closing):
                 self._file.write(HEADER)
 
     def write(self, at: int, command: Command) -> None:
-        """A command was given at ``at`` (µs); raises OSError, and it is written with the next one that can be."""
+        """Write a command that was given at ``at`` (µs); after an OSError the row is written with the next one."""
         with self._lock:
             self._file.write(f"{self._seconds(at):.6f},{int(command)}\n")
 
     def close(self) -> None:
-        """Close the file; what cannot be written any more is lost."""
+        """Close the file; rows that cannot be written any more are lost."""
         with self._lock, suppress(OSError):
             self._file.close()

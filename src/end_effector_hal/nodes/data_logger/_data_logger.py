@@ -1,4 +1,4 @@
-"""Node DataLogger: writes the run folder, a row per change, as it happens."""
+"""Node DataLogger: writes the run folder, one row per change, as it happens."""
 
 from __future__ import annotations
 

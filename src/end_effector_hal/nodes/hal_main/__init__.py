@@ -1,3 +1,3 @@
-"""The node HALMain: the only interface of applications."""
+"""The node HALMain: the only interface for applications."""
 
 from ._hal_main import HalMainNode

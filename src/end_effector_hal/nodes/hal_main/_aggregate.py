@@ -27,27 +27,27 @@ from end_effector_hal.vocabulary import (
 
 
 class Silence:
-    """The time of the last report of each node; one that has never reported is silent. Times in µs, monotonic."""
+    """The time of the last report of each node; a node that has never reported is silent. Times in µs, monotonic."""
 
     def __init__(self, nodes: Iterable[str]) -> None:
         self._reported_us: dict[str, int | None] = dict.fromkeys(nodes)
 
     def reported(self, node: str, at_us: int) -> None:
-        """The node has just reported."""
+        """Note that the node has reported at ``at_us``."""
         self._reported_us[node] = at_us
 
     def has_reported(self, node: str) -> bool:
-        """Whether the node has ever reported."""
+        """Return whether the node has ever reported."""
         return self._reported_us[node] is not None
 
     def silent(self, now_us: int) -> tuple[str, ...]:
-        """Names of the nodes whose last report is older than a second."""
+        """Return the names of the nodes that have not reported within the last second."""
         limit = GONE_AFTER_S * 1e6
         return tuple(name for name, at in self._reported_us.items() if at is None or now_us - at > limit)
 
 
 class Positions:
-    """The latest position of each part; one that is not repeated is UNKNOWN. Times in µs, monotonic.
+    """The latest position of each part, UNKNOWN if it is not repeated. Times in µs, monotonic.
 
     Args:
         places: the enumeration of each part; 0 is UNKNOWN in all of them.
@@ -58,17 +58,17 @@ class Positions:
         self._latest: dict[str, tuple[int, int]] = {}
 
     def store(self, name: str, position: int, at_us: int) -> None:
-        """A position was received at ``at_us``."""
+        """Store a position that was received at ``at_us``."""
         self._latest[name] = (position, at_us)
 
     def place(self, name: str, now_us: int) -> IntEnum:
-        """Where a part stands; UNKNOWN when that was not received for a second."""
+        """Return the position of a part; UNKNOWN if it was not received for a second."""
         position, at_us = self._latest.get(name, (0, 0))
         places = {place.value: place for place in self._places[name]}
         return places.get(position if now_us - at_us <= GONE_AFTER_S * 1e6 else 0, places[0])
 
     def names(self, now_us: int) -> dict[str, str]:
-        """The names of all positions that were ever received."""
+        """Return the names of all positions that were ever received."""
         return {name: self.place(name, now_us).name for name in self._latest}
 
 
@@ -81,16 +81,16 @@ class Margins:
         self._absolute: dict[str, float] = {}
 
     def store(self, channel: str, absolute_pa: float) -> None:
-        """A reading was received; NaN: invalid."""
+        """Store a received reading; NaN: invalid."""
         self._absolute[channel] = absolute_pa
 
     def values(self, stale: Collection[str] | None) -> list[float]:
-        """In the order of the sequence, NaN where nothing is known; ``stale``: channels, None: all."""
+        """Return the margins in sequence order, NaN if unknown; ``stale``: stale channels, None: all are stale."""
         return [self._margin(part, stale) for _, part in self._description.ordered]
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
-        """One for each kind of a plug-in whose margins are not known because it has failed."""
+        """An alarm for each plug-in kind whose margins are unknown because it has failed."""
         kinds = {part.kind: kind_of(part) for _, part in self._description.ordered}
         found = ((name, fault_of(kind)) for name, kind in kinds.items())
         return tuple(Alarm("kind.failed", name, {"why": fault}) for name, fault in found if fault)
@@ -109,11 +109,11 @@ CHANGER, STAND = "tool_changer", "tool_stand"
 
 
 class Aggregate:
-    """Puts the latest statuses of both programs together.
+    """Combines the latest statuses of both programs.
 
-    While the node Grip is silent the state is OFF, the evidence UNKNOWN, and nothing may be lifted. Its outputs and
-    ``held`` stay as they were last known: the line arbiter holds what was held. That a node is silent is an
-    alarm; that one has never reported, only when HALMain itself has been there for `STARTING_S`.
+    While the node Grip is silent, the state is OFF, the evidence UNKNOWN, and lifting is not allowed. Its outputs and
+    ``held`` keep their last known values, because the line arbiter holds the part. A silent node causes an alarm; a
+    node that has never reported does so only after HALMain itself has run for `STARTING_S`.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class Aggregate:
     def message(
         self, at_us: int, now_us: int, silence: Silence, notices: Sequence[Alarm] = ()
     ) -> StateMessage:
-        """The state after a change at ``at_us``, without a number; ``notices`` are alarms of HALMain itself."""
+        """Return the state after a change at ``at_us``, without a number; ``notices`` are alarms of HALMain itself."""
         gone = silence.silent(now_us)
         grip, change, sequence = self.grip, self.tool_change, self._description.sequence
         lost = GRIP in gone
@@ -199,14 +199,14 @@ class Aggregate:
         )  # fmt: skip
 
     def _command(self, gone: Sequence[str]) -> int:
-        """One command runs at a time: gripping and the tool changer exclude each other (IL-01, IL-05)."""
+        """Return the running command; gripping and the tool changer exclude each other (IL-01, IL-05)."""
         if GRIP not in gone and self.grip.command != Command.NONE:
             return int(self.grip.command)
         return int(Command.NONE if TOOL_CHANGE in gone else self.tool_change.command)
 
 
 def _name(words: type[IntEnum], value: int) -> str:
-    """The name of an integer that another node sent; one that is none of ours stands for itself."""
+    """Return the name of an integer that another node sent; an unknown integer is returned as text."""
     try:
         return words(value).name
     except ValueError:

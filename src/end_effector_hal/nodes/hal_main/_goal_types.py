@@ -1,4 +1,4 @@
-"""How the clients of each action speak: what a goal of it asks for, and what they are told of it."""
+"""The goals of each action: which command a goal requests, and its feedback and result messages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ from end_effector_hal.nodes.transport import (
 from end_effector_hal.vocabulary import Command, EndEffectorState, printable
 
 TOLERANCE = 0.01
-"""rad; a planner ends its trajectory near the position that it was asked for."""
+"""Allowed deviation of a requested position, rad; a planner ends its trajectory near that position, not
+exactly at it.
+"""
 LONGEST_NAME = 100
 
 
@@ -39,9 +41,9 @@ class GoalType(ABC):
     """The goals of one action.
 
     Attributes:
-        action: of the table.
-        says_why: whether its result has a place for a reason; if not, the log is the only one.
-        is_target: whether its goals ask for a position, which may be reached already.
+        action: the action of the interface table.
+        says_why: whether its result has a field for a reason; if not, only the log contains it.
+        is_target: whether its goals request a position, which may be reached already.
     """
 
     action: Action
@@ -50,15 +52,15 @@ class GoalType(ABC):
 
     @abstractmethod
     def command(self, request: Any) -> Command | str:
-        """What a goal asks for; a text: why it is refused."""
+        """Return the command that a goal requests; a text: why it is refused."""
 
     @abstractmethod
     def feedback(self, state: StateMessage) -> Any:
-        """What is told while a goal runs."""
+        """Return the feedback of a running goal."""
 
     @abstractmethod
     def result(self, state: StateMessage, ending: Ending, command: Command | None) -> Any:
-        """What is told at its end; ``command``: what it asked for, None: that was not understood."""
+        """Return the result at the end; ``command`` is the requested one, None: the request was not understood."""
 
 
 class CommandGoals(GoalType):
@@ -68,11 +70,11 @@ class CommandGoals(GoalType):
         self.action, self._command = action, action.command
 
     def command(self, request: Any) -> Command:
-        """The one of the action."""
+        """Return the command of the action."""
         return self._command
 
     def feedback(self, state: StateMessage) -> FeedbackMessage:
-        """The step at work."""
+        """Return the current step."""
         return FeedbackMessage(
             state=state.state,
             state_name=state.state_name,
@@ -83,7 +85,7 @@ class CommandGoals(GoalType):
         )
 
     def result(self, state: StateMessage, ending: Ending, command: Command | None) -> ResultMessage:
-        """The outcome in words; the steps of a grip."""
+        """Return the outcome in words; for a grip also its steps."""
         begun = ending.seconds is not None
         return ResultMessage(
             outcome=ending.outcome,
@@ -97,10 +99,10 @@ class CommandGoals(GoalType):
 
 
 class _JointGoals(GoalType):
-    """Goals that ask for a position of the tool's joint: 0 grips, its upper limit drops, nothing else is known.
+    """Goals for a position of the tool's joint: 0 grips, its upper limit drops, any other position is refused.
 
-    ``reached_goal``: the sensors prove what was asked for. ``stalled``: they prove a grip, so that something is held.
-    Neither is ever true of a goal that did not succeed. Efforts and speeds are not ours to choose.
+    ``reached_goal``: the sensors prove the requested position. ``stalled``: they prove a grip, so that something is
+    held. Neither is ever true for a goal that did not succeed. Efforts and speeds are ignored.
     """
 
     says_why = False
@@ -116,43 +118,45 @@ class _JointGoals(GoalType):
         elif abs(position - GRIP_UPPER) <= TOLERANCE:
             command = Command.RELEASE
         else:
-            return f"The position {position:g} is none of this tool: 0 grips, {GRIP_UPPER:g} drops."
+            return f"The position {position:g} is not valid for this tool: 0 grips, {GRIP_UPPER:g} drops."
         if any(values) and not self._ignored_told:
             self._ignored_told = True
-            self._log.info("%s: %s ignored: the air decides. Logged once.", self.action.name, ignored)
+            self._log.info(
+                "%s: %s ignored: the air sets force and speed. Logged once.", self.action.name, ignored
+            )
         return command
 
     @staticmethod
     def _proof(ending: Ending, command: Command | None) -> tuple[bool, bool]:
-        """Stalled, and reached_goal."""
+        """Return the values of ``stalled`` and ``reached_goal``."""
         reached = ending.outcome is Outcome.SUCCEEDED
         return reached and command is Command.GRIP, reached
 
 
 class GripperGoals(_JointGoals):
-    """``control_msgs/GripperCommand``."""
+    """Goals of ``control_msgs/GripperCommand``."""
 
     def command(self, request: Any) -> Command | str:
-        """By ``position``."""
+        """Return the command for ``position``."""
         asked = request.command
         return self._of_position(asked.position, "max_effort is", (asked.max_effort,))
 
     def feedback(self, state: StateMessage) -> GripperMessage:
-        """Where the joint stands."""
+        """Return the position of the joint."""
         return GripperMessage(grip_position(state.evidence))
 
     def result(self, state: StateMessage, ending: Ending, command: Command | None) -> GripperMessage:
-        """Whether it was reached."""
+        """Return the position of the joint, and whether it was reached."""
         return GripperMessage(grip_position(state.evidence), nan, *self._proof(ending, command))
 
 
 class ParallelGripperGoals(_JointGoals):
-    """``control_msgs/ParallelGripperCommand``.
+    """Goals of ``control_msgs/ParallelGripperCommand``.
 
     Args:
-        action: of the table.
-        joint: the one that its goals may name.
-        log: is told what is ignored.
+        action: the action of the interface table.
+        joint: the joint that its goals may name.
+        log: logs which values are ignored.
     """
 
     def __init__(self, action: Action, joint: str, log: logging.Logger) -> None:
@@ -160,7 +164,7 @@ class ParallelGripperGoals(_JointGoals):
         self._joint = joint
 
     def command(self, request: Any) -> Command | str:
-        """By the position of the one joint that it names."""
+        """Return the command for the position of the one joint that the goal names."""
         asked = request.command
         if list(asked.name[:2]) != [self._joint] or len(asked.position) != 1:
             names = printable(", ".join(asked.name[:2]), LONGEST_NAME) or "no joint"
@@ -171,11 +175,11 @@ class ParallelGripperGoals(_JointGoals):
         )
 
     def feedback(self, state: StateMessage) -> ParallelGripperMessage:
-        """Where the joint stands; without it where that is not known."""
+        """Return the position of the joint; the joint is left out if its position is unknown."""
         return ParallelGripperMessage(self._joint_state(state))
 
     def result(self, state: StateMessage, ending: Ending, command: Command | None) -> ParallelGripperMessage:
-        """Whether it was reached."""
+        """Return the position of the joint, and whether it was reached."""
         return ParallelGripperMessage(self._joint_state(state), *self._proof(ending, command))
 
     def _joint_state(self, state: StateMessage) -> JointStateMessage:
@@ -185,7 +189,7 @@ class ParallelGripperGoals(_JointGoals):
 
 
 def goal_types(description: Description, log: logging.Logger) -> tuple[GoalType, ...]:
-    """All that HALMain serves, as far as its transport offers it."""
+    """Return the goals of all actions that HALMain serves if its transport offers them."""
     return (
         *(CommandGoals(action) for action in COMMAND_ACTIONS),
         GripperGoals(GRIPPER_COMMAND, log),

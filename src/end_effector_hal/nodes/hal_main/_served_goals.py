@@ -1,4 +1,4 @@
-"""The actions of HALMain: goals in, the rules of `control.goals`, answers out."""
+"""Serve the actions of HALMain: receive goals, apply the rules of `control.goals`, send answers."""
 
 from __future__ import annotations
 
@@ -50,14 +50,14 @@ class ServedGoal(Goal):
 class ServedGoals:
     """Serves the actions; thread-safe.
 
-    A decision is made in the thread that brings the message, under one lock. Its effects are carried out after one
-    another, in the order of the decisions, by one thread at a time: a thread that finds another one at work leaves them
-    to it. So no thread waits for an action server, whose lock is held while it calls back.
+    A decision is made in the thread that delivers the message, under one lock. One thread at a time carries out the
+    effects, in the order of the decisions: a thread that finds another one at work leaves its effects to that thread.
+    So no thread waits for an action server, which holds its lock while it calls back.
 
     Args:
-        node: serves the actions; its log gets how each goal ended.
-        types: of the goals, an action each.
-        state: gives the newest EndEffectorState.
+        node: the transport that serves the actions; its log records how each goal ended.
+        types: the goals of each action.
+        state: returns the newest EndEffectorState.
     """
 
     def __init__(
@@ -81,16 +81,18 @@ class ServedGoals:
         ]
 
     def on_status(self, node: str, status: StatusMessage) -> None:
-        """A node has a new status: a goal that it executes comes further, or is over."""
+        """Process a new status of a node, which may continue or end the goal that the node executes."""
         program, seen, session, count = _PROGRAMS[node], _status(status), status.since_us, status.count
         self._decide(lambda at: self._goals.see(program, seen, at, session=session, count=count))
 
     def tick(self, gone: tuple[str, ...]) -> None:
-        """Periodically: feedback with the time left; a goal whose node has gone, or does not answer, ends."""
+        """Send feedback with the time left, and end a goal whose node is gone or does not answer; called
+        periodically.
+        """
         self._decide(lambda at: self._goals.tick(at, [_PROGRAMS[node] for node in gone]))
 
     def close(self) -> None:
-        """Answer every goal while the topics are still open, and reject what still comes."""
+        """Answer every goal while the topics are still open, and reject later goals."""
         todo = "What is held stays held. See EndEffectorState once HALMain is back."
         with self._lock:
             self._effects += self._goals.close("HALMain", todo, now_us())

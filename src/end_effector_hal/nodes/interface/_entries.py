@@ -1,4 +1,4 @@
-"""What an entry of the interface is: a topic, a service, an action, a parameter."""
+"""The kinds of entries in the ROS interface: topic, service, action, parameter."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from end_effector_hal.vocabulary import Command
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic: who publishes it, when, and how.
+    """A topic: its publishers, and when and how they publish.
 
     Attributes:
         name: relative (``/diagnostics`` is global by REP-107).
-        type: of its messages.
-        publishers: nodes of this package; the subscribers drop what any other node publishes here.
+        type: type of its messages.
+        publishers: nodes of this package; the subscribers drop messages of any other node.
         subscribers: nodes of this package; others are free to subscribe.
-        on: what causes a message: ``change``, ``frame`` or ``command``; empty: only the clock.
-        rate_hz: of the periodic messages besides these; None: there are none.
-        latched: a new subscriber gets the last message at once (ROS 2: transient local, depth 1).
-        queue: messages kept for a slow subscriber; beyond it the oldest is dropped.
+        on: the cause of a message: ``change``, ``frame`` or ``command``; empty: only the clock.
+        rate_hz: rate of additional periodic messages; None: there are none.
+        latched: whether a new subscriber gets the last message at once (ROS 2: transient local, depth 1).
+        queue: number of messages kept for a slow subscriber; beyond it the oldest is dropped.
         internal: only for nodes of this package; may change with any version.
-        public: the subscribers accept the messages of every node.
+        public: whether the subscribers accept the messages of every node.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Service:
 
     @property
     def internal(self) -> bool:
-        """Whether it is only for nodes of this package; it may change with any version."""
+        """Whether it is only for nodes of this package; an internal service may change with any version."""
         return bool(self.callers)
 
 
@@ -57,10 +57,10 @@ class Action:
 
     Attributes:
         name: relative.
-        type: of its goals, results and feedback.
+        type: type of its goals, results and feedback.
         server: the node that serves it.
-        generations: of ROS that offer it.
-        optional: it is only offered where the package of its type is installed.
+        generations: generations of ROS that offer it.
+        optional: whether it is only offered if the package of its type is installed.
     """
 
     name: str
@@ -79,7 +79,7 @@ class CommandAction(Action):
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A private parameter (``~name``): a string."""
+    """A private parameter (``~name``) with a string as its value."""
 
     name: str
     nodes: tuple[str, ...]

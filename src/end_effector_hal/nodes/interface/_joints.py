@@ -1,7 +1,8 @@
-"""The joints of a tool, as ``joint_states``, MoveIt and the URDF call them, and where they stand.
+"""The joints of a tool, as ``joint_states``, MoveIt and the URDF name them, and their positions.
 
-``<tool>_joint`` stands for the whole tool: 0 gripped, `GRIP_UPPER` released. It moves nothing: a tool of vacuum cups
-has no opening in metres. ``<tool>_<actuator>_joint`` is what an actuator moves, where its description says how far.
+``<tool>_joint`` represents the whole tool: 0 gripped, `GRIP_UPPER` released. It moves nothing: a tool of vacuum cups
+has no opening in metres. ``<tool>_<actuator>_joint`` is the part that an actuator moves, if its description states how
+far.
 """
 
 from __future__ import annotations
@@ -15,17 +16,17 @@ from end_effector_hal.kinds import Travel, kind_of
 from end_effector_hal.vocabulary import Evidence
 
 GRIP_UPPER = 1.0
-"""rad; the lower limit is 0."""
+"""Upper limit of the tool's joint, rad; the lower limit is 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class ToolJoint:
-    """What one actuator moves.
+    """The joint that one actuator moves.
 
     Attributes:
-        name: on the ROS graph.
-        actuator: its name in the description.
-        index: of the actuator in the sequence.
+        name: name on the ROS graph.
+        actuator: name of the actuator in the description.
+        index: index of the actuator in the sequence.
         travel: its type and upper limit.
     """
 
@@ -35,24 +36,24 @@ class ToolJoint:
     travel: Travel
 
     def position(self, evidence: Sequence[int]) -> float:
-        """Where the evidence of all actuators proves that it stands, m or rad; NaN: nowhere."""
+        """Return the position that the evidence of all actuators proves, m or rad; NaN: none is proven."""
         ends: dict[int, float] = {Evidence.GONE: 0.0, Evidence.CONFIRMED: self.travel.upper}
         return ends.get(evidence[self.index], nan)
 
 
 def grip_joint(description: Description) -> str:
-    """The joint that stands for the whole tool."""
+    """Return the name of the joint that represents the whole tool."""
     return f"{description.name}_joint"
 
 
 def grip_position(evidence: Sequence[int]) -> float:
-    """Where it stands: 0 with everything confirmed, `GRIP_UPPER` with everything gone; NaN: neither is proven."""
+    """Return the position of that joint: 0 if all are confirmed, `GRIP_UPPER` if all are gone, NaN otherwise."""
     ends: dict[int, float] = {Evidence.CONFIRMED: 0.0, Evidence.GONE: GRIP_UPPER}
     return ends.get(evidence[0], nan) if len(set(evidence)) == 1 else nan
 
 
 def actuator_joints(description: Description) -> tuple[ToolJoint, ...]:
-    """In the order of a grip."""
+    """Return the joints of the actuators in the order of a grip."""
     return tuple(_joints(description))
 
 

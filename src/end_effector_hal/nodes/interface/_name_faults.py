@@ -1,4 +1,4 @@
-"""Names in a description that the nodes use themselves, or that would stand for two things on the ROS graph."""
+"""Find names in a description that the nodes use themselves, or that would be ambiguous on the ROS graph."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ._table import ACTIONS, FIXED_SERVICES, FIXED_TOPICS, NODES, OF_ROS
 from ._tool import position_topics
 
 OWNERS = (*NODES, *(action.name for action in ACTIONS))
-"""What they are called is a namespace of theirs as well: ``Grip/get_loggers``, ``TriggerGrip/goal``."""
+"""Nodes and actions, whose names are also namespaces: ``Grip/get_loggers``, ``TriggerGrip/goal``."""
 TAKEN = frozenset(
     (*OWNERS, *(each.name.lstrip("/") for each in (*FIXED_TOPICS, *FIXED_SERVICES)), *OF_ROS),
 )
 
 
 def load_for_nodes(path: Path) -> Description:
-    """The tool as the nodes can serve it; raises DescriptionError."""
+    """Load a tool and check that the nodes can serve it; raises DescriptionError."""
     description = load_tool(path)
     if faults := name_faults(description):
         raise DescriptionError([fault.diagnostic(str(description.source)) for fault in faults])
@@ -28,7 +28,7 @@ def load_for_nodes(path: Path) -> Description:
 
 
 def name_faults(description: Description) -> tuple[Fault, ...]:
-    """Every name that the nodes could not use, with its place."""
+    """Return a fault for every name that the nodes could not use, with its place."""
     return tuple(sorted(set(_faults(description))))
 
 
@@ -45,7 +45,7 @@ def _faults(description: Description) -> Iterator[Fault]:
 
 
 def _names(description: Description) -> Iterator[tuple[tuple[str, ...], str, str]]:
-    """Keys in the description, what it is, and the name: those that are given, and those made of other names."""
+    """Yield the keys in the description, the kind and the name, for given names and for those made of other names."""
     changer = description.tool_changer
     if changer:
         yield ("tool_changer", "service"), "service", changer.service
@@ -59,7 +59,7 @@ def _names(description: Description) -> Iterator[tuple[tuple[str, ...], str, str
 
 
 def _taken(name: str) -> str:
-    """Why a description may not use a name; empty: it may. Other tools have their names in their namespaces."""
+    """Return why a description may not use a name; empty: it may. Other tools use their own namespaces."""
     words = name.split("/")
     for index in range(len(words)):
         space, rest = "/".join(words[:index]), "/".join(words[index:])

@@ -1,4 +1,4 @@
-"""The table of the ROS interface: every topic, service, action and parameter, named once.
+"""The table of the ROS interface, which defines every topic, service, action and parameter once.
 
 Names are relative, so that a namespace or a remap works. Types are ``package/Name``, in ROS 1 and ROS 2 alike.
 """
@@ -13,7 +13,7 @@ HAL_MAIN, GRIP, TOOL_CHANGE = "HALMain", "Grip", "ToolChange"
 PRESSURE, POSITION = "Pressure", "Position"
 SUPERVISOR, DATA_LOGGER = "Supervisor", "DataLogger"
 MANAGER = "EndEffector"
-"""The managed node of ROS 2, which has the nodes of the HAL work while it is active."""
+"""The managed node of ROS 2; while it is active, the nodes of the HAL work."""
 HAL_NODES = (HAL_MAIN, GRIP, TOOL_CHANGE, PRESSURE, POSITION)
 NODES = (*HAL_NODES, SUPERVISOR, DATA_LOGGER, "LineArbiter")
 OF_ROS = ("rosout", "rosout_agg", "clock")
@@ -21,21 +21,24 @@ OF_ROS = ("rosout", "rosout_agg", "clock")
 
 STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
 GONE_AFTER_S = 1.0
-"""A periodic internal state that is silent for longer: its node has gone."""
+"""Silence of a periodic internal state after which its node counts as gone, s."""
 STARTING_S = 5.0
-"""So long after its own start HALMain waits for the first report of a node before that is an alarm: the processes of
-a launch begin within seconds of one another. The state is OFF until then."""
+"""Time after its own start for which HALMain waits for the first report of a node without an alarm, s.
+
+The processes of a launch begin within seconds of one another. The state is OFF until then.
+"""
 COMMAND_VALID_S = 0.5
-"""How long a command of the internal services may be begun, counted from when it is asked for."""
+"""Time within which a command of the internal services must begin, counted from its request, s."""
 GIVE_UP_S = 30.0
-"""How long a client waits for the actions."""
+"""Longest wait of a client for the actions, s."""
 PATIENCE_S = 10.0
-"""How long a client waits for a silent HALMain, which is back 2 to 3 s after it was killed; a busy machine takes
-longer."""
+"""Longest wait of a client for a silent HALMain, s; it is back 2 to 3 s after it was killed, later on a
+busy machine.
+"""
 
 
 def pressure(name: str) -> Topic:
-    """A pressure of that name."""
+    """Return the topic of a pressure with that name."""
     return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), (HAL_MAIN,), on="frame", queue=10)
 
 
@@ -84,19 +87,19 @@ FIXED_TOPICS = (
     END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
     POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY, JOINT_STATES,
 )  # fmt: skip
-"""Topics that are called the same for every tool."""
+"""Topics with the same name for every tool."""
 
 ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
 RESET = 100
-"""A command of the internal services besides those of Table II."""
+"""A command of the internal services that is not in Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
 STOP_TOOL = Service("StopTool", "std_srvs/Trigger", GRIP)
 FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
-"""Services that are called the same for every tool."""
+"""Services with the same name for every tool."""
 
 
 def command_action(name: str, command: Command) -> CommandAction:
-    """An action of our own type."""
+    """Return an action of this package's own type."""
     return CommandAction(name, "end_effector_msgs/EndEffector", HAL_MAIN, command=command)
 
 
@@ -127,7 +130,7 @@ SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; gr
 DIRECTORY = Parameter(
     "directory",
     (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
-    "run folder that it writes; Grip, ToolChange: empty, no trace",
+    "run folder to write; if it is empty, Grip and ToolChange write no trace",
 )
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
@@ -140,12 +143,12 @@ FRAME_ID = Parameter(
 SEGMENT_MB = Parameter(
     "segment_mb",
     (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
-    "files of a recording are cut into such segments, MB; default: 64",
+    "size at which a recorded file is closed and the next segment begins, MB; default: 64",
 )
 KEEP_MB = Parameter(
     "keep_mb",
     (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
-    "the folder keeps so much, MB, the oldest segments are removed; default: 1000",
+    "largest size of the folder, MB; the oldest segments are removed; default: 1000",
 )
 PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
 READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for the sensors; default: 10")

@@ -32,18 +32,18 @@ from ._table import (
 
 
 def pressure_topic(description: Description, actuator: str) -> Topic:
-    """The absolute pressure of an actuator; raises KeyError for an unknown one."""
+    """Return the topic of an actuator's absolute pressure; raises KeyError for an unknown actuator."""
     return pressure(description.topic_of(actuator))
 
 
 def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
-    """Channel of the link and its topic: the actuators in sequence order, then the supply."""
+    """Return pairs of a channel of the link and its topic: the actuators in sequence order, then the supply."""
     own = ((part.channel, pressure_topic(description, name)) for name, part in description.ordered)
     return (*own, (description.supply.channel, PRESSURE_SUPPLY))
 
 
 def position_topics(description: Description) -> dict[str, Topic]:
-    """What moves between two end positions, to the topic of its position."""
+    """Return the position topic of each actuator that moves between two end positions."""
     return {
         name: Topic(
             "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,), (HAL_MAIN,),
@@ -55,22 +55,22 @@ def position_topics(description: Description) -> dict[str, Topic]:
 
 
 def set_services(description: Description) -> dict[str, Service]:
-    """Actuator to its ``/Set*`` service."""
+    """Return the ``/Set*`` service of each actuator."""
     return {name: _set(description.service_of(name), GRIP) for name in description.sequence}
 
 
 def output_services(description: Description) -> dict[str, Service]:
-    """Plain output to its ``/Set*`` service."""
+    """Return the ``/Set*`` service of each plain output."""
     return {name: _set(description.output_service_of(name), GRIP) for name in description.outputs}
 
 
 def set_tool_changer(description: Description) -> Service | None:
-    """The service of the tool changer, if one is fitted."""
+    """Return the service of the tool changer; None: the tool has no changer."""
     return _set(description.tool_changer.service, TOOL_CHANGE) if description.tool_changer else None
 
 
 def topics(description: Description) -> tuple[Topic, ...]:
-    """Every topic of a tool."""
+    """Return all topics of a tool."""
     changer = (POSITION_TOOL_CHANGER, POSITION_TOOL_STAND) if description.tool_changer else ()
     return (
         END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
@@ -80,7 +80,7 @@ def topics(description: Description) -> tuple[Topic, ...]:
 
 
 def services(description: Description) -> tuple[Service, ...]:
-    """Every service of a tool."""
+    """Return all services of a tool."""
     changer = set_tool_changer(description)
     plain = output_services(description).values()
     own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))

@@ -1,3 +1,3 @@
-"""What a launch file of either ROS asks before it starts anything."""
+"""The check that a launch file of either ROS runs before it starts anything."""
 
 from ._launch_check import check_launch

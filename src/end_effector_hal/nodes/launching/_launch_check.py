@@ -1,6 +1,6 @@
-"""The check of the launch file before it starts anything: which tool it is, and whether the nodes can work with it.
+"""The check of a launch file before it starts anything: which tool is meant, and whether the nodes can work with it.
 
-A launch file runs it while it is read; when it fails, nothing is started.
+The launch file runs it while it is read; if it fails, nothing is started.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ NAME = "end_effector.launch"
 
 
 def check_launch(argv: Sequence[str], launcher: str) -> int:
-    """Print the name, the fingerprint and the path of the tool, or one sentence that says why it cannot be launched.
+    """Print the name, the fingerprint and the path of the tool, or one sentence why it cannot be launched.
 
     Args:
         argv: ``--description`` as it was given, ``--file``: the path that the nodes will read, ``--profile``.
@@ -46,7 +46,7 @@ def _check(argv: Sequence[str], launcher: str) -> None:
 
 
 def _is_the_one_meant(given: str, path: Path) -> None:
-    """A relative path was completed from ``$PWD``, which may be another folder than the one that we are in."""
+    """Raise UsageError if ``$PWD`` and the current folder lead from a relative path to different files."""
     meant = Path(given).expanduser()
     if given and not meant.is_absolute() and os.path.realpath(meant) != os.path.realpath(path):
         raise UsageError(

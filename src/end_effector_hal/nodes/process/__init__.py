@@ -1,4 +1,4 @@
-"""What a process of nodes needs in either generation of ROS: periodic callbacks, a log that never waits, its end."""
+"""Parts of a process with nodes, for both generations of ROS: periodic callbacks, a log that never waits, its end."""
 
 from ._paced_log import BURST, PER_S, Allowance, PacedLog, node_log
 from ._process_end import ProcessEnd, guarded, leave_within

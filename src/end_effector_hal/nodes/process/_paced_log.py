@@ -1,7 +1,7 @@
-"""The log of a node: written in a thread of its own, at a bounded rate.
+"""The log of a node: written in a thread of its own, at a limited rate.
 
-ROS writes to files, to a terminal and to /rosout in the thread that logs: a line must not stand between a status and
-its message.
+ROS writes to files, to a terminal and to /rosout in the thread that logs: a line must not delay the message of a
+status.
 """
 
 from __future__ import annotations
@@ -15,19 +15,21 @@ from collections.abc import Callable
 from end_effector_hal.vocabulary import printable
 
 BURST, PER_S = 50, 5.0
-"""Lines at once, and how many a second in the long run; for INFO and for what is worse each."""
+"""Maximum number of lines at once, and per second in the long run; counted separately for INFO and for
+higher levels.
+"""
 LONGEST = 10_000
-"""Characters of a line."""
+"""Maximum length of a line, characters."""
 FLUSH_S = 1.0
 
 _Line = Callable[[], None]
 
 
 class Allowance:
-    """How many lines may be written now; refused ones are counted until the next that may.
+    """The number of lines that may be written now; refused lines are counted until the next one that may.
 
     Args:
-        clock: seconds.
+        clock: returns the time, s.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -35,7 +37,7 @@ class Allowance:
         self._refused = 0
 
     def use(self) -> int | None:
-        """Use one line; None: there is none left. Else how many were refused since the last one."""
+        """Use one line, and return how many were refused since the last one; None: there is none left."""
         now = self._clock()
         self._left, self._at = min(float(BURST), self._left + (now - self._at) * PER_S), now
         if self._left < 1.0:
@@ -63,7 +65,7 @@ class PacedLog(logging.Handler):
         self._thread.start()
 
     def emit(self, record: logging.LogRecord) -> None:  # called under the handler's lock
-        """Have a record written; it never waits before :meth:`end`."""
+        """Queue a record for the writer; never waits before :meth:`end`."""
         refused = (self._common if record.levelno <= logging.INFO else self._worse).use()
         if refused is None:
             return
@@ -74,7 +76,7 @@ class PacedLog(logging.Handler):
         self._put(lambda: self._write(record.levelno, text))
 
     def end(self) -> None:
-        """Write what still waits, for a second at most; from now on a record is written in its own thread."""
+        """Write the waiting lines, for a second at most; a later record is written in the thread that logs it."""
         self.acquire()
         self._ended = True
         self.release()
@@ -94,7 +96,9 @@ class PacedLog(logging.Handler):
 
 
 def node_log(node: str, write: Callable[[int, str], None]) -> tuple[logging.Logger, PacedLog]:
-    """The logger of a node, and its handler; what the rest of the package logs goes to the first node of a process."""
+    """Return the logger of a node, and its handler; other records of the package go to the first node of
+    the process.
+    """
     handler = PacedLog(write)
     top, log = logging.getLogger("end_effector_hal"), logging.getLogger(f"end_effector_hal.{node}")
     top.propagate = log.propagate = False

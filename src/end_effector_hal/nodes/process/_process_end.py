@@ -18,7 +18,7 @@ SIGEV_THREAD = 2
 
 
 class _SigEvent(ctypes.Structure):
-    """Of timer_create(2)."""
+    """The structure ``sigevent`` of timer_create(2)."""
 
     _fields_ = (
         ("value", ctypes.c_void_p),
@@ -31,13 +31,13 @@ class _SigEvent(ctypes.Structure):
 
 
 class _Spec(ctypes.Structure):
-    """Of timer_settime(2): seconds and nanoseconds; it fires once."""
+    """The structure ``itimerspec`` of timer_settime(2): seconds and nanoseconds; the timer fires once."""
 
     _fields_ = tuple((name, ctypes.c_long) for name in ("interval_s", "interval_ns", "value_s", "value_ns"))
 
 
 def leave_within(seconds: int, code: int) -> None:
-    """Leave the process with an exit code after so many seconds, if it has not ended by itself.
+    """Leave the process with an exit code after ``seconds``, if it has not ended by itself.
 
     The C library does it, in a thread of its own: a library that hangs may keep the interpreter's lock.
     """
@@ -56,14 +56,15 @@ def leave_within(seconds: int, code: int) -> None:
 LOOK_S = 0.5
 STDERR = 2
 LONGEST_S = 20.0
-"""What has not ended by then, whatever the reason of the end, is left by force and says where it hangs."""
+"""Longest time that the end takes for any reason, s; then the process is left by force, and prints where it hangs."""
 
 
 class ProcessEnd:
-    """Thread-safe, and safe in a signal handler.
+    """Ends a process; thread-safe, and safe in a signal handler.
 
     Args:
-        longest_s: what ends in good order takes less; after an error the process is left by force then.
+        longest_s: time for an end in good order, s; after an error the process is left by force when this time is
+            over.
     """
 
     def __init__(self, longest_s: float) -> None:
@@ -75,22 +76,22 @@ class ProcessEnd:
 
     @property
     def begun(self) -> bool:
-        """Whether the process shall end."""
+        """Whether the process is to end."""
         return self._begun
 
     @property
     def exit_code(self) -> int:
-        """Of the process, as it is known now."""
+        """Exit code of the process, as far as it is known now."""
         return self._failed.exit_code if self._failed else 0
 
     def begin(self) -> None:
-        """The process shall end; once more does no harm."""
+        """Begin the end of the process; a second call does no harm."""
         self.bound()
         self._begun = True
         self._wake.put(None)
 
     def fail(self, error: ReportedError) -> bool:
-        """End with an error, so that the launcher starts this process again; False: it has failed already."""
+        """End with an error, so that the launcher restarts this process; return False if it has failed before."""
         if self._failed is not None:
             return False
         self._failed = error
@@ -99,7 +100,7 @@ class ProcessEnd:
         return True
 
     def wait(self) -> int:
-        """Wait for the end, in one thread; the exit code. Raises what :meth:`fail` was given."""
+        """Wait for the end, in one thread, and return the exit code; raises the error that :meth:`fail` got."""
         while not self._begun:
             with suppress(Empty):  # a signal may reach another thread: its handler runs when this one looks
                 self._wake.get(timeout=LOOK_S)
@@ -108,7 +109,7 @@ class ProcessEnd:
         return 0
 
     def bound(self) -> None:
-        """From now on the process has `LONGEST_S` to end; then it is left by force, and says where it hangs."""
+        """Start the limit of `LONGEST_S`: after it the process is left by force, and prints where it hangs."""
         if not self._bounded:
             self._bounded = True
             # no thread of Python: what hangs may hold its lock, or be its end
@@ -120,7 +121,7 @@ class ProcessEnd:
 
 
 def guarded(name: str, body: Callable[[], int | None]) -> int:
-    """Call ``body`` and return the exit code; ``name`` stands before the sentence of an error."""
+    """Call ``body`` and return the exit code; an error is printed as one sentence after ``name``."""
     try:
         return int(body() or 0)
     except ReportedError as error:

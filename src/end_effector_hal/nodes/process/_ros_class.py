@@ -1,4 +1,4 @@
-"""The classes that a generation of ROS has made of the definitions of messages, services and actions."""
+"""Find the classes that a generation of ROS has generated from the definitions of messages, services and actions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from end_effector_hal.errors import RosError
 
 
 def has_ros_class(name: str, kind: str) -> bool:
-    """Whether a type is installed, named as for `ros_class`."""
+    """Return whether a type is installed, named as for `ros_class`."""
     package, _, plain = name.partition("/")
     if find_spec(package) is None or find_spec(f"{package}.{kind}") is None:
         return False
@@ -18,16 +18,16 @@ def has_ros_class(name: str, kind: str) -> bool:
 
 
 def ros_class(name: str, kind: str, todo: str) -> Any:
-    """A class that was generated.
+    """Return a generated class.
 
     Args:
-        name: of the type, such as ``std_msgs/Header``.
+        name: name of the type, such as ``std_msgs/Header``.
         kind: ``msg``, ``srv`` or ``action``.
         todo: how types are built in this generation.
 
     Raises:
-        RosError: it is not built.
-        ModuleNotFoundError: the package that it needs is not installed.
+        RosError: the type is not built.
+        ModuleNotFoundError: a package that it needs is not installed.
     """
     package, _, plain = name.partition("/")
     try:

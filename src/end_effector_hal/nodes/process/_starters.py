@@ -11,25 +11,27 @@ from end_effector_hal.wires import tune_interpreter
 
 
 class Starters:
-    """Calls back once all is made, after the memory was tidied: that takes so long that readings would turn stale."""
+    """Calls back once all nodes exist and memory is cleaned up, which takes so long that readings would
+    become stale.
+    """
 
     def __init__(self) -> None:
         self._first: list[Callable[[], None]] = []
         self._last: list[Callable[[], None]] = []
 
     def add(self, callback: Callable[[], None], *, last: bool = False) -> None:
-        """Call ``callback`` then, in the order of registration; ``last``: behind all others."""
+        """Register a callback; they are called in the order of registration, those with ``last`` after all others."""
         (self._last if last else self._first).append(callback)
 
     def start(self) -> None:
-        """All nodes are there."""
+        """Tune the interpreter and call all callbacks: all nodes exist now."""
         tune_interpreter()
         for callback in (*self._first, *self._last):
             callback()
 
 
 class Ticker:
-    """Calls back every ``period_s`` in a thread of its own; what a callback raises is logged."""
+    """Calls back every ``period_s`` in a thread of its own; an exception of the callback is logged."""
 
     def __init__(self, period_s: float, callback: Callable[[], None], log: logging.Logger) -> None:
         self._period_s, self._callback, self._log = period_s, callback, log
@@ -37,7 +39,7 @@ class Ticker:
         threading.Thread(target=self._run, name="ticker", daemon=True).start()
 
     def close(self) -> None:
-        """No more ticks begin."""
+        """Stop: no more calls begin."""
         self._end.set()
 
     def _run(self) -> None:

@@ -25,7 +25,7 @@ from ._program_node import ProgramNode
 
 
 class GripNode:
-    """Serves the actuators, stop and reset beside the program, which it gives the output of the tool changer."""
+    """Runs the gripping program, which gets the state of the tool changer; serves actuators, outputs, stop, reset."""
 
     def __init__(self, node: NodeTransport) -> None:
         self._description = node.description()

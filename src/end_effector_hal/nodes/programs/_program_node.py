@@ -142,7 +142,7 @@ class ProgramNode(Generic[P]):
         if request.until_us and now_us() > request.until_us:
             return Answer(False, "The command came too late and was not executed.")
         if request.until_us > now_us() + round(COMMAND_VALID_S * 1e6):
-            why = f"The command may wait for more than {COMMAND_VALID_S:g} s and was not executed: its time is wrong."
+            why = f"The command was not executed: until_us is more than {COMMAND_VALID_S:g} s ahead. Check the clock."
             return Answer(False, why)
         return self.program.command(CHANNELS[Command(request.command)])
 

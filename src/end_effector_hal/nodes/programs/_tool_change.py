@@ -20,11 +20,11 @@ from end_effector_hal.vocabulary import ChangerState, Command
 from ._program_node import ProgramNode
 
 MARGIN_S = 1.0
-"""A program decides by itself in time; past this the caller gets an answer all the same."""
+"""Additional wait for the program's decision, s; then the caller gets an answer in any case."""
 
 
 class ToolChangeNode:
-    """Serves the tool changer beside the program, which it gives the state of the gripping automata."""
+    """Runs the program of the tool changer, which gets the state of the gripping automata; serves its commands."""
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()

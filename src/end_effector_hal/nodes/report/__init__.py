@@ -1,3 +1,3 @@
-"""What the nodes report to people: ``/diagnostics``."""
+"""Reports of the nodes for people: ``/diagnostics``."""
 
 from ._health import ERROR, OK, WARN, Health, publish_health, standing

@@ -1,4 +1,4 @@
-"""``/diagnostics`` at 1 Hz, for people (REP-107): never a keep-alive, nothing decides by it."""
+"""``/diagnostics`` at 1 Hz, for people (REP-107): it is no keep-alive, and no program decides by it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Health:
 
 
 def standing(alarms: Sequence[Alarm]) -> bool:
-    """Whether an alarm stands; one that is over and waits for an acknowledgement is no warning."""
+    """Return whether an alarm is active; an alarm that is over and waits for an acknowledgement does not count."""
     return any(not alarm.over for alarm in alarms)
 
 
@@ -39,9 +39,9 @@ def publish_health(
 
     Args:
         node: the node.
-        tool: its name; a value of each status.
-        health: is asked for it.
-        hardware: that the node works with; empty: the tool.
+        tool: name of the tool; a value of each status.
+        health: returns the current health.
+        hardware: the hardware that the node works with; empty: the tool.
     """
     publish = node.publisher(DIAGNOSTICS)
 

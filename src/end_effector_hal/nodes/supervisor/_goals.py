@@ -1,4 +1,4 @@
-"""Goals to the four actions, and how each ended, in words."""
+"""Send goals to the four actions, and describe in words how each ended."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from end_effector_hal.nodes.transport import FeedbackMessage, NodeTransport, Res
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
 _SILENT_S = 2.0
-"""HALMain publishes its state 10 times a second: after this it is said that it is waited for."""
+"""Silence of HALMain after which a message says that the goal waits for it, s; HALMain publishes its state 10 times a
+second.
+"""
 
 _OUTCOMES = {each.value: each.name for each in Outcome}
 _NOT_BEGUN = (Outcome.REJECTED, Outcome.NOT_EXECUTED)
 
 
 class SentGoal:
-    """One goal that was sent; ``succeeded`` is None until it has ended.
+    """A goal that was sent; ``succeeded`` is None until it has ended.
 
     Attributes:
-        name: of its command.
-        session: the start of HALMain (µs, its clock) when the goal was sent; None: it was not known.
+        name: name of its command.
+        session: the start of HALMain (µs, its clock) when the goal was sent; None: it was unknown.
     """
 
     def __init__(self, name: str, session: int | None) -> None:
@@ -36,7 +38,7 @@ class SentGoal:
         self._shown: tuple[int, str, int] | None = None
 
     def fed(self, feedback: FeedbackMessage) -> str:
-        """What is new in a feedback, in words; empty: nothing."""
+        """Return the news of a feedback in words; empty: there are none."""
         shown = (feedback.state, feedback.actuator, feedback.attempt)
         if shown == self._shown:
             return ""
@@ -48,7 +50,7 @@ class SentGoal:
         return f"{self.name}: {EndEffectorState(feedback.state).name}{step}{attempt}"
 
     def end(self, result: ResultMessage, succeeded: bool) -> str:
-        """Take the result; returns it in words."""
+        """Store the result, and return it in words."""
         outcome = _OUTCOMES.get(result.outcome, "FAILED")
         self.succeeded = succeeded and outcome == "SUCCEEDED"
         if result.outcome in _NOT_BEGUN or (result.outcome == Outcome.UNREACHABLE and not result.seconds):
@@ -60,7 +62,7 @@ class SentGoal:
         return f"{self.name}: {outcome} after {result.seconds:.2f} s, the end-effector is {state}.{tail}"
 
     def lose(self, why: str) -> str:
-        """Give it up; returns that in words."""
+        """Abandon the goal, and return a sentence about it."""
         self.succeeded = False
         return f"{self.name}: UNREACHABLE. {why}: what became of it is unknown, see EndEffectorState."
 
@@ -69,9 +71,9 @@ class GoalClients:
     """Clients of all actions.
 
     Args:
-        node: has the clients.
-        say: gets each sentence about a goal; also called in threads of the node.
-        patience_s: a goal is given up when HALMain is silent for so long.
+        node: the transport that creates the clients.
+        say: called with each sentence about a goal, also in threads of the node.
+        patience_s: silence of HALMain after which a goal is abandoned, s.
     """
 
     def __init__(
@@ -84,16 +86,16 @@ class GoalClients:
         self._seen: tuple[int | None, float] = (None, 0.0)
 
     def seen(self, session: int) -> None:
-        """HALMain has published its state; ``session`` is its start."""
+        """Note that HALMain has published its state; ``session`` is its start."""
         self._seen = session, time.monotonic()
 
     @property
     def any_failed(self) -> bool:
-        """Whether any goal has ended otherwise than in success."""
+        """Whether any goal has ended without success."""
         return any(goal.succeeded is False for goal in self._sent)
 
     def wait_for_servers(self) -> None:
-        """Wait until every action is up, with a message; raises RosError after 30 s."""
+        """Wait until every action server is available, with a message; raises RosError after 30 s."""
         if self._up(1.0):
             return
         self._say(f"waiting for the actions {', '.join(action.name for action in COMMAND_ACTIONS)} …")
@@ -104,14 +106,14 @@ class GoalClients:
             )
 
     def send(self, command: Command) -> SentGoal:
-        """Send a goal; what becomes of it is said when it is known."""
+        """Send a goal; its progress and its end are reported with `say`."""
         goal = SentGoal(command.name.lower(), self._seen[0])
         self._sent.append(goal)
         self._clients[command].send(partial(self._fed, goal), partial(self._ended, goal))
         return goal
 
     def wait(self, goal: SentGoal) -> None:
-        """Wait until a goal has ended, or HALMain has gone, hangs, or was started again since."""
+        """Wait until a goal has ended, or until HALMain is gone, hangs, or was restarted."""
         said = False
         while not goal.ended.wait(0.1) and not self._node.ending:
             session, at = self._seen
@@ -130,13 +132,13 @@ class GoalClients:
                     self._lose(goal, "HALMain was restarted and has lost this goal")
 
     def cancel(self) -> bool:
-        """Cancel every running goal of any client; return whether a goal of ours is running."""
+        """Cancel every running goal of any client; return whether a goal of this client is running."""
         for client in self._clients.values():
             client.cancel_all()
         return any(not goal.ended.is_set() for goal in self._sent)
 
     def wait_for_all(self) -> None:
-        """Wait until none of our goals runs."""
+        """Wait until no goal of this client is running."""
         for goal in self._sent:
             self.wait(goal)
 

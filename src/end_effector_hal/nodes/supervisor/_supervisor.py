@@ -1,4 +1,4 @@
-"""Supervisor: gives the commands of Table II, from a prompt or a script, and says what became of them."""
+"""The Supervisor gives the commands of Table II, from a prompt or a script, and prints their results."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ class Supervisor:
         node.subscribe(END_EFFECTOR_STATE, self._on_state)
 
     def say(self, text: str) -> None:
-        """Print a line, before a prompt that stands there."""
+        """Print a line; a visible prompt is moved below it."""
         before, after = ("\r", PROMPT) if self._prompting else ("", "")
         sys.stdout.write(f"{before}{text}\n{after}")
         sys.stdout.flush()
 
     def run_script(self, orders: tuple[ScriptCommand, ...]) -> int:
-        """Give orders one after the other; 1 when any did not succeed."""
+        """Execute orders one after the other; return 1 if any did not succeed."""
         self._goals.wait_for_servers()
         if not self._adopted.wait(GIVE_UP_S):
             self.say(
@@ -65,7 +65,9 @@ class Supervisor:
         return int(self._goals.any_failed or self._reset_failed)
 
     def run_prompt(self) -> int:
-        """Obey standard input until `quit`, its end or Ctrl-C; at a terminal goals run in the background."""
+        """Execute orders from standard input until `quit`, its end or Ctrl-C; at a terminal goals are not
+        waited for.
+        """
         terminal = sys.stdin.isatty()
         self._goals.wait_for_servers()
         self.say(HELP)
@@ -84,7 +86,7 @@ class Supervisor:
         return 0 if terminal else int(self._goals.any_failed or self._reset_failed)
 
     def give(self, order: ScriptCommand, *, wait: bool = True) -> bool:
-        """Give one order; False when it was `quit`."""
+        """Execute one order; return False when it was `quit`."""
         for asked, word, service in (
             (order.arm, "arm", ARM_TOOL_CHANGER),
             (order.stop, "stop", STOP_TOOL),
@@ -146,7 +148,7 @@ class Supervisor:
 
 
 def run_supervisor(node: NodeTransport) -> int | None:
-    """Run the script or the prompt to its end, or to the end of the node; the end-effector goes on without it.
+    """Run the script or the prompt to its end, or to the end of the node; the end-effector keeps working without it.
 
     Returns:
         The exit code; None: the node was ended from outside.
@@ -179,7 +181,7 @@ def _patience_s(node: NodeTransport) -> float:
 
 
 class _Interrupt:
-    """Ends a blocking read at Ctrl-C, SIGTERM and the end of the node; those of ROS do not."""
+    """Ends a blocking read on Ctrl-C, SIGTERM and the end of the node; the signal handlers of ROS do not."""
 
     def __init__(self, node: NodeTransport) -> None:
         self._armed = True
@@ -188,7 +190,7 @@ class _Interrupt:
         node.on_close(self._shut_down)
 
     def disarm(self) -> None:
-        """The main thread is not to be interrupted any more."""
+        """Stop interrupting the main thread."""
         self._armed = False
 
     def _raise(self, _number: int, _frame: FrameType | None) -> None:

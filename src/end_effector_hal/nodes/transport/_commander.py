@@ -1,4 +1,4 @@
-"""Gives commands to a program in another node; a node that hangs or has gone gives an answer as well."""
+"""Send commands to a program in another node; a node that hangs or is gone leads to an answer as well."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from end_effector_hal.nodes.interface import COMMAND_VALID_S
 from end_effector_hal.wires import now_us
 
 VALID_S = COMMAND_VALID_S
-"""How long a command may be begun, counted from when it is asked for and through all attempts to deliver it: nothing
-is executed once it was given up."""
+"""Time within which a command must begin, s, counted from its request and through all attempts to deliver it: an
+abandoned command is never executed.
+"""
 _Job = tuple[int, int, Callable[[Answer], None]]
 
 
@@ -22,10 +23,10 @@ class CommandConnection(Protocol):
     """A connection to the service of a node."""
 
     def call(self, command: int, until_us: int) -> Answer:
-        """Have a command begun by ``until_us``; raises ConnectionError, with a sentence, when no answer will come."""
+        """Request a command, which must begin before ``until_us``; raises ConnectionError if no answer will come."""
 
     def close(self) -> None:
-        """Leave the connection."""
+        """Close the connection."""
 
 
 class Commander:
@@ -42,7 +43,7 @@ class Commander:
         self._jobs: queue.SimpleQueue[_Job] | None = None
 
     def send(self, command: int, on_answer: Callable[[Answer], None]) -> None:
-        """Give a command of Table II; returns at once. The answer comes in the thread of this client, or never."""
+        """Send a command of Table II and return at once; the answer comes in the thread of this client, or never."""
         with self._lock:
             if self._jobs is None:
                 self._jobs = queue.SimpleQueue()
@@ -55,12 +56,12 @@ class Commander:
             self._jobs.put((command, now_us() + round(VALID_S * 1e6), on_answer))
 
     def give_up(self) -> None:
-        """The answer has not come in time: its thread is left behind, and the next call gets a new connection."""
+        """Abandon an answer that is late: its thread is left behind, and the next call opens a new connection."""
         with self._lock:
             self._jobs = None
 
     def ask(self, command: int) -> Answer:
-        """Give a command of Table II and wait for the decision, at most 4 s."""
+        """Send a command of Table II and wait for the decision, at most 4 s."""
         answers: queue.SimpleQueue[Answer] = queue.SimpleQueue()
         with self._asking:
             self.send(command, answers.put)

@@ -21,15 +21,15 @@ class StampCheck:
     """Checks the stamps of one kind of message, and logs when it begins to refuse; not thread-safe.
 
     Args:
-        what: the messages, for a sentence; plural.
-        log: of the node.
+        what: plural noun for the messages, used in a sentence.
+        log: the logger of the node.
     """
 
     def __init__(self, what: str, log: logging.Logger) -> None:
         self._gate, self._log = StampGate(what), log
 
     def accepts(self, *stamps: int) -> bool:
-        """Whether no stamp of a message (µs, monotonic clock of this machine) is ahead of now."""
+        """Return whether no stamp of a message (µs, monotonic clock of this machine) is in the future."""
         now = now_us()
         before = self._gate.notices(now)
         accepted = all(self._gate.passes(stamp, now) for stamp in stamps)
@@ -39,18 +39,18 @@ class StampCheck:
         return accepted
 
     def notices(self, at_us: int) -> tuple[Alarm, ...]:
-        """The alarm of what was refused lately."""
+        """Return the alarm about recently refused messages."""
         return self._gate.notices(at_us)
 
 
 AMBIENT_PA = 101_325
-"""FluidPressure is absolute, a frame is gauge: the standard atmosphere stands between them."""
+"""The standard atmosphere, Pa: the difference between FluidPressure, which is absolute, and a frame, which is gauge."""
 
 
 class Frames:
     """Frames and their messages, for the nodes of one process that work with the same tool; thread-safe.
 
-    Those who get the same message get the same frame, so that ``judge`` judges it once.
+    Nodes that get the same message get the same frame, so that ``judge`` judges it only once.
     """
 
     def __init__(self, description: Description) -> None:
@@ -59,13 +59,13 @@ class Frames:
         self._newest: tuple[object, Frame | None] = (None, None)
 
     def message_of(self, frame: Frame) -> FrameMessage:
-        """The message of a frame that the link has brought."""
+        """Return the message of a frame from the link."""
         message = frame_to_message(frame)
         self._newest = (message, frame)
         return message
 
     def frame_of(self, message: FrameMessage) -> Frame:
-        """The frame of a message, with the channels of the codec."""
+        """Return the frame of a message, with the channels of the codec."""
         known, frame = self._newest
         if frame is None or message is not known:
             frame = frame_from_message(message, self._kinds)
@@ -74,13 +74,13 @@ class Frames:
 
 
 class SharedFrames:
-    """For a process of several nodes: those of equal descriptions share, for each may have been given another one."""
+    """The `Frames` of a process with several nodes; only nodes with equal descriptions share them."""
 
     def __init__(self) -> None:
         self._of: list[tuple[Description, Frames]] = []
 
     def of(self, description: Description) -> Frames:
-        """What the nodes of this tool share."""
+        """Return the frames that the nodes of this tool share."""
         for known, frames in self._of:
             if known == description:
                 return frames
@@ -89,7 +89,7 @@ class SharedFrames:
 
 
 def frame_to_message(frame: Frame) -> FrameMessage:
-    """The message of a frame."""
+    """Return the message of a frame."""
     values = frame.values.values()
     return FrameMessage(
         at_us=frame.at,
@@ -102,7 +102,7 @@ def frame_to_message(frame: Frame) -> FrameMessage:
 
 
 def frame_from_message(message: FrameMessage, kinds: Mapping[str, Kind]) -> Frame:
-    """The frame of a message; ``kinds`` are the channels of the codec, others are left out."""
+    """Return the frame of a message; ``kinds`` are the channels of the codec, others are left out."""
     values: dict[str, int | bool | None] = {}
     for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False):
         if channel in kinds:
@@ -117,5 +117,5 @@ def frame_from_message(message: FrameMessage, kinds: Mapping[str, Kind]) -> Fram
 
 
 def absolute_pa(value: int | bool | None) -> float:
-    """Absolute pressure of a gauge pressure in Pa; NaN when it is invalid, or when only a bit is carried."""
+    """Return the absolute pressure of a gauge pressure, Pa; NaN if it is invalid, or a bit."""
     return float("nan") if value is None or isinstance(value, bool) else float(AMBIENT_PA + value)

@@ -1,26 +1,26 @@
-"""What a node needs of a ROS generation.
+"""The protocol that a ROS generation implements for the nodes.
 
-Rule 1. A message that goes out is one of `_messages`. The transport makes the type of the table from it, field by
-field. Nobody changes a message that was published: the nodes of this process may get it as it is.
+Rule 1. An outgoing message is one of `_messages`. The transport converts it to the type in the interface table, field
+by field. A message must not be changed after it was published: the nodes of this process may receive the same object.
 
-Rule 2. A message or a request that comes in is any object with the fields of its definition.
+Rule 2. An incoming message or request is any object with the fields of its definition.
 
-Rule 3. Publishing never waits for a subscriber. Beyond the queue of the table the oldest message is dropped; of a
-latched topic a new subscriber gets the last message at once, and only that one.
+Rule 3. Publishing never waits for a subscriber. Beyond the queue length of the interface table the oldest message is
+dropped; on a latched topic a new subscriber gets the last message at once, and only that one.
 
-Rule 4. A subscriber gets the messages of the nodes that the table names, in the order in which each of them sent
-them. The transport drops all others and counts them in ``unknown_senders``.
+Rule 4. A subscriber gets the messages of the nodes that the interface table names, in the order in which each of them
+sent them. The transport drops all others and counts them in ``unknown_senders``.
 
-Rule 5. Callbacks come in any thread, also two at a time: a node locks what they share. A callback of a topic returns
-at once. A service handler may block for as long as its command takes; nothing else waits for it.
+Rule 5. Callbacks come in any thread, also two at a time: a node locks the data that they share. A callback of a topic
+returns at once. A service handler may block for as long as its command takes; nothing else waits for it.
 
-Rule 6. What a callback raises is logged, and ends neither the transport nor the callbacks that follow.
+Rule 6. An exception of a callback is logged, and ends neither the transport nor the callbacks that follow.
 
 Rule 7. ``log`` never waits for a file, a terminal or a subscriber; it keeps the order of the lines, and all of them
 are written before the process ends.
 
-Rule 8. A node ends once: first its periodic callbacks stop, then ``on_close`` is called, while topics are open, then
-the topics close, then ``on_end`` is called. Both in the reverse order of their registration.
+Rule 8. A node ends once: first its periodic callbacks stop, then the ``on_close`` callbacks run while topics are open,
+then the topics close, then the ``on_end`` callbacks run. Both run in the reverse order of their registration.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from ._unknown_senders import UnknownSenders
 
 
 class CylinderPlace(IntEnum):
-    """Where a cylinder stands (``CylinderPosition``)."""
+    """The position of a cylinder (``CylinderPosition``)."""
 
     UNKNOWN = 0
     RETRACTED = 1
@@ -50,7 +50,7 @@ class CylinderPlace(IntEnum):
 
 
 class ChangerPlace(IntEnum):
-    """Where the tool changer stands (``ToolChangerPosition``)."""
+    """The position of the tool changer (``ToolChangerPosition``)."""
 
     UNKNOWN = 0
     LOCKED = 1
@@ -60,36 +60,36 @@ class ChangerPlace(IntEnum):
 
 
 class CommandClient(Protocol):
-    """Gives commands to the program of another node."""
+    """A client that sends commands to the program of another node."""
 
     def ask(self, command: int) -> Answer:
-        """Give a command of Table II and wait for the answer, at most 4 s; a node that is silent is refused."""
+        """Send a command of Table II and wait for the answer, at most 4 s; a silent node counts as a refusal."""
 
     def send(self, command: int, on_answer: Callable[[Answer], None]) -> None:
-        """Give a command and return at once; the answer comes in another thread, or never."""
+        """Send a command and return at once; the answer comes in another thread, or never."""
 
     def give_up(self) -> None:
-        """The answer has not come in time: one that comes later does not count."""
+        """Abandon an answer that is late; if it still comes, it is ignored."""
 
 
 class ClientGoal(Protocol):
-    """A goal that a client has sent; two are equal when they stand for the same one. Each call returns at once.
+    """A goal that a client has sent; objects for the same goal are equal. Each call returns at once.
 
-    Messages to the client are those of `_messages`, made to the type of the action (rule 1).
+    Messages to the client are those of `_messages`, converted to the type of the action (rule 1).
     """
 
     @property
     def request(self) -> Any:
-        """What it asks for (rule 2)."""
+        """The content of the goal (rule 2)."""
 
     def begin(self) -> None:
-        """Tell the client that its goal is being executed."""
+        """Report to the client that its goal is being executed."""
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell the client how far its goal is."""
+        """Report the progress of its goal to the client."""
 
     def end(self, ending: Ending, result: Any) -> None:
-        """Tell the client how its goal ended: by the status of the goal, and by the result of its action."""
+        """Report the end of its goal to the client, with the status of the goal and the result of its action."""
 
 
 class ActionServer(Protocol):
@@ -100,10 +100,10 @@ class ActionServer(Protocol):
 
 
 class ActionClient(Protocol):
-    """A client of one action. Its callbacks come in any thread."""
+    """A client of one action; its callbacks come in any thread."""
 
     def is_ready(self) -> bool:
-        """Whether the server is there, as far as that is known."""
+        """Return whether the server is available, as far as that is known."""
 
     def send(
         self,
@@ -113,9 +113,9 @@ class ActionClient(Protocol):
         """Send a goal.
 
         Args:
-            on_feedback: gets each feedback.
-            on_end: gets the result, and whether the server calls it a success; None: the server does not know the
-                goal any more.
+            on_feedback: called with each feedback.
+            on_end: called with the result, and whether the server reports success; a result of None: the server no
+                longer has the goal.
         """
 
     def cancel_all(self) -> None:
@@ -126,10 +126,10 @@ class NodeTransport(Protocol):
     """One node of the graph; see the rules of this module.
 
     Attributes:
-        name: of the node, without a leading slash.
+        name: name of the node, without a leading slash.
         log: its logger.
-        generation: of ROS, 1 or 2.
-        unknown_senders: messages and calls that were dropped.
+        generation: generation of ROS, 1 or 2.
+        unknown_senders: counts the messages and calls that were dropped.
     """
 
     name: str
@@ -138,19 +138,19 @@ class NodeTransport(Protocol):
     unknown_senders: UnknownSenders
 
     def description(self) -> Description:
-        """The tool that the parameters name; raises DescriptionError."""
+        """Return the tool that the parameters name; raises DescriptionError."""
 
     def frames(self, description: Description) -> Frames:
-        """What the nodes of this process that work with this tool share of its frames."""
+        """Return the frames that the nodes of this process share for this tool."""
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
-        """A parameter of this node."""
+        """Return a parameter of this node."""
 
     def parameter_once(self, parameter: Parameter) -> str:
-        """A parameter that the next node of this name does not find."""
+        """Return a parameter and remove it, so that the next node of this name does not find it."""
 
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """A function that publishes a message on a topic (rules 1 and 3)."""
+        """Return a function that publishes a message on a topic (rules 1 and 3)."""
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Call ``callback`` for every message of a topic (rules 2, 4 and 5)."""
@@ -159,16 +159,16 @@ class NodeTransport(Protocol):
         """Answer the calls of a service; the transport makes its response from the answer."""
 
     def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Why a call of an internal service is refused; empty: it comes from a node that the table names."""
+        """Return why a call of an internal service is refused; empty: the interface table names its caller."""
 
     def call(self, service: Service) -> Answer | None:
-        """Call a service without arguments; None: its node cannot be reached."""
+        """Call a service without arguments and return its answer; None: its node cannot be reached."""
 
     def command_client(self, service: Service) -> CommandClient:
-        """A client that gives commands to another node."""
+        """Return a client that sends commands to another node."""
 
     def offers(self, action: Action) -> bool:
-        """Whether this generation has the type of an action; of one that is only missing here the log says so."""
+        """Return whether this generation has the type of an action; a type that is only not installed is logged."""
 
     def action_server(
         self,
@@ -180,30 +180,30 @@ class NodeTransport(Protocol):
         """Serve an action.
 
         Args:
-            action: of the table.
-            on_goal: called with each goal that comes.
-            on_cancel: called when a client cancels a goal; returns whether that can change anything.
-            result: makes the result of a goal that the server ends by itself: too many, or an id without bounds.
+            action: an action of the interface table.
+            on_goal: called with each new goal.
+            on_cancel: called when a client cancels a goal; returns whether that can have an effect.
+            result: makes the result of a goal that the server ends by itself: too many goals, or an overlong id.
         """
 
     def action_client(self, action: Action) -> ActionClient:
-        """A client of an action."""
+        """Return a client of an action."""
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at a rate; after a pause of the machine ticks are left out, not made up for."""
+        """Call ``callback`` at a rate; calls missed during a pause of the machine are skipped."""
 
     def on_start(self, callback: Callable[[], None], *, last: bool = False) -> None:
-        """Call ``callback`` when all nodes of this process are there; ``last``: behind those of the others."""
+        """Call ``callback`` when all nodes of this process exist; with ``last``, after those of the others."""
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while the node can still publish (rule 8)."""
 
     def on_end(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at the very end, when no message comes any more (rule 8)."""
+        """Call ``callback`` at the very end, after the last message (rule 8)."""
 
     @property
     def ending(self) -> bool:
         """Whether the end has begun."""
 
     def fail(self, error: ReportedError) -> None:
-        """End the node with an error, so that its launcher starts it again; in any thread."""
+        """End the node with an error, so that its launcher restarts it; callable from any thread."""

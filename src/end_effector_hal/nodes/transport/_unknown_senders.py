@@ -1,4 +1,4 @@
-"""Messages and calls of nodes that the table does not name: dropped, counted, and reported by an alarm."""
+"""Drop and count messages and calls of nodes that the interface table does not name, and raise an alarm about them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from end_effector_hal.vocabulary import Alarm
 
 ALARM_S = 10.0
-"""How long an alarm stays after the last message that was dropped."""
+"""Time for which an alarm stays after the last dropped message, s."""
 LONGEST_NAME = 80
 
 
@@ -21,13 +21,13 @@ class _Dropped:
 
 
 class UnknownSenders:
-    """Counts what was dropped on each topic or service; thread-safe.
+    """Counts the dropped messages and calls of each topic or service; thread-safe.
 
-    The alarm names the node that was seen first: however many names follow, it stays one alarm.
+    The alarm names only the first unknown node, so that any number of names causes one alarm.
 
     Args:
         report: called with each new alarm.
-        clock: microseconds, monotonic.
+        clock: returns the monotonic time, µs.
     """
 
     def __init__(self, report: Callable[[str], None], clock: Callable[[], int]) -> None:
@@ -36,12 +36,12 @@ class UnknownSenders:
         self._dropped: dict[str, _Dropped] = {}
 
     def drop(self, what: str, caller: str, known: str, also: str = "") -> str:
-        """Count one message or call; returns the alarm.
+        """Count a dropped message or call, and return the alarm.
 
         Args:
             what: resolved name of a topic or service of this tool.
-            caller: the name that the sender gives; any text.
-            known: the node whose messages count there, in words.
+            caller: the name that the sender states; any text.
+            known: the node whose messages are accepted there, in words.
             also: a sentence for the end of the alarm.
         """
         now = self._clock()
@@ -50,7 +50,7 @@ class UnknownSenders:
             fresh = not self._is_recent(dropped, now)
             if fresh:
                 who = ascii(caller[:LONGEST_NAME])[1:-1] or "a node without a name"
-                alarm = f"{what}: what {who} sends does not count, only {known} has a say there."
+                alarm = f"{what}: messages of {who} are ignored; only {known} may send there."
                 dropped.alarm = f"{alarm} {also}".rstrip()
             dropped.count, dropped.at_us = dropped.count + 1, now
             self._dropped[what] = dropped
@@ -59,14 +59,14 @@ class UnknownSenders:
         return dropped.alarm
 
     def alarms(self) -> tuple[Alarm, ...]:
-        """One for each topic or service where something was dropped in the last 10 s."""
+        """Return an alarm for each topic or service with a dropped message or call in the last 10 s."""
         now = self._clock()
         with self._lock:
             recent = [(what, each) for what, each in self._dropped.items() if self._is_recent(each, now)]
         return tuple(Alarm("node.unknown_sender", what, {"text": each.alarm}) for what, each in recent)
 
     def counts(self) -> dict[str, int]:
-        """Messages and calls that were dropped since the start, by topic or service."""
+        """Return the number of messages and calls dropped since the start, by topic or service."""
         with self._lock:
             return {what: each.count for what, each in self._dropped.items()}
 

@@ -1,7 +1,7 @@
-"""A closed segment is written again: sorted by time, in chunks, with an index, as other programs of MCAP expect it.
+"""Rewrite a closed segment sorted by time, in chunks, with an index, as other MCAP programs expect.
 
 While a program runs, records are appended as they happen, and their times may go back a little. The number of each
-record keeps the order of writing, in which `read_trace` gives them.
+record keeps the order of writing, in which `read_trace` returns them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from end_effector_hal.recording._files import lock, still_there
 from end_effector_hal.recording._limits import MEGABYTE
 
 CHUNK_BYTES = 64 * 1024
-"""A file that is cut off later loses at most one chunk more than what was cut."""
+"""Size of a chunk, bytes; a file that is cut off later loses at most one chunk in addition to the cut part."""
 NAME = ".{}.indexed"
 _PROGRAM = (
     f"import os, sys, pathlib, {__name__} as i; os.nice(19); i.write_indexed(pathlib.Path(sys.argv[1]))"
@@ -27,19 +27,19 @@ _PROGRAM = (
 
 
 class TooLongError(Exception):
-    """It has taken more time than it was given."""
+    """The indexing took longer than allowed."""
 
 
 def write_indexed(path: Path, until: float | None = None) -> None:
-    """Replace a closed segment by its indexed form, in one step; until then, and in any failure, it stays as it is.
+    """Replace a closed segment by its indexed form, in one step; after a failure the segment is unchanged.
 
     Args:
-        path: of the segment; it needs as much room again for a moment.
-        until: when it is given up, on the monotonic clock of `time`, s; None: never.
+        path: the segment; free disk space of the same size is needed for a moment.
+        until: time at which the indexing is abandoned, on the monotonic clock of `time`, s; None: never.
 
     Raises:
-        OSError: the disk; another process is at it; the segment was removed.
-        TooLongError: it was given up.
+        OSError: the disk failed, another process indexes the segment, or the segment was removed.
+        TooLongError: the time is over.
         ValueError: the segment is damaged.
     """
     beside = path.with_name(NAME.format(path.name))
@@ -65,7 +65,7 @@ def write_indexed(path: Path, until: float | None = None) -> None:
 
 
 def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
-    """False: there is nothing to sort. Both number schemas and channels in their order."""
+    """Write the sorted copy; return False if there is nothing to sort. Schemas and channels keep their numbers."""
     from mcap.data_stream import ReadDataStream
     from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Message, Schema
     from mcap.stream_reader import StreamReader
@@ -109,7 +109,7 @@ def _check(until: float | None) -> None:
 
 
 def start_indexing(path: Path) -> None:
-    """Have it done by a process of its own, which goes on after the end of this one; raises OSError."""
+    """Index a segment in a separate process, which continues after the end of this one; raises OSError."""
     child = Popen(
         [sys.executable, "-c", _PROGRAM, path], 0, None, DEVNULL, DEVNULL, DEVNULL, start_new_session=True
     )
@@ -117,7 +117,7 @@ def start_indexing(path: Path) -> None:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """What a process that was killed has left of it."""
+    """Remove temporary files that a killed indexing process has left."""
     for path in folder.glob(NAME.format("*.mcap")):
         with suppress(OSError), path.open("rb") as file:
             if lock(file.fileno()):

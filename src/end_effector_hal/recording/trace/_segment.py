@@ -1,4 +1,4 @@
-"""One file of a trace: made, written batch by batch, and closed with its checksum."""
+"""One file of a trace: created, written batch by batch, and closed with its checksum."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
 SUFFIX = ".mcap"
 LEAST_ROOM = MEGABYTE // 2
-"""Bytes that must be free before a file is begun: with less it would be full at once."""
+"""Free disk space that is needed to begin a file, bytes; with less the file would be full at once."""
 
 
 class SegmentFile:
-    """One MCAP file, being written; whatever is in it is whole batches.
+    """An MCAP file that is being written; it always contains whole batches only.
 
     Args:
-        folder: made if it is missing; the file gets the next free number of its program.
-        program: whose trace it is; topics are ``program/kind``.
+        folder: created if it is missing; the file gets the next free number of its program.
+        program: the program whose trace it is; topics are ``program/kind``.
         kinds: name of each kind of record, and the dataclass of its content.
         attachments: name and content of files that belong to the run.
-        day_us: what is added to a time of a record to have the time of day, µs.
+        day_us: offset from a record's time to the time of day, µs.
 
     Raises:
-        UsageError: the folder is none.
-        OSError: the file cannot be made, or the disk has no room for it; nothing is left behind.
+        UsageError: the path is not a folder.
+        OSError: the file cannot be created, or the disk has no room for it; nothing is left behind.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class SegmentFile:
 
         self.path, self._fd = _create(folder, program)
         self.size = 0
-        """Bytes that were written."""
+        """Number of bytes written."""
         self._day_us, self._count = day_us, 0
         self._sink = _Sink()
         # without chunks: each record stands alone; a checksum of all of them comes last
@@ -74,21 +74,21 @@ class SegmentFile:
             raise
 
     def add(self, kind: str, at: int, content: object) -> None:
-        """A record of what happened at ``at`` µs on the monotonic clock; :meth:`write` brings it to the file."""
+        """Add a record of an event at ``at`` µs on the monotonic clock; :meth:`write` writes it to the file."""
         data = to_json(content, fallback=_plain)
         time = (at + self._day_us) * 1000
         self._count += 1  # times may go back: the number has the order
         self._writer.add_message(self._channels[kind], time, data, time, self._count)
 
     def write(self) -> None:
-        """Write what was added, all of it or nothing; raises OSError."""
+        """Write the added records, all or none; raises OSError."""
         data = self._sink.take()
         still_there(self.path, self._fd)
         append_whole(self._fd, data)
         self.size += len(data)
 
     def finish(self) -> None:
-        """Write the index and the checksum, and close; raises OSError, and is closed all the same."""
+        """Write the index and the checksum, and close the file; it is closed even if this raises OSError."""
         try:
             self._writer.finish()  # type: ignore[no-untyped-call]
             self.write()
@@ -103,14 +103,14 @@ class SegmentFile:
                 os.close(fd)
 
     def discard(self) -> None:
-        """Close the file, and remove it: there is nothing in it."""
+        """Close the file and remove it: it contains nothing."""
         with suppress(OSError):
             self.path.unlink()
         self.leave()
 
 
 class _Sink(BytesIO):
-    """What the library writes to: forgets what was taken away, and still knows how much there was."""
+    """The buffer that the MCAP library writes to; it discards bytes that were taken, but keeps the position."""
 
     _taken = 0
 
@@ -171,7 +171,7 @@ def _create(folder: Path, program: str) -> tuple[Path, int]:
 
 
 def plain_schema(kind: type) -> dict[str, Any]:
-    """The schema of a dataclass."""
+    """Return the JSON schema of a dataclass without references."""
     schema = TypeAdapter(kind).json_schema()
     found = _without_references(schema, schema.get("$defs", {}))
     assert isinstance(found, dict)

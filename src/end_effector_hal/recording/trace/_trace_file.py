@@ -1,4 +1,4 @@
-"""Reading a trace back: all that reached the disk, whether the program ended in good order or not."""
+"""Read a trace: everything that reached the disk, even if the program did not end in good order."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from end_effector_hal.recording._files import read_file
 
 MAGIC = b"\x89MCAP0\r\n"
 DATA_END_BYTES = 13
-"""Opcode, length, checksum."""
+"""Size of the last record: opcode, length, checksum."""
 CHECKSUM_BYTES = 4
 CHUNK_HEAD = struct.Struct("<BQQQQIIQ")
-"""Opcode and length; first and last time, size, checksum, length of the name of the compression, which is empty; length
-of the records."""
+"""Opcode and length; first and last time, size, checksum, length of the compression's name, which is empty; length of
+the records.
+"""
 NO_CHECKSUM = 0
 _COMPRESSED = "records are compressed, as in no trace; `mcap decompress` decompresses a file"
-"""Not unpacked here: a few bytes may become gigabytes, and the page opens what it is given."""
+"""Compressed files are refused: a few bytes may become gigabytes, and the page opens any file that it gets."""
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """One record: of which kind, and its content as it was written.
+    """One record: its kind, and its content as it was written.
 
     Attributes:
-        kind: the end of its topic.
+        kind: the last part of its topic.
         data: JSON.
         day_us: time of day of its message, µs; None: it is in no file.
     """
@@ -44,7 +45,7 @@ class Record:
 
     @property
     def content(self) -> dict[str, Any]:
-        """The content as JSON; raises ValueError when it is none."""
+        """The content as a JSON object; raises ValueError if it is not one."""
         try:
             found = json.loads(self.data)
         except RecursionError:
@@ -56,17 +57,17 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class TraceFile:
-    """What a trace holds, in the order of writing.
+    """The content of a trace, in the order of writing.
 
     Attributes:
-        path: of the file.
-        program: whose trace it is.
-        records: all of them.
+        path: path of the file.
+        program: the program whose trace it is.
+        records: all records.
         attachments: files that belong to the run.
-        complete: it was closed in good order; else ``note`` says where it ends.
-        damaged: bytes in it were changed, as its checksum or their form shows; ``note`` says so. Only a file that was
-            closed has a checksum.
-        size: of the file, bytes.
+        complete: whether the file was closed in good order; if not, ``note`` states where it ends.
+        damaged: whether bytes were changed, as the checksum or the format shows; ``note`` reports it. Only a closed
+            file has a checksum.
+        size: size of the file, bytes.
     """
 
     path: Path
@@ -80,10 +81,10 @@ class TraceFile:
 
 
 def read_trace(path: str | Path) -> TraceFile:
-    """Read a trace; a file that was cut off is read up to there.
+    """Read a trace; a truncated file is read up to its end.
 
     Raises:
-        UsageError: it cannot be read, or is no MCAP file.
+        UsageError: the file cannot be read, or is no MCAP file.
     """
     path = Path(path)
     from mcap.records import Attachment, Channel, DataEnd, Footer, Message
@@ -119,14 +120,14 @@ def read_trace(path: str | Path) -> TraceFile:
 
 
 def _in_order(numbered: list[tuple[int, Record]]) -> tuple[Record, ...]:
-    """As they were written, up to the first that is missing."""
+    """Return the records in the order of writing, up to the first missing one."""
     numbered.sort(key=itemgetter(0))
     gap = (at for at, (number, _) in enumerate(numbered) if number != at + 1)
     return tuple(record for _, record in numbered[: next(gap, None)])
 
 
 class _Reading:
-    """The records of a file up to its end, or to where it cannot be read any more."""
+    """The records of a file up to its end, or up to the first unreadable place."""
 
     def __init__(self, data: bytes) -> None:
         self._file, self._size, self._data, self.note = BytesIO(data), len(data), data, ""
@@ -155,7 +156,7 @@ class _Reading:
             self.note = f"near byte {self._file.tell()}: {error or type(error).__name__}"
 
     def _cut_off(self, begin: int) -> Iterator[object]:
-        """The whole records of a chunk that begins there and was cut off."""
+        """Yield the whole records of a truncated chunk that begins at ``begin``."""
         from mcap.opcode import Opcode
         from mcap.stream_reader import StreamReader
 
@@ -170,6 +171,6 @@ class _Reading:
             yield from StreamReader(inside, skip_magic=True, record_size_limit=self._size).records
 
     def changed(self, start: int, after: int, checksum: int) -> bool:
-        """Whether what begins at ``start`` and ends so many bytes before here is not what its checksum says."""
+        """Return whether the bytes from ``start`` to ``after`` bytes before the position differ from the checksum."""
         summed = self._data[start : self._file.tell() - after]
         return checksum != NO_CHECKSUM and zlib.crc32(summed) != checksum

@@ -1,4 +1,4 @@
-"""A trace: the boundary record of a run, written to MCAP files as it happens, segment by segment."""
+"""Write the boundary records of a run to MCAP files as they happen, segment by segment."""
 
 from __future__ import annotations
 
@@ -24,27 +24,29 @@ from end_effector_hal.recording.trace._segment import SegmentFile
 
 _log = logging.getLogger("end_effector_hal.recording")
 MOST_WAITING = 3_000
-"""Records that wait for a disk that does not answer: what a program says in half a minute."""
+"""Maximum number of records that wait for a slow disk; a program produces as many in half a minute."""
 RETRY_S = 1.0
-"""After this a disk that failed is tried again."""
+"""Time after which a failed disk is tried again, s."""
 END_S = 2.0
-"""So long the end of a program waits for its disk."""
+"""Longest time that the end of a program waits for its disk, s."""
 INDEX_S = 1.5
-"""So long the thread of the writer sorts a short segment, or the last one; the others get a process of their own."""
+"""Longest time for which the writer's thread sorts a short segment, or the last one, s; longer ones get a separate
+process.
+"""
 HEADER = "header"
 
 Entry = tuple[str, int, object]
-"""A record: its kind, its time and its content."""
+"""A record: kind, time and content."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """What is missing before a segment.
+    """The records that are missing before a segment.
 
     Attributes:
-        since: µs, of the first record that was not written.
-        records: how many were not written.
-        why: in words.
+        since: time of the first record that was not written, µs.
+        records: number of records that were not written.
+        why: the reason in words.
     """
 
     since: int
@@ -53,13 +55,13 @@ class Gap:
 
 
 class Opening(NamedTuple):
-    """A segment is begun: what its header is made of.
+    """The facts about a new segment from which its header is made.
 
     Attributes:
-        at: µs on the monotonic clock.
-        segment: its number since the start of the program, from 1 on.
-        follows: the segment before it was closed in good order, and nothing is missing between the two.
-        gap: what is missing before it; None: nothing.
+        at: time, µs on the monotonic clock.
+        segment: number of the segment since the start of the program, from 1 on.
+        follows: whether the previous segment was closed in good order, and nothing is missing between the two.
+        gap: the records that are missing before it; None: none.
     """
 
     at: int
@@ -75,23 +77,24 @@ class _Begin(NamedTuple):
 
 
 class TraceWriter:
-    """Writes records in a thread of its own, each batch at once: what was written is there after a kill.
+    """Writes records in its own thread, each batch at once, so that written records survive a kill of the process.
 
-    `put` and `begin` never wait and never raise: recording does not stand in the way of a reaction. They
-    belong to one thread at a time. Files are made, written and closed in the writer's thread only. While the disk
-    fails nothing is recorded and :attr:`trouble` says so; it is tried again each second.
+    `put` and `begin` never wait and never raise, so that recording delays no reaction. Only one thread at a time may
+    call them. Only the writer's thread creates, writes and closes files. While the disk fails, nothing is recorded and
+    :attr:`trouble` gives the reason; the writer retries every second.
 
-    The recorder checks :attr:`wants_state` after each batch: a file is long enough, or the disk works again.
-    With `begin` the next segment starts, with what is needed to understand it without the one before.
+    The recorder checks :attr:`wants_state` after each batch: it is set when a file is long enough, or the disk works
+    again. Then `begin` starts the next segment, with the records that make it readable without the previous one.
 
     Args:
-        folder: made if it is missing; files are named after the program: ``grip.mcap``, ``grip-2.mcap``, …
-        program: whose trace it is; topics are ``program/kind``.
+        folder: created if it is missing; files are named after the program: ``grip.mcap``, ``grip-2.mcap``, …
+        program: the program whose trace it is; topics are ``program/kind``.
         kinds: name of each kind of record, and the dataclass of its content.
-        now: µs on the monotonic clock of the run, now: the file carries the time of day, which fits other recordings.
-        attachments: name and content of files that belong to the run; they are in each segment.
+        now: current time on the monotonic clock of the run, µs, to convert times to the time of day, as in other
+            recordings.
+        attachments: name and content of files that belong to the run; every segment contains them.
         header: makes the first record of a segment, of the kind ``header``; None: there is none.
-        limits: of the folder.
+        limits: the limits of the folder.
         on_trouble: called when :attr:`trouble` has changed, in any thread; must not wait.
     """
 
@@ -109,9 +112,9 @@ class TraceWriter:
     ) -> None:
         self.on_trouble = on_trouble
         self.trouble = ""
-        """Why nothing is recorded now, a sentence; empty: it is."""
+        """A sentence why nothing is recorded now; empty: recording works."""
         self.wants_state = False
-        """The next segment can be begun."""
+        """Whether the next segment can begin."""
         self._folder, self._program, self._kinds, self._attachments = (
             Path(folder),
             program,
@@ -135,11 +138,11 @@ class TraceWriter:
 
     @property
     def path(self) -> Path | None:
-        """Of the segment that is being written; None: there is none."""
+        """Path of the segment that is being written; None: there is none."""
         return self._segment.path if self._segment is not None else None
 
     def put(self, batch: Sequence[Entry]) -> None:
-        """Have records written, times in µs on the monotonic clock; returns at once."""
+        """Queue records, with times in µs on the monotonic clock; return at once."""
         if not batch:
             return
         with self._lock:
@@ -148,17 +151,17 @@ class TraceWriter:
         if room:
             self._queue.put(batch)
         else:
-            self._lose(batch[0][1], len(batch), "the disk does not take the records in time")
+            self._lose(batch[0][1], len(batch), "the disk is too slow for the records")
 
     def begin(self, at: int, first: Sequence[Entry]) -> None:
-        """Begin the next segment at ``at`` µs, with these records after its header; returns at once."""
+        """Begin the next segment at ``at`` µs, with these records after its header; return at once."""
         with self._lock:
             gap, self._gap = self._gap, None
             self.wants_state, self._ordered = False, True
         self._queue.put(_Begin(at, first, gap))
 
     def close(self) -> None:
-        """Write the rest, and the index; what takes longer than two seconds is given up. May be called again."""
+        """Write the remaining records and the index; stop waiting after two seconds. May be called again."""
         self._queue.put(None)
         self._thread.join(END_S)
 
@@ -253,7 +256,7 @@ class TraceWriter:
             self._say("")
 
     def _prepare(self) -> None:
-        """Whether the disk works again: then there is a file for the next segment."""
+        """Check whether the disk works again; if so, create the file of the next segment."""
         try:
             self._fresh = self._fresh or self._make()
         except Exception:  # noqa: BLE001 it does not
@@ -278,7 +281,7 @@ class TraceWriter:
             self._fresh.discard()
 
     def _finish(self, segment: SegmentFile, *, last: bool = False) -> bool:
-        """Close a segment and have it indexed; whether it could be closed with its checksum."""
+        """Close a segment and index it; return whether it could be closed with its checksum."""
         try:
             segment.finish()
         except OSError as error:

@@ -1,4 +1,4 @@
-"""Actions in ROS 1: their servers and their clients; only the nodes that have some load actionlib."""
+"""Actions in ROS 1: their servers and their clients; only nodes with actions load actionlib."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def action_server(
 
 
 def action_client(action: Action) -> ActionClient:
-    """A client of an action; see `NodeTransport.action_client`."""
+    """Return a client of an action; see `NodeTransport.action_client`."""
     from ._action_client import GoalSender
 
     return GoalSender(action)

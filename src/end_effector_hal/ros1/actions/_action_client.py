@@ -23,14 +23,14 @@ class GoalSender:
         self._goal = message_class(f"{action.type}Goal")
         self._client = actionlib.ActionClient(action.name, message_class(f"{action.type}Action"))
         self._handles: list[Any] = []
-        """The manager of actionlib keeps goals weakly."""
+        """Handles of the sent goals; they are kept because actionlib's manager holds goals only weakly."""
 
     def is_ready(self) -> bool:
-        """Whether the server is connected."""
+        """Return whether the server is connected."""
         return bool(self._client.wait_for_server(_SOON))
 
     def send(self, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]) -> None:
-        """Send a goal; what actionlib's client calls LOST is no result."""
+        """Send a goal; a goal that actionlib's client reports as LOST does not count as ended."""
         once = threading.Lock()
 
         def moved(handle: Any) -> None:

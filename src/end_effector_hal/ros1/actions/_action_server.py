@@ -28,11 +28,11 @@ OVERTAKES_US = 5_000_000
 
 
 class Cancels:
-    """Remembers cancels for goals that are yet to come.
+    """Stores cancels for goals that have not arrived yet.
 
-    A cancel by id counts whenever its goal comes; the newest 1000 ids are remembered. A cancel by time counts for
-    goals that come within 5 s after it, for it is measured with clocks of other machines, which may be wrong:
-    afterwards a goal that is stamped before it comes from a clock that is behind, and was not overtaken.
+    A cancel by id is valid whenever its goal arrives; the newest 1000 ids are stored. A cancel by time is valid for
+    goals that arrive within 5 s after it. Its stamp is from the clock of another machine, which may be wrong: a goal
+    that arrives later with an earlier stamp comes from a clock that is behind, and was not overtaken.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class Cancels:
         self._stamp_ns, self._until_us = 0, 0
 
     def add(self, goal_id: str, stamp_ns: int, now_us: int) -> None:
-        """A cancel came: of an id (empty: none), of all goals up to a stamp (0: none)."""
+        """Store a cancel: of an id (empty: none), of all goals up to a stamp (0: none)."""
         if goal_id:
             self._ids.pop(goal_id, None)
             self._ids[goal_id] = None
@@ -51,22 +51,26 @@ class Cancels:
             self._stamp_ns, self._until_us = max(stamp_ns, before_ns), now_us + OVERTAKES_US
 
     def cover(self, goal_id: str, stamp_ns: int, now_us: int) -> bool:
-        """Whether a goal that has just come was cancelled before (a stamp of 0: it has none)."""
+        """Return whether a goal that has just arrived was cancelled before (a stamp of 0: it has none)."""
         by_time = bool(stamp_ns) and stamp_ns <= self._stamp_ns and now_us <= self._until_us
         return goal_id in self._ids or by_time
 
 
 OPEN, LISTED, LONGEST_ID = 10, 50, 500
-"""Goals of one action that may wait for their answer at once, entries of its status list, characters of an id."""
+"""Maximum number of open goals of one action, of entries in its status list, and of characters of a goal id."""
 
 UNREAD = 1000
-"""Messages kept for a reader that is slow: each result is the last word about its goal."""
+"""Number of messages kept for a slow reader, because each result is the last message about its goal."""
 STATUS_HZ, FORGOTTEN_S = 5.0, 5.0
-"""How often the list of goals is published, and how long a goal that has ended stays there; as actionlib does."""
+"""Rate at which the list of goals is published, and time for which an ended goal stays in it; the values of
+actionlib.
+"""
 
 ANSWER_AFTER_US = 100_000
-"""``SimpleActionClient`` does not know its goal before ``send_goal`` has returned: of an answer that comes sooner it
-hears nothing, and waits for ever."""
+"""Earliest time of an answer after its goal, µs.
+
+``SimpleActionClient`` ignores answers that arrive before ``send_goal`` has returned, and would then wait for ever.
+"""
 
 _DONE = (
     GoalStatus.PREEMPTED,
@@ -79,7 +83,7 @@ _DONE = (
 
 @dataclass(frozen=True)
 class ActionlibGoal:
-    """A goal, by its handle in actionlib."""
+    """A goal of a client, with its handle in actionlib."""
 
     handle: Any
     make_result: Callable[[Any], Any] = field(compare=False)
@@ -87,19 +91,19 @@ class ActionlibGoal:
 
     @property
     def request(self) -> Any:
-        """The goal: it has no options."""
+        """The goal message, which has no options."""
         return self.handle.get_goal()
 
     def begin(self) -> None:
-        """It is ACTIVE."""
+        """Set the goal to ACTIVE."""
         self.handle.set_accepted()
 
     def publish_feedback(self, feedback: Any) -> None:
-        """How far it is."""
+        """Publish the progress of the goal."""
         self.handle.publish_feedback(self.make_feedback(feedback))
 
     def end(self, ending: Ending, result: Any) -> None:
-        """SUCCEEDED, PREEMPTED or ABORTED; RECALLED or REJECTED where it was not begun."""
+        """Set the goal to SUCCEEDED, PREEMPTED or ABORTED; if it was not begun, to RECALLED or REJECTED."""
         ends = {Outcome.SUCCEEDED: self.handle.set_succeeded, Outcome.CANCELLED: self.handle.set_canceled}
         if ending.seconds is not None:
             end = ends.get(ending.outcome, self.handle.set_aborted)
@@ -110,19 +114,19 @@ class ActionlibGoal:
 
 
 class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
-    """Passes on goals and cancels of one action; it does not decide what becomes of them.
+    """Passes on goals and cancels of one action; it does not decide on them.
 
-    - A stamp that is ahead of now counts as now, of a goal and of a cancel; what a cancel covers that comes before
-      its goal stands at :class:`Cancels`.
-    - A goal beyond ``OPEN`` open ones is rejected in words, without a place in the list that is published.
-    - No result goes out earlier than 0.1 s after its goal came.
-    - A result that actionlib makes by itself gets its outcome, NOT_EXECUTED, and words.
+    - A stamp in the future counts as now, for a goal and for a cancel; :class:`Cancels` decides whether a cancel
+      covers a goal that arrives after it.
+    - If ``OPEN`` goals are open, a further one is rejected with a reason, and does not appear in the published list.
+    - No result is sent earlier than 0.1 s after its goal arrived.
+    - A result that actionlib makes by itself gets its outcome, NOT_EXECUTED, and a reason.
 
     Args:
         action: its name and type.
         on_goal, on_cancel: called with a goal, under the lock of this server.
         result: makes the result of a goal that this server refuses.
-        later: calls what is due later.
+        later: calls functions at a later time.
     """
 
     def __init__(
@@ -152,7 +156,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         self._came: dict[str, int] = {}
 
     def initialize(self) -> None:
-        """Begin to listen, without waiting for Nagle; parameters of actionlib change nothing."""
+        """Open the topics with tcp_nodelay (without Nagle's algorithm); actionlib's parameters have no effect."""
         name = rospy.remap_name(self._name)  # a remap names the action, not its topics
         send = partial(rospy.Publisher, tcp_nodelay=True, queue_size=UNREAD)
         self.status_pub = send(f"{name}/status", GoalStatusArray, latch=True)
@@ -171,7 +175,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
     # In place of actionlib's own.
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
-        """A cancel came."""
+        """Process a cancel."""
         if len(goal_id.id) > LONGEST_ID:
             return  # a goal with such an id is never begun
         with self.lock:
@@ -182,7 +186,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             self._shorten()
 
     def internal_goal_callback(self, goal: Any) -> None:
-        """A goal came."""
+        """Process a new goal."""
         with self.lock:
             now = rospy.Time.now()
             goal_id = GoalID(
@@ -200,19 +204,19 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             self._shorten()
 
     def publish_result(self, status: Any, result: Any) -> None:
-        """A goal has come to its end."""
+        """Send the result of a goal that has ended."""
         if result.outcome == Outcome.NOT_EXECUTED and not result.reason:
             result = self._result(Ending(Outcome.NOT_EXECUTED, NOT_BEGUN))
         status.text = status.text or result.reason
         self._answer(copy(status), result)
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
-        """A goal has come further."""
+        """Publish the feedback of a goal."""
         with _while_topics_are_open():
             super().publish_feedback(status, feedback)
 
     def publish_status(self) -> None:
-        """Tell all that are listed."""
+        """Publish the list of goals."""
         with _while_topics_are_open():
             super().publish_status()
 
@@ -245,7 +249,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             self.result_pub.publish(message)
 
     def _shorten(self) -> None:
-        """Forget the oldest entries that are no open goals."""
+        """Remove the oldest entries that are no open goals from the list."""
         spare = [each for each in self.status_list if each.goal is None or each.status.status in _DONE]
         for tracker in spare[: max(0, len(self.status_list) - LISTED)]:
             self.status_list.remove(tracker)
@@ -253,7 +257,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
 
 @contextmanager
 def _while_topics_are_open() -> Iterator[None]:
-    """At the end of the node they are closed, while timers of actionlib and connections still come to theirs."""
+    """Ignore errors of topics that are closed at the end of the node, while timers and connections still run."""
     try:
         yield
     except rospy.ROSException:

@@ -1,4 +1,4 @@
-"""What is due later, by one thread, however much of it there is."""
+"""Call functions at a later time, all in one thread."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ LIMIT = 1000
 
 
 class Later:
-    """Calls what is due, in order of time. At most ``LIMIT`` jobs wait: one beyond that is called at once.
+    """Calls jobs when they are due, in order of time. At most ``LIMIT`` jobs wait: a further one is called at once.
 
     Args:
-        log: gets what a job raises.
+        log: logs the exceptions of jobs.
     """
 
     def __init__(self, log: logging.Logger) -> None:
@@ -30,7 +30,7 @@ class Later:
         threading.Thread(target=self._run, name="later", daemon=True).start()
 
     def put(self, due_us: int, job: Job) -> None:
-        """Have a job called at ``due_us`` (µs, monotonic); here and now when it is due, or after the end."""
+        """Call a job at ``due_us`` (µs, monotonic); if it is due already, or after `close`, call it at once here."""
         with self._changed:
             waits = not self._closed and due_us > now_us() and len(self._jobs) < LIMIT
             if waits:
@@ -40,7 +40,7 @@ class Later:
             job()
 
     def close(self) -> None:
-        """Call at once what still waits; nothing waits from now on."""
+        """Call all waiting jobs at once; later jobs do not wait any more."""
         with self._changed:
             self._closed, jobs, self._jobs = True, sorted(self._jobs), []
             self._changed.notify()

@@ -1,4 +1,4 @@
-"""Messages and calls in ROS 1: their types, how they are sent, and whose count."""
+"""Messages and calls in ROS 1: their types, how they are sent, and which senders are accepted."""
 
 from ._command_service import CommandService
 from ._direct_send import send_directly

@@ -1,4 +1,4 @@
-"""A connection to the service by which a node takes commands, in ROS 1."""
+"""A connection to the command service of a node, in ROS 1."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NOT_REACHED = (rospy.ServiceException, rospy.ROSException, rospy.exceptions.Tra
 
 
 class CommandService:
-    """Keeps its connection; rospy knows no time-out, so that a call may hang."""
+    """A persistent connection to the command service of a node; rospy has no time-out, so that a call may hang."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
@@ -24,7 +24,7 @@ class CommandService:
             raise self._not_reached() from None
 
     def call(self, command: int, until_us: int) -> Answer:
-        """Have a command begun; raises ConnectionError."""
+        """Request a command, which must begin before ``until_us``; raises ConnectionError."""
         try:
             answer = self._proxy(command, until_us)
             answered = str(self._proxy.transport.header.get("callerid", ""))
@@ -35,7 +35,7 @@ class CommandService:
         return Answer(answer.accepted, answer.reason, answer.decided, answer.count)
 
     def close(self) -> None:
-        """Leave the connection."""
+        """Close the connection."""
         self._proxy.close()
 
     def _not_reached(self) -> ConnectionError:

@@ -1,7 +1,8 @@
-"""Sends each message in the thread that publishes it, as long as the subscriber keeps up.
+"""Send each message in the thread that publishes it, as long as the subscriber keeps up.
 
-rospy hands each message to a thread for each subscriber: three of them must get the interpreter before a frame has
-left, in any order with what the publisher does next. Its queue and its thread stay for a subscriber that is slow.
+rospy passes each message to a separate thread for each subscriber: with three of them, all must get the interpreter
+before a frame has left, in any order with the next steps of the publisher. rospy's queue and thread are still used for
+a slow subscriber.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from rospy.impl.tcpros_pubsub import QueuedConnection
 
 
 class DirectConnection(QueuedConnection):  # type: ignore[misc]
-    """The connection to one subscriber; never waits for it, drops the oldest when its queue is full."""
+    """The connection to one subscriber; it never waits, and drops the oldest message when its queue is full."""
 
     def __init__(self, connection: Any, queue_size: int) -> None:
         self._cut = b""
@@ -24,7 +25,7 @@ class DirectConnection(QueuedConnection):  # type: ignore[misc]
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:
-        """Send the data, or leave it to the thread; raises the error that the thread has met before."""
+        """Send the data, or leave it to the thread; raises the error that occurred in the thread before."""
         with self._lock:
             if self._error:
                 error, self._error = self._error, None
@@ -45,7 +46,7 @@ class DirectConnection(QueuedConnection):  # type: ignore[misc]
         return True
 
     def _sent(self, data: bytes) -> int:
-        """How many bytes were sent; the thread finds out what is wrong with a connection."""
+        """Return the number of bytes that were sent; the thread handles the errors of a connection."""
         transport = self._connection
         if not transport.socket or transport.done:
             return 0
@@ -74,5 +75,5 @@ class DirectConnection(QueuedConnection):  # type: ignore[misc]
 
 
 def send_directly() -> None:
-    """Let every publisher of this process use this connection from now on."""
+    """Make every publisher of this process use this connection from now on."""
     rospy.topics.QueuedConnection = DirectConnection

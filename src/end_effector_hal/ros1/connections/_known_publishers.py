@@ -1,12 +1,12 @@
-"""Accepts messages and calls only of the nodes that the table names.
+"""Accept messages and calls only from the nodes that the interface table names.
 
-ROS 1 has no authentication. A node can check of the sender:
+ROS 1 has no authentication. A node can check two properties of the sender:
 
 - the name in the header of the connection, which the sender writes itself;
-- the address that the connection was made to. The master knows the address of each node by its name, and ends a node
-  when another one registers with its name. So a name that is used without being registered is found out here.
+- the address that the connection was made to. The master stores the address of each node by its name, and ends a node
+  when another one registers with its name. So the check detects a name that is used without being registered.
 
-A process that registers at the master under the name of a node takes its place (SAFETY.md).
+A process that registers at the master under the name of a node replaces it (SAFETY.md).
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ _REMEMBERED = 8
 
 
 def nodes_of(name: str, nodes: Sequence[str]) -> frozenset[str]:
-    """Resolved names of the nodes that the table names for a topic or service.
+    """Return the resolved names of the nodes that the interface table names for a topic or service.
 
     They are in its namespace: in that of this node, or in the one that a remap of ``name`` leads to. A remap of a
-    node's own name counts as well (``Pressure:=OtherPressure``).
+    node's own name is applied as well (``Pressure:=OtherPressure``).
     """
     here, place = str(rospy.get_namespace()), str(rospy.resolve_name(name))
     there = place.removesuffix(name) if place.endswith(f"/{name}") else here
@@ -36,19 +36,19 @@ def nodes_of(name: str, nodes: Sequence[str]) -> frozenset[str]:
 
 
 def caller_of(message: Any) -> str:
-    """The name that the sender of a message or a request gives."""
+    """Return the name that the sender of a message or a request states."""
     return str(message._connection_header.get("callerid", ""))
 
 
 class KnownPublishers:
-    """Checks whether a message comes from a node that the table names, and counts those that do not.
+    """Checks whether a message comes from a node that the interface table names, and counts the others.
 
     Args:
-        topic: resolved.
+        topic: resolved name of the topic.
         known: resolved names of the nodes.
-        unknown_senders: counts what is dropped.
-        connections: gives rospy's connections of the topic: each has a ``header`` and an ``endpoint_id``.
-        uri_of: gives the address that the master knows for a node; None: it knows none.
+        unknown_senders: counts the dropped messages.
+        connections: returns rospy's connections of the topic: each has a ``header`` and an ``endpoint_id``.
+        uri_of: returns the address that the master stores for a node; None: it has none.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class KnownPublishers:
         self._bad: list[Any] = []
 
     def admit(self, message: Any) -> bool:
-        """Whether a message counts."""
+        """Return whether a message is accepted."""
         header = message._connection_header
         if header is self._good:
             return True

@@ -1,4 +1,4 @@
-"""From the messages and answers of the nodes to those of ROS 1."""
+"""Convert the messages and answers of the nodes to those of ROS 1."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ service_class = partial(ros_class, kind="srv", todo=_TODO)
 
 
 _RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
-"""Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""
+"""Fields of ``std_srvs`` that have another name in :class:`Answer`."""
 
 
 class MessageMaker:
@@ -36,7 +36,7 @@ class MessageMaker:
         self._converters = {name: convert for name, convert in made if convert is not None}
 
     def __call__(self, source: Any) -> Any:
-        """A message with the fields that ``source`` has; the others keep their defaults."""
+        """Return a message with the fields that ``source`` has; the others keep their defaults."""
         message = self._kind()
         for name in source.__slots__:
             value, convert = getattr(source, name), self._converters.get(name)
@@ -45,14 +45,14 @@ class MessageMaker:
 
 
 def response_maker(service: Any) -> Callable[[Answer], Any]:
-    """A function that makes the response of a service (its class) from an answer."""
+    """Return a function that makes the response of a service (its class) from an answer."""
     response = service._response_class
     names = [_RESPONSE_FIELDS.get(name, name) for name in response.__slots__]
     return lambda answer: response(*(getattr(answer, name) for name in names))
 
 
 def answer_of(response: Any) -> Answer:
-    """The answer in a response of ``std_srvs``."""
+    """Return the answer in a response of ``std_srvs``."""
     return Answer(response.success, response.message)
 
 
@@ -67,13 +67,13 @@ def _converter(of: str) -> Callable[[Any], Any] | None:
 
 
 class _Stamps:
-    """One stamp for all messages of a moment: so message_filters and a recording find what belongs together."""
+    """Gives all messages of one moment the same stamp, so that message_filters and recordings can match them."""
 
     def __init__(self) -> None:
         self._last: tuple[int | None, Any] = (None, None)
 
     def of(self, header: MessageHeader) -> Any:
-        """ROS time of a moment on the monotonic clock; of now where the header names none."""
+        """Return the ROS time of a moment on the monotonic clock; the current time if the header has none."""
         at_us, stamp = self._last
         if header.at_us is None or header.at_us != at_us:
             stamp = _stamp(header)

@@ -1,4 +1,4 @@
-"""Publishes the messages of a node on a topic."""
+"""Publish the messages of a node on a topic."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST = 5_000
 
 
 def encodable(value: Any) -> Any:
-    """A copy of a message, a list or a text in which every text can be written as UTF-8."""
+    """Return a copy of a message, a list or a text in which every text can be encoded as UTF-8."""
     if isinstance(value, str):
         return value if _is_utf8(value) else printable(value, MOST)
     if isinstance(value, list | tuple):
@@ -39,11 +39,12 @@ def _is_utf8(text: str) -> bool:
 
 
 def publisher(topic: Topic, is_ending: Callable[[], bool]) -> Callable[[Any], None]:
-    """A function that publishes a message on a topic.
+    """Return a function that publishes a message on a topic.
 
     Args:
-        topic: of the table.
-        is_ending: whether the node is at its end; what is published then may be lost without an error.
+        topic: a topic of the interface table.
+        is_ending: returns whether the node is at its end; messages that are published then may be lost without an
+            error.
     """
     kind = message_class(topic.type)
     make = MessageMaker(kind)

@@ -1,4 +1,4 @@
-"""Calls of the ROS master and of nodes by XML-RPC, each with a time-out, which ROS's own library does not have."""
+"""Call the ROS master and nodes by XML-RPC, with the time-outs that ROS's own library lacks."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ CALLER = "/end_effector_hal"
 TIMEOUT_S = 2.0
 
 NoSuchMethod = xmlrpc.client.Fault
-"""What :func:`ask_node` raises for a method that the node does not have."""
+"""The error that :func:`ask_node` raises for a method that the node does not have."""
 
 
 def master_uri() -> str:
-    """The address of the master; raises RosError if the variable is missing or is no URI."""
+    """Return the address of the master; raises RosError if the variable is missing or is not a URI."""
     uri = os.environ.get("ROS_MASTER_URI", "")
     if not uri:
         raise RosError(
@@ -35,7 +35,7 @@ def master_uri() -> str:
 
 
 def ask_pid() -> int:
-    """The process id of the master, which tells one from the next; raises RosError when it cannot be reached."""
+    """Return the process id of the master, which changes with a restart; raises RosError when it cannot be reached."""
     pid = ask_master("getPid")
     if not isinstance(pid, int):
         raise RosError(f"The program at {master_uri()} is no ROS master.")
@@ -43,7 +43,7 @@ def ask_pid() -> int:
 
 
 def ask_master(method: str, *arguments: str) -> Any:
-    """The answer of the master; None: it knows no such thing. Raises RosError when it cannot be reached."""
+    """Return the answer of the master; None: it has no such entry. Raises RosError when it cannot be reached."""
     uri = master_uri()
     try:
         return ask_node(uri, method, *arguments)
@@ -56,12 +56,12 @@ def ask_master(method: str, *arguments: str) -> Any:
 
 
 def ask_node(uri: str, method: str, *arguments: str) -> Any:
-    """The answer of a node within 2 s; None: it refuses.
+    """Return the answer of a node within 2 s; None: it refuses.
 
     Raises:
         TimeoutError: the node does not answer.
         OSError: there is no node at this address.
-        NoSuchMethod: it has no such method.
+        NoSuchMethod: it does not have this method.
     """
     try:
         with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as proxy:

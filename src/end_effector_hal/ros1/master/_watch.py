@@ -1,4 +1,4 @@
-"""Watches whether the ROS master is still there."""
+"""Watch whether the ROS master still runs."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ._calls import ask_pid
 
 POLL_S = 1.5
 MISSES = 2
-"""So many polls in a row without an answer: the master has gone (after 3 to 7 s)."""
+"""Number of consecutive polls without an answer after which the master counts as gone (3 to 7 s)."""
 
 
 class MasterWatch:
-    """Reports once that the master has gone or was started again: a node does not register again by itself.
+    """Reports once that the master is gone or was restarted, because a node does not register again by itself.
 
     Args:
         on_gone: called with a sentence, in the thread of the watch.
@@ -27,7 +27,7 @@ class MasterWatch:
         threading.Thread(target=self._run, name="master watch", daemon=True).start()
 
     def close(self) -> None:
-        """End the polls."""
+        """Stop the polls."""
         self._end.set()
 
     def _run(self) -> None:

@@ -19,7 +19,7 @@ class RclpyActionClient:
     """Sends goals, which have no options.
 
     Args:
-        node: of rclpy; its executor runs in a thread.
+        node: a node of rclpy; its executor runs in a thread.
         action: its name and type.
     """
 
@@ -32,11 +32,11 @@ class RclpyActionClient:
         )
 
     def is_ready(self) -> bool:
-        """Whether the server is in the graph."""
+        """Return whether the server is in the graph."""
         return bool(self._client.server_is_ready())
 
     def send(self, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]) -> None:
-        """Send a goal; a refusal without words is no result of ours, and counts as one that is lost."""
+        """Send a goal; a refusal without a result does not come from our server, and the goal counts as lost."""
 
         def answered(future: Any) -> None:
             handle = future.result()
@@ -60,5 +60,5 @@ class RclpyActionClient:
             executor.create_task(send)
 
     def cancel_all(self) -> None:
-        """Cancel every goal of this action: no id and no time stand for all of them."""
+        """Cancel every goal of this action, with a request that has neither an id nor a time."""
         self._cancels.call_async(CancelGoal.Request())

@@ -1,4 +1,4 @@
-"""The server of one action: that of rclpy, but what comes in is bounded, and every goal ends with words."""
+"""The server of one action: rclpy's server with a limit for open goals, and with a reason for every end of a goal."""
 
 from __future__ import annotations
 
@@ -19,23 +19,24 @@ from end_effector_hal.nodes.transport import ClientGoal
 from end_effector_hal.ros2.connections import RclpyMessageMaker, action_class
 
 OPEN = 10
-"""Goals of one action that may wait for their answer at once."""
+"""Maximum number of open goals of one action."""
 RESULT_KEPT_S = 10
-"""How long a result is kept for a client that asks late."""
+"""Time for which a result is kept for a client that requests it late, s."""
 
 
 class RclpyActionServer:
-    """Passes on goals and cancels of one action; it does not decide what becomes of them.
+    """Passes on goals and cancels of one action; it does not decide on them.
 
-    A refusal of ROS 2 carries no text: a goal is accepted by the server, and ends ABORTED with the outcome REJECTED
-    and the reason. A cancel that cannot change anything is refused. All of rclpy is called in the executor's thread.
+    A refusal of ROS 2 carries no text. So the server accepts every goal, and a rejected one ends ABORTED with the
+    outcome REJECTED and the reason. A cancel that would have no effect is refused. All calls of rclpy are made in the
+    executor's thread.
 
     Args:
-        node: of rclpy; its executor runs in a thread.
+        node: a node of rclpy; its executor runs in a thread.
         action: its name and type.
         on_goal, on_cancel: called with a goal, in the executor's thread.
         result: makes the result of a goal that this server refuses.
-        log: gets what fails.
+        log: logs failures.
     """
 
     def __init__(
@@ -67,17 +68,17 @@ class RclpyActionServer:
         )
 
     def run(self, job: Callable[[], None]) -> None:
-        """Run a job in the executor's thread, after those that came before; what it raises is logged."""
+        """Run a job in the executor's thread, after the earlier ones; an exception is logged."""
         self._jobs.append(job)  # an executor does not keep the order of its tasks
         if (executor := self._node.executor) is not None:
             executor.create_task(self._work)
 
     def forget(self, goal: RclpyGoal) -> None:
-        """A goal has ended."""
+        """Remove a goal that has ended."""
         self._open.pop(goal.key, None)
 
     def close(self) -> None:
-        """Nothing waits here: results are sent as soon as the executor comes to them."""
+        """Do nothing: results do not wait here, the executor sends them as soon as it can."""
 
     def _work(self) -> None:
         while self._jobs:
@@ -110,7 +111,7 @@ class RclpyActionServer:
 
 
 class RclpyGoal:
-    """A goal, by its handle in rclpy."""
+    """A goal of a client, with its handle in rclpy."""
 
     def __init__(self, server: RclpyActionServer, handle: ServerGoalHandle) -> None:
         self._server, self._handle = server, handle
@@ -119,20 +120,20 @@ class RclpyGoal:
 
     @property
     def request(self) -> Any:
-        """The goal."""
+        """The goal message."""
         return self._handle.request
 
     def begin(self) -> None:
-        """It is EXECUTING."""
+        """Set the goal to EXECUTING."""
         self._server.run(lambda: self._handle.execute(self._wait))
 
     def publish_feedback(self, feedback: Any) -> None:
-        """How far it is."""
+        """Publish the progress of the goal."""
         message = self._server.make_feedback(feedback)
         self._server.run(lambda: self._handle.publish_feedback(message))
 
     def end(self, ending: Ending, result: Any) -> None:
-        """SUCCEEDED, CANCELED or ABORTED."""
+        """Set the goal to SUCCEEDED, CANCELED or ABORTED."""
         message = self._server.make_result(result)
         wanted = (Outcome.CANCELLED, Outcome.NOT_EXECUTED)
 
@@ -157,4 +158,4 @@ class RclpyGoal:
 
 
 def _never(_handle: ServerGoalHandle) -> None:
-    """In place of the callback that rclpy would call for every goal: each has its own."""
+    """Replace the callback that rclpy would call for every goal; each goal has its own callback instead."""

@@ -1,4 +1,4 @@
-"""Messages and calls in ROS 2: their types, their quality of service, whose count, and the short way in a process."""
+"""Messages and calls in ROS 2: types, quality of service, accepted senders, and direct delivery within a process."""
 
 from ._command_service import LocalService, RclpyCommandService
 from ._local_bus import LocalBus

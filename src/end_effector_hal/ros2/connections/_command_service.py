@@ -1,4 +1,4 @@
-"""Connections to the service by which a node takes commands."""
+"""Connections to the command service of a node."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from end_effector_hal.control.goals import ANSWER_US
 from end_effector_hal.nodes.interface import Service
 
 CONNECT_S = 0.4
-"""Within the time for which a command is valid."""
+"""Longest wait for a connection, s; shorter than the validity of a command."""
 
 
 class RclpyCommandService:
-    """A client of the service of another process; the executor of its node takes the answer.
+    """A client of the service of another process; the executor of its node receives the answer.
 
     Args:
-        client: of rclpy.
-        service: of the table.
+        client: a client of rclpy.
+        service: a service of the interface table.
     """
 
     def __init__(self, client: Any, service: Service) -> None:
@@ -29,7 +29,7 @@ class RclpyCommandService:
             raise ConnectionError(f"The node {self._server} cannot be reached.")
 
     def call(self, command: int, until_us: int) -> Answer:
-        """Have a command begun; raises ConnectionError."""
+        """Request a command, which must begin before ``until_us``; raises ConnectionError."""
         request = self._client.srv_type.Request(command=command, until_us=until_us)
         answered = threading.Event()
         future = self._client.call_async(request)
@@ -41,33 +41,33 @@ class RclpyCommandService:
         return Answer(answer.accepted, answer.reason, answer.decided, answer.count)
 
     def close(self) -> None:
-        """Leave the connection: the client stays, for the next one."""
+        """Do nothing: the client is kept for the next connection."""
 
 
 @dataclass(frozen=True, slots=True)
 class LocalRequest:
-    """``HalCommand_Request`` of a node of this process."""
+    """The ``HalCommand_Request`` of a node of this process."""
 
     command: int
     until_us: int
 
 
 class LocalService:
-    """A node of this process.
+    """A connection to a node of this process.
 
     Args:
-        handler: gives what answers; None: the node is not up yet.
-        service: of the table.
+        handler: returns the handler of the service; None: the node is not up yet.
+        service: a service of the interface table.
     """
 
     def __init__(self, handler: Callable[[], Callable[[Any], Answer] | None], service: Service) -> None:
         self._handler, self._server = handler, service.server
 
     def call(self, command: int, until_us: int) -> Answer:
-        """Have a command begun; raises ConnectionError."""
+        """Request a command, which must begin before ``until_us``; raises ConnectionError."""
         if (handler := self._handler()) is None:
             raise ConnectionError(f"The node {self._server} is not up yet.")
         return handler(LocalRequest(command, until_us))
 
     def close(self) -> None:
-        """There is nothing to leave."""
+        """Do nothing: there is no connection to close."""

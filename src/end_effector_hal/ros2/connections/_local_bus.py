@@ -1,6 +1,6 @@
-"""The short way between the nodes of one process: a message is handed on in the thread of its publisher.
+"""Deliver messages between the nodes of one process directly, in the thread of the publisher.
 
-No middleware stands between a sensor frame and the automata, and nobody outside can send one in their place.
+There is no middleware between a sensor frame and the automata, and no other process can send a frame in its place.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class LocalBus:
 
     Args:
         nodes: names of the nodes that run here.
-        log: gets what a callback raises.
+        log: logs the exceptions of callbacks.
     """
 
     def __init__(self, nodes: frozenset[str], log: logging.Logger) -> None:
@@ -32,15 +32,15 @@ class LocalBus:
         self._handlers: dict[str, Handler] = {}
 
     def carries(self, topic: Topic) -> bool:
-        """Whether everything that counts on a topic is published in this process."""
+        """Return whether all accepted messages of a topic are published in this process."""
         return not topic.public and self._nodes.issuperset(topic.publishers)
 
     def runs(self, nodes: Collection[str]) -> bool:
-        """Whether all these nodes run here."""
+        """Return whether all these nodes run here."""
         return self._nodes.issuperset(nodes)
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Call back for every message of a topic; of a latched one for its last message at once."""
+        """Call ``callback`` for every message of a topic; for a latched topic also at once with the last message."""
         with self._lock:
             self._callbacks[topic.name] = (*self._callbacks.get(topic.name, ()), callback)
             last = self._last.get(topic.name)
@@ -48,7 +48,7 @@ class LocalBus:
             self._call(callback, last)
 
     def deliver(self, topic: Topic, message: Any) -> None:
-        """Hand a message to every subscriber."""
+        """Pass a message to every subscriber."""
         if topic.latched:
             with self._lock:
                 self._last[topic.name] = message
@@ -56,15 +56,15 @@ class LocalBus:
             self._call(callback, message)
 
     def serves(self, service: Service) -> bool:
-        """Whether the server of a service runs here."""
+        """Return whether the server of a service runs here."""
         return service.server in self._nodes
 
     def serve(self, service: Service, handler: Handler) -> None:
-        """Answer the calls of this process."""
+        """Answer the calls of a service from this process."""
         self._handlers[service.name] = handler
 
     def handler(self, service: Service) -> Handler | None:
-        """What answers a service; None: its node is not up yet."""
+        """Return the handler of a service; None: its node is not up yet."""
         return self._handlers.get(service.name)
 
     def _call(self, callback: Callable[[Any], None], message: Any) -> None:

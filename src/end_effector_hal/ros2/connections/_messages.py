@@ -1,4 +1,4 @@
-"""From the messages and answers of the nodes to those of ROS 2."""
+"""Convert the messages and answers of the nodes to those of ROS 2."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from end_effector_hal.vocabulary import printable
 
 
 def writer_quality(topic: Topic) -> QoSProfile:
-    """Of a publisher: reliable, so that it serves every subscriber; a latched topic keeps the last message only.
+    """Return the quality of a publisher: reliable, for every subscriber; a latched topic keeps only the last message.
 
-    A late subscriber of a deeper one would get the last of its messages one after the other, and see the oldest first.
+    With a deeper queue a late subscriber would receive several old messages first.
     """
     return _quality(topic, 1 if topic.latched else topic.queue)
 
 
 def reader_quality(topic: Topic) -> QoSProfile:
-    """Of a subscriber of this package."""
+    """Return the quality of a subscriber of this package."""
     return _quality(topic, topic.queue)
 
 
@@ -50,7 +50,7 @@ action_class = partial(ros_class, kind="action", todo=_TODO)
 
 
 _RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
-"""Fields of ``std_srvs`` that :class:`Answer` calls otherwise."""
+"""Fields of ``std_srvs`` that have another name in :class:`Answer`."""
 LONGEST_TEXT = 5_000
 
 Convert = Callable[[Any], Any]
@@ -61,7 +61,7 @@ class RclpyMessageMaker:
 
     Args:
         kind: the class of the message.
-        clock: of the node, for the stamps of headers.
+        clock: clock of the node, for the stamps of headers.
     """
 
     def __init__(self, kind: Any, clock: Clock) -> None:
@@ -70,7 +70,7 @@ class RclpyMessageMaker:
         self._converters = {name: _converter(of, clock) for name, of in fields.items()}
 
     def __call__(self, source: Any) -> Any:
-        """A message with the fields that ``source`` has; the others keep their defaults."""
+        """Return a message with the fields that ``source`` has; the others keep their defaults."""
         message = self._kind()
         for name, convert in self._converters.items():
             if (value := getattr(source, name, None)) is not None:
@@ -79,7 +79,7 @@ class RclpyMessageMaker:
 
 
 def response_maker(service: Any) -> Callable[[Answer, Any], Any]:
-    """A function that fills the response of a service (its class) from an answer."""
+    """Return a function that fills the response of a service (its class) from an answer."""
     fields = service.Response.get_fields_and_field_types()
     names = {name: _RESPONSE_FIELDS.get(name, name) for name in fields}
 
@@ -93,7 +93,7 @@ def response_maker(service: Any) -> Callable[[Answer, Any], Any]:
 
 
 def answer_of(response: Any) -> Answer:
-    """The answer in a response of ``std_srvs``."""
+    """Return the answer in a response of ``std_srvs``."""
     return Answer(response.success, response.message)
 
 
@@ -112,7 +112,7 @@ def _converter(of: str, clock: Clock) -> Convert:
 
 
 def _text(text: str) -> str:
-    """What can be encoded: a text from outside, such as a third party's codec, must not end a node."""
+    """Return a text that can be encoded: a text from outside, such as a third party's codec, must not end a node."""
     try:
         text.encode()
     except UnicodeEncodeError:
@@ -121,13 +121,13 @@ def _text(text: str) -> str:
 
 
 class _Stamps:
-    """One stamp for all messages of a moment: so message_filters and a recording find what belongs together."""
+    """Gives all messages of one moment the same stamp, so that message_filters and recordings can match them."""
 
     def __init__(self) -> None:
         self._last: tuple[int | None, Time] = (None, Time())
 
     def of(self, header: MessageHeader, clock: Clock) -> Time:
-        """ROS time of a moment on the monotonic clock; now, where the header names none or time is simulated."""
+        """Return the ROS time of a monotonic time; the current time if the header has none or time is simulated."""
         if header.at_us is None or _is_simulated(clock):
             return _time(clock.now().nanoseconds)
         at_us, stamp = self._last

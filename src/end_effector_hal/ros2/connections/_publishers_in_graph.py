@@ -1,8 +1,9 @@
-"""Accepts the messages of a topic only while the table names every node that publishes there.
+"""Accept the messages of a topic only while the interface table names all nodes that publish on it.
 
-ROS 2 does not tell a subscriber in Python who sent a message; without SROS 2 nobody checks the names in the graph
-either. What a node can see are the names of all publishers of the topic. While one is there that the table does not
-name, none of the messages counts: sensors turn stale, what is held stays held, and an alarm says why (SAFETY.md).
+ROS 2 does not report the sender of a message to a subscriber in Python, and without SROS 2 the names in the graph are
+not checked either. A node can only read the names of all publishers of the topic. While the interface table does not
+name one of them, all messages are dropped: readings become stale, held parts stay held, and an alarm gives the reason
+(SAFETY.md).
 """
 
 from __future__ import annotations
@@ -13,23 +14,23 @@ from typing import Any
 from end_effector_hal.nodes.transport import UnknownSenders
 from end_effector_hal.wires import now_us
 
-ALL_DROPPED = "While it publishes there, no message of this topic counts."
+ALL_DROPPED = "While it publishes there, all messages of this topic are ignored."
 _NAMELESS = "_UNKNOWN_"
-"""In what rclpy calls a node of which it knows the publisher only."""
+"""Part of the name that rclpy returns for a node of which only the publisher is known."""
 NAMED_WITHIN_US = 2_000_000
-"""For so long such messages are dropped without an alarm."""
+"""Time for which messages of a nameless publisher are dropped without an alarm, µs."""
 
 
 class PublishersInGraph:
-    """Looks at the graph again whenever the number of publishers has changed.
+    """Reads the graph again whenever the number of publishers has changed.
 
     Args:
-        topic: resolved.
+        topic: resolved name of the topic.
         known: full names of the nodes.
-        unknown_senders: counts what is dropped.
-        count: gives the number of publishers.
-        names: gives the full names of the nodes that publish.
-        clock: microseconds, monotonic.
+        unknown_senders: counts the dropped messages.
+        count: returns the number of publishers.
+        names: returns the full names of the nodes that publish.
+        clock: returns the monotonic time, µs.
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class PublishersInGraph:
         self._nameless_since: int | None = None
 
     def admit(self, _message: Any) -> bool:
-        """Whether a message counts."""
+        """Return whether a message is accepted."""
         count = self._count()
         if count != self._looked_at or self._stranger:
             strangers = [name for name in self._names() if name not in self._known]

@@ -1,4 +1,4 @@
-"""The boundary of a program: what goes in and what comes out, recorded as it happens."""
+"""The boundary of a program: its inputs and outputs, recorded as they happen."""
 
 from ._open import DESCRIPTION, MODEL, open_recorder, open_stream, whole
 from ._recorded_controller import AnyController, RecordedController, feed

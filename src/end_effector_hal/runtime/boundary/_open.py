@@ -1,4 +1,4 @@
-"""Beginning the trace of a program: its header, and the tool as it is at that time."""
+"""Begin the trace of a program, with its header and the tool's description and automata at that time."""
 
 from __future__ import annotations
 
@@ -32,10 +32,16 @@ def open_recorder(
     stream: RecordStream | None = None,
     observe: Callable[[str, int, object], None] | None = None,
 ) -> Recorder:
-    """A recorder that writes ``<program>.mcap`` and its further segments into a folder; does not wait for the disk.
+    """Return a recorder that writes ``<program>.mcap`` and further segments, without waiting for the disk.
 
-    ``at``: the time of the run now, µs; by default that of the monotonic clock. ``stream`` and
-    ``observe`` get the same records.
+    Args:
+        folder: the folder for the trace.
+        description: the tool.
+        program: name of the program.
+        at: the current time of the run, µs; default: that of the monotonic clock.
+        limits: the recording limits of the folder.
+        stream: gets the same records.
+        observe: called with the same records.
     """
     at = now_us() if at is None else at
     model = description.automata_path.read_bytes()
@@ -60,7 +66,7 @@ def open_recorder(
 
 
 def open_stream(description: Description, program: str) -> RecordStream:
-    """The stream of a program, which is not served yet."""
+    """Return the stream of a program, which is not served yet."""
     first = header_of(description, program, now_us())
     path, beside = program_socket(description, program), socket_path(description)
     return RecordStream(
@@ -69,7 +75,7 @@ def open_stream(description: Description, program: str) -> RecordStream:
 
 
 def header_of(description: Description, program: str, at: int) -> Header:
-    """Where a trace comes from."""
+    """Return the header of a trace, with the origin of the trace."""
     return Header(
         at=at,
         run=token_hex(8),
@@ -85,12 +91,15 @@ def header_of(description: Description, program: str, at: int) -> Header:
 
 
 def model_hash(description: Description) -> str:
-    """Twelve hex digits of the UPPAAL file."""
+    """Return the first twelve hex digits of the hash of the UPPAAL file."""
     return hashlib.sha256(description.automata_path.read_bytes()).hexdigest()[:12]
 
 
 def whole(description: Description) -> bytes:
-    """The description with every default written out, so that it means the same tomorrow; JSON is YAML, too."""
+    """Return the description as JSON, which is valid YAML, with all defaults written out.
+
+    So a later version with other defaults reads the same description.
+    """
     content = description.model_dump(mode="json", by_alias=True)
     content["automata"]["file"] = MODEL
     return json.dumps(content, indent=1, ensure_ascii=False).encode()

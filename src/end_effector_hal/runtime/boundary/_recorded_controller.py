@@ -1,4 +1,4 @@
-"""A wrapper around a controller that records what goes in and what comes out; a replay runs the same wrapper."""
+"""A wrapper around a controller that records its inputs and outputs; a replay runs the same wrapper."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from ._records import (
 )
 
 Put = Callable[[Entry], None]
-"""Takes a record."""
+"""Stores a record."""
 _KIND_OF: Mapping[type, str] = {Begun: "begin", Written: "write", Received: "event", Step: "step"}
 
 
 class RecordedController:
-    """Has the methods of a :class:`Controller`; each input is recorded before, each output after it, in order."""
+    """Has the methods of a :class:`Controller`; records every input before the call and every output after it."""
 
     def __init__(
         self,
@@ -48,21 +48,21 @@ class RecordedController:
 
     @property
     def deadline(self) -> int | None:
-        """µs of the next thing that happens by itself, or None."""
+        """Time of the next event that needs no input, µs, or None."""
         return self._controller.deadline
 
     @property
     def discrete_state(self) -> object:
-        """Equal for equal locations and values of the automata."""
+        """A value that is equal for equal locations and values of the automata."""
         return self._controller.discrete_state
 
     def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
-        """Begin."""
+        """Record the start, and start the controller."""
         self._put(("start", at, Start(at, dict(levels), sensor_fault)))
         return self._decided(self._controller.start(levels, at, sensor_fault=sensor_fault))
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
-        """One frame of the link."""
+        """Record a frame of the link, and process it."""
         taken_at = frame.at if at is None else at
         self._put(
             ("frame", taken_at, FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
@@ -70,31 +70,31 @@ class RecordedController:
         return self._decided(self._controller.frame(frame, at))
 
     def pass_over(self, frame: Frame) -> list[Status]:
-        """A recording has every frame."""
+        """Process the frame like any other, because a recording must have every frame."""
         return self.frame(frame)
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """Interface variables of the other program."""
+        """Record and process interface variables of the other program."""
         self._put(("tell", at, PeerUpdate(at, dict(values))))
         return self._decided(self._controller.update_peer(values, at))
 
     def refused(self, at: int) -> list[Status]:
-        """The line arbiter refused an activation."""
+        """Record and process that the line arbiter refused an activation."""
         self._put(("refused", at, ActivationRefused(at)))
         return self._decided(self._controller.refused(at))
 
     def acknowledge(self, at: int) -> list[Status]:
-        """Alarms that are over were seen."""
+        """Record and process that the alarms that are over were seen."""
         self._put(("acknowledge", at, Acknowledged(at)))
         return self._decided(self._controller.acknowledge(at))
 
     def advance(self, at: int) -> list[Status]:
-        """Everything that is due at or before ``at``."""
+        """Record the time, and do everything that is due at or before ``at``."""
         self._put(("time", at, TimeAdvanced(at)))
         return self._decided(self._controller.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
-        """A command by the name of its channel."""
+        """Record and execute a command, given by the name of its channel."""
         self._put(("command", at, Commanded(at, name)))
         answer, statuses = self._controller.command(name, at)
         self._decided(statuses)
@@ -127,5 +127,5 @@ _CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
 
 
 def feed(controller: AnyController, kind: str, record: Any) -> None:
-    """Give a controller a recorded input, as its program did; ``kind`` is one of `INPUTS`."""
+    """Give a controller a recorded input, as its program did; ``kind`` is a key of `INPUTS`."""
     _CALLS[kind](controller, record)

@@ -1,4 +1,4 @@
-"""Record what a program writes to its lines, and whether it reaches the line arbiter."""
+"""Record the writes of a program to its lines, and whether the line arbiter can be reached."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ._records import ArbiterSeen, LinesWritten
 
 
 class RecordedLines:
-    """A line writer that passes everything on."""
+    """A line writer that passes every call on and records it."""
 
     def __init__(self, lines: LineWriter, put: Put) -> None:
         self._lines, self._put = lines, put
         self._there = True
 
     def levels(self) -> Mapping[str, bool]:
-        """The level of every line."""
+        """Return the level of every line."""
         try:
             levels = self._lines.levels()
         except WireError as error:
@@ -33,13 +33,13 @@ class RecordedLines:
         return levels
 
     def declared_dead(self) -> bool:
-        """Whether the line arbiter has declared this program dead since the last call."""
+        """Return whether the line arbiter has declared this program dead since the last call."""
         return self._lines.declared_dead()
 
     def ask(
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
-        """Begin to write levels, and what to do should this program die."""
+        """Begin to write levels and the last will."""
         at = now_us()
         asked = self._lines.ask(levels, will, drop=drop)
 
@@ -57,7 +57,7 @@ class RecordedLines:
         return wait
 
     def close(self, will: Sequence[LastWillStep]) -> None:
-        """Leave in good order."""
+        """Close the connection in good order."""
         at = now_us()
         self._lines.close(will)
         self._put(("lines", at, LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will))))

@@ -1,4 +1,4 @@
-"""The records of a program: wrappers around its controller and its lines, the segments of its trace, its stream."""
+"""The recorder of a program: it wraps its controller and its lines, and feeds its trace and its stream."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ from ._recorded_lines import RecordedLines
 from ._records import PUBLISHED, STATE, Published
 
 Observer = Callable[[str, str, int, object], None]
-"""Gets each record of a program: the program, the kind, when (µs), the content; called in the program's threads, where
-it must not wait."""
+"""A function that is called with each record of a program: the program, the kind, the time (µs), the content. It runs
+in the program's threads, and must not wait.
+"""
 
 _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class Recorder:
-    """Wraps the controller and the lines of a program; without a writer and a stream it leaves them as they are.
+    """Wraps the controller and the lines of a program; without writer, stream and observer they stay unwrapped.
 
-    A failing recording reaches the program as :attr:`trouble` only.
+    A failed recording has no effect on the program except :attr:`trouble`.
 
     Args:
-        writer: of the trace; None: nothing is recorded.
-        stream: for those who look on; None: nobody can.
-        observe: gets each record as well; what it raises is logged, once, and it is called no more.
+        writer: writes the trace; None: nothing is recorded.
+        stream: sends the records to clients; None: no client can read them.
+        observe: called with each record as well; an exception is logged once and ends these calls.
     """
 
     def __init__(
@@ -45,19 +46,19 @@ class Recorder:
     ) -> None:
         self._writer, self._stream, self._observe = writer, stream, observe
         self._entries: list[Entry] = []
-        """Kept until `flush`, after the line was asked for: nobody needs them before."""
+        """Records that are kept until `flush`, after the line was written, because they are not needed before."""
         self._controller: RecordedController | None = None
         self._published: Published | None = None
         self._defect = ""
 
     @property
     def trouble(self) -> str:
-        """Why what happens now is not recorded, a sentence; empty: it is, or nothing is to be recorded."""
+        """A sentence why current events are not recorded; empty: they are, or recording is off."""
         trouble = self._defect or (self._writer.trouble if self._writer is not None else "")
         return sendable(trouble) if trouble else ""
 
     def attend(self, on_trouble: Callable[[], None]) -> None:
-        """Have ``on_trouble`` called when :attr:`trouble` has changed, in any thread; it must not wait."""
+        """Call ``on_trouble`` when :attr:`trouble` changes; the call may come from any thread and must not wait."""
         if self._writer is not None:
             self._writer.on_trouble = on_trouble
 
@@ -69,7 +70,7 @@ class Recorder:
     def controller(
         self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
     ) -> AnyController:
-        """A new controller."""
+        """Return a new controller, wrapped if anything is recorded."""
         if (put := self._put) is None:
             return Controller(description, network, program, judge=judge)
         self._controller = RecordedController(description, network, program, put, judge)
@@ -77,19 +78,21 @@ class Recorder:
         return self._controller
 
     def lines(self, lines: LineWriter) -> LineWriter:
-        """Lines to write to."""
+        """Return the line writer, wrapped if anything is recorded."""
         return lines if (put := self._put) is None else RecordedLines(lines, put)
 
     def published(self, status: Status, refused: Mapping[str, str]) -> None:
-        """A status as it was published; ``refused``: why commands do not even come to the automata now."""
+        """Record a published status; ``refused``: reasons for commands that are refused before they reach the
+        automata.
+        """
         if self._stream is not None:
             self._published = Published(status.at, status, refused)
             self._entries.append((PUBLISHED, status.at, self._published))
 
     def flush(self) -> None:
-        """Pass on what was recorded, and begin the next segment if it is time; never waits.
+        """Pass on the records, and begin the next segment if it is time; never waits.
 
-        The program calls it between its jobs, so that it costs no reaction.
+        The program calls this between its jobs, so that no reaction is delayed.
         """
         self._pass_on()
         if self._stream is not None and self._stream.wants_state:
@@ -103,7 +106,7 @@ class Recorder:
             self._defect = f"The trace has come to its end: {error_text(error)}"
 
     def close(self) -> None:
-        """Nothing more comes; waits two seconds at most for the disk."""
+        """Pass on the last records and close; waits two seconds at most for the disk."""
         self._pass_on()
         if self._stream is not None:
             self._stream.close()
@@ -112,7 +115,7 @@ class Recorder:
 
     @property
     def _put(self) -> Put | None:
-        """Takes each record; None: nobody wants them."""
+        """The function that stores a record; None: nothing is recorded."""
         if self._observe is not None:
             return self._put_and_show
         return self._entries.append if self._writer is not None or self._stream is not None else None
@@ -124,7 +127,7 @@ class Recorder:
         try:
             self._observe(*entry)
         except Exception:  # noqa: BLE001 who looks on ends no program
-            _log.exception("who looked on at a program failed")
+            _log.exception("the observer of a program failed")
             self._observe = None
 
     def _pass_on(self) -> None:
@@ -143,13 +146,13 @@ class Recorder:
             writer.begin(snapshot.at, ((STATE, snapshot.at, snapshot),))
 
     def _state_now(self) -> list[Entry]:
-        """Where the program stands, for one who begins to look on."""
+        """Return the current state of the program, for a client that connects now."""
         entries: list[Entry] = []
         try:
             if self._controller is not None and (snapshot := self._controller.snapshot()) is not None:
                 entries.append((STATE, snapshot.at, snapshot))
         except Exception:  # noqa: BLE001 a defect of the recorder ends no program
-            _log.exception("no page can show where the program stands")
+            _log.exception("the live page cannot show the state of the program")
         if self._published is not None:
             entries.append((PUBLISHED, self._published.at, self._published))
         return entries

@@ -1,6 +1,7 @@
-"""What a trace is made of; all times are µs on the monotonic clock.
+"""The records of a trace; all times are µs on the monotonic clock.
 
-Inputs of the controller, its outputs, and what its automata saw and did. The fields: `docs/reference/recordings.md`.
+They are the inputs of the controller, its outputs, and the observations of its automata. The fields:
+`docs/reference/recordings.md`.
 """
 
 from __future__ import annotations
@@ -16,46 +17,46 @@ from timed_automata import Begun, Received, Step, Written
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """Where a trace comes from: the first record of each segment."""
+    """The first record of each segment, with the origin of the trace."""
 
     at: int
     program: str
     description: str
     """Name of the tool."""
     hash: str
-    """Of the description and its automata, as in run.json."""
+    """Hash of the description and its automata, as in run.json."""
     model: str
-    """Of the UPPAAL file."""
+    """Hash of the UPPAAL file."""
     version: str
     started: str
-    """ISO 8601."""
+    """Time of the start, ISO 8601."""
     source: str
-    """The file of the description."""
+    """Path of the description file."""
     constants: Mapping[str, Any]
-    """What was put into the model."""
+    """Constants of the description that were inserted into the model."""
     run: str
-    """The same in all segments of one start of the program."""
+    """Random id; the same in all segments of one start of the program."""
     segment: int = 1
     """Number of the segment since that start."""
     follows: bool = False
-    """The segment before it was closed in good order, and nothing is missing between the two."""
+    """Whether the previous segment was closed in good order, and nothing is missing between the two."""
     gap: Gap | None = None
-    """What is missing before it."""
+    """The records that are missing before this segment; None: none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """A controller is made and begins, with the levels of the lines as they were found."""
+    """The start of a controller, with the levels of the lines as they were found."""
 
     at: int
     levels: Mapping[str, bool]
     sensor_fault: bool = False
-    """One of the tool changer was latched before."""
+    """Whether a sensor fault of the tool changer was latched before."""
 
 
 @dataclass(frozen=True, slots=True)
 class FrameTaken:
-    """A frame that came at ``stamp`` is taken at ``at``; Pa (gauge) and bits, null: carried, but invalid."""
+    """A frame that arrived at ``stamp`` and was processed at ``at``; values: gauge Pa or bits, null if invalid."""
 
     at: int
     stamp: int
@@ -66,7 +67,7 @@ class FrameTaken:
 
 @dataclass(frozen=True, slots=True)
 class Commanded:
-    """A command, by the name of its channel."""
+    """A command, given by the name of its channel."""
 
     at: int
     name: str
@@ -82,14 +83,14 @@ class PeerUpdate:
 
 @dataclass(frozen=True, slots=True)
 class ActivationRefused:
-    """The line arbiter refused to activate what the last status asked for."""
+    """The line arbiter refused an activation that the last status requested."""
 
     at: int
 
 
 @dataclass(frozen=True, slots=True)
 class Acknowledged:
-    """Alarms that are over were seen."""
+    """A person has seen the alarms that are over."""
 
     at: int
 
@@ -103,7 +104,7 @@ class TimeAdvanced:
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """What became of the command before it."""
+    """The answer to the command before it."""
 
     at: int
     accepted: bool
@@ -112,14 +113,14 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class LinesWritten:
-    """Levels and the will that were given to the line arbiter at ``at``, and how long that took."""
+    """Levels and the last will that were sent to the line arbiter at ``at``, and how long that took."""
 
     at: int
     took_us: int
     levels: Mapping[str, bool]
     will: tuple[Mapping[str, Any], ...]
     error: str = ""
-    """Why it was not done; empty: done."""
+    """Why the write failed; empty: it succeeded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,12 +134,12 @@ class ArbiterSeen:
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """A status as the world gets it, with what the program knows beside its automata; in no recording."""
+    """A status as clients get it, with the additions of the program; it is in no recording."""
 
     at: int
     status: Status
     refused: Mapping[str, str]
-    """Sentences by command, of those that do not come to the automata now: no lines, no arbiter, maintenance."""
+    """Sentences by command, for commands that do not reach the automata now: no lines, no arbiter, or maintenance."""
 
 
 INPUTS: Mapping[str, type] = {
@@ -150,13 +151,13 @@ INPUTS: Mapping[str, type] = {
     "acknowledge": Acknowledged,
     "time": TimeAdvanced,
 }
-"""What a replay feeds to the controller."""
+"""Records that a replay feeds to the controller."""
 OBSERVED: Mapping[str, type] = {"begin": Begun, "write": Written, "event": Received, "step": Step}
-"""What the automata saw and did: what the monitor judges."""
+"""Observations of the automata, which the monitor judges."""
 DECIDED: Mapping[str, type] = {**OBSERVED, "answer": Answered, "status": Status}
-"""What a replay must decide the same."""
+"""Records in which a replay must agree with the recording."""
 STATE = "state"
-"""Where the controller stands: with it each segment but the first begins."""
+"""Kind of the record with the state of the controller; every segment but the first begins with it."""
 KINDS: Mapping[str, type] = {
     "header": Header,
     STATE: ControllerSnapshot,
@@ -167,4 +168,4 @@ KINDS: Mapping[str, type] = {
 }
 PUBLISHED = "published"
 STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published}
-"""What the stream of a program has."""
+"""Kinds of records in the stream of a program."""

@@ -1,4 +1,4 @@
-"""From a status to levels and a last will, and those to the line arbiter: what is written, refused, tried again."""
+"""Turn a status into levels and a last will, and write both to the line arbiter, with refusals and retries."""
 
 from ._maintenance import Maintenance
 from ._output_mapping import ChangerOutputs, GripOutputs, OutputMapping

@@ -1,4 +1,4 @@
-"""Maintenance: single outputs driven with services, under a lease (IL-12)."""
+"""Maintenance: services drive single outputs, under a lease (IL-12)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from end_effector_hal.vocabulary import LastWill, display_name, to_us
 
 
 class Maintenance:
-    """The lines that maintenance has activated, and until when; however it ends, they are deactivated."""
+    """The lines that maintenance has activated, and the end of its lease; however it ends, they are deactivated."""
 
     def __init__(self, description: Description) -> None:
         lines = {name: part.line for name, part in description.ordered}
@@ -33,26 +33,26 @@ class Maintenance:
 
     @property
     def lines(self) -> list[str]:
-        """What maintenance has activated, in release order."""
+        """The lines that maintenance has activated, in release order."""
         return [line for line in self._order if line in self._lines]
 
     @property
     def will(self) -> LastWill:
-        """The last will meanwhile."""
+        """The last will while maintenance has activated lines; empty otherwise."""
         return maintenance_will(self.lines) if self._lines else ()
 
     def will_with(self, line: str, active: bool) -> LastWill:
-        """The last will once a line is driven so."""
+        """Return the last will that applies once ``line`` is driven to ``active``."""
         wanted = self._lines | {line} if active else self._lines - {line}
         return maintenance_will(each for each in self._order if each in wanted)
 
     def drove(self, line: str, active: bool, at: int) -> None:
-        """Remember what was driven at ``at`` µs, and renew the lease."""
+        """Record the level that a line got at ``at`` µs, and renew the lease."""
         self._lines = self._lines | {line} if active else self._lines - {line}
         self.ends_at = at + to_us(self._lease_s) if self._lines else None
 
     def over(self, at: int) -> list[str]:
-        """Lines to deactivate because the lease is over; they are forgotten."""
+        """Return the lines to deactivate if the lease is over, and forget them; otherwise an empty list."""
         if self.ends_at is None or at < self.ends_at:
             return []
         lines, self._lines, self.ends_at = self.lines, set(), None

@@ -1,4 +1,4 @@
-"""From a status of a program to its lines: their levels, and the last will that fits them."""
+"""Map a status of a program to the levels of its lines, and to the last will that fits them."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from ._maintenance import Maintenance
 
 
 class OutputMapping(Protocol):
-    """The lines of one program."""
+    """Maps the statuses of one program to its lines."""
 
     def adopted(self, status: Status) -> bool:
-        """Whether the automata know the lines: before that nothing is written."""
+        """Return whether the automata have adopted the lines; before that nothing is written."""
 
     def levels(self, status: Status) -> dict[str, bool]:
-        """Line and level of every output that a status asks for."""
+        """Return the level that a status requests for every output, by line."""
 
     def dropped(self, status: Status) -> str:
-        """The line that a Drop has deactivated last, until it is over; empty: none."""
+        """Return the line that a Drop has deactivated last, until the Drop is over; empty: none."""
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line arbiter does at an ending, by its name in the description."""
+        """Return the steps that the line arbiter executes at an ending; ``on`` is its name in the description."""
 
     def gripping(self, status: Status) -> bool:
-        """Whether a grip is at work, with activations to come."""
+        """Return whether a grip is running, with activations still to come."""
 
 
 class GripOutputs:
-    """The lines of the actuators; maintenance drives them, too, and the automata know nothing of that."""
+    """Maps statuses to the lines of the actuators; maintenance drives these lines too, unknown to the automata."""
 
     def __init__(self, description: Description, maintenance: Maintenance) -> None:
         self._maintenance, self._last_will = maintenance, GripLastWill(description)
@@ -40,52 +40,52 @@ class GripOutputs:
         self._blow_offs = [(each.line, place(name)) for name, each in description.blow_offs.items()]
 
     def adopted(self, status: Status) -> bool:
-        """Whether the automata know the lines."""
+        """Return whether the automata have adopted the lines."""
         return status.ee != EndEffectorState.OFF
 
     def levels(self, status: Status) -> dict[str, bool]:
-        """Line and level of every actuator, and of the blow-off valves that a release drives."""
+        """Return the level of the line of every actuator, and of the blow-off valves that a release drives."""
         blowing = {line: index in status.blowing for line, index in self._blow_offs}
         return dict(zip(self._lines, status.outputs, strict=True)) | blowing
 
     def dropped(self, status: Status) -> str:
-        """The line of the actuator that a Drop has deactivated last."""
+        """Return the line of the actuator that a Drop has deactivated last."""
         return self._lines[status.dropped] if status.dropped >= 0 else ""
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line arbiter does at an ending."""
+        """Return the steps that the line arbiter executes at an ending."""
         return self._maintenance.will or self._last_will.of(status, on=on)
 
     def gripping(self, status: Status) -> bool:
-        """Whether a grip is at work."""
+        """Return whether a grip is running."""
         return status.ee == EndEffectorState.GRIPPING
 
 
 class ChangerOutputs:
-    """The unlock output."""
+    """Maps statuses to the unlock output of the tool changer."""
 
     def __init__(self, description: Description) -> None:
         self._description = description
 
     def adopted(self, status: Status) -> bool:
-        """Whether the automata know the line."""
+        """Return whether the automata have adopted the line."""
         return bool(status.changer)
 
     def levels(self, status: Status) -> dict[str, bool]:
-        """The level of the unlock line, if the tool has a changer."""
+        """Return the level of the unlock line, if the tool has a changer."""
         changer = self._description.tool_changer
         return {changer.line: status.unlock_output} if changer else {}
 
     def dropped(self, status: Status) -> str:
-        """None: nobody drops a tool."""
+        """Return an empty string: a Drop concerns no line of the tool changer."""
         del status
         return ""
 
     def last_will(self, status: Status, on: str = "process_death") -> LastWill:
-        """What the line arbiter does at an ending."""
+        """Return the steps that the line arbiter executes at an ending."""
         return changer_will(self._description, status, on=on)
 
     def gripping(self, status: Status) -> bool:
-        """No grip is at work here."""
+        """Return False: this program runs no grip."""
         del status
         return False

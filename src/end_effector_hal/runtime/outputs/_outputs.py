@@ -1,4 +1,4 @@
-"""From statuses to lines: what the automata put out goes to the line arbiter, with the will that fits it."""
+"""Write the outputs of statuses to the line arbiter, with the last will that fits them."""
 
 from __future__ import annotations
 
@@ -12,34 +12,35 @@ from end_effector_hal.vocabulary import ARBITER_LOST, Alarm, LastWillStep
 from ._output_mapping import OutputMapping
 
 RETRY_US = 200_000
-"""What could not be done with the lines is tried again after this."""
+"""Time after which a failed access to the lines is repeated, µs."""
 RESTARTED = "the program has restarted."
 DECLARED_DEAD = f"The line arbiter declared this program dead and executed its last will; {RESTARTED}"
 
 
 class LineWriter(Protocol):
-    """What a program needs of the line arbiter."""
+    """The methods of the line arbiter that a program calls."""
 
     def levels(self) -> Mapping[str, bool]:
-        """The level of every line."""
+        """Return the level of every line."""
 
     def declared_dead(self) -> bool:
-        """Whether the line arbiter has declared this program dead since the last call."""
+        """Return whether the line arbiter has declared this program dead since the last call."""
 
     def ask(
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
-        """Begin to write levels, and what to do should this program die; ``drop``: see `LineArbiter.write`.
+        """Begin to write levels and the last will of this program; ``drop``: see `LineArbiter.write`.
 
-        What is returned waits for the reply: µs until all that this program has written is applied (IL-10), 0: it is.
+        The returned function waits for the reply, and returns the time until all writes of this program are applied
+        (IL-10), µs; 0: they are.
         """
 
     def close(self, will: Sequence[LastWillStep]) -> None:
-        """Leave in good order; the will is done at once."""
+        """Close the connection in good order; the will is executed at once."""
 
 
 class _Asked(NamedTuple):
-    """A write that was begun; ``error``: it could not be."""
+    """A write that was begun; ``error`` is set if it could not be begun."""
 
     changes: Mapping[str, bool]
     will: tuple[LastWillStep, ...]
@@ -49,14 +50,14 @@ class _Asked(NamedTuple):
 
 
 class Outputs:
-    """Writes changes only; what could not be activated is not activated later by itself (IL-11).
+    """Writes changes of the lines; an activation that failed is not repeated later by itself (IL-11).
 
-    Once the line arbiter was ``lost`` nothing is certain until `agree` has compared the lines with what was
-    written: the arbiter may have executed the will.
+    After the line arbiter was ``lost``, nothing is certain until `agree` has compared the lines with what was written:
+    the arbiter may have executed the last will.
 
     Args:
         lines: the line arbiter.
-        mapping: of a status to lines.
+        mapping: maps a status to lines.
         known: the last known levels.
     """
 
@@ -65,7 +66,7 @@ class Outputs:
     ) -> None:
         self._lines, self.mapping = lines, mapping
         self.known = dict(known or {})
-        """The last known level of each line; one that was perhaps activated counts as active."""
+        """The last known level of each line; a line that was possibly activated counts as active."""
         self._wanted: dict[str, bool] | None = None
         self._said: tuple[LastWillStep, ...] | None = None
         self._undone: dict[str, bool] = {}
@@ -77,36 +78,36 @@ class Outputs:
         self._asked: _Asked | None = None
         self.lost = False
         self.disagreement = ""
-        """Why the lines are not as they were written, a sentence, after `agree` has said so."""
+        """A sentence why the lines are not as they were written, after `agree` has returned False."""
         self.retry_at: int | None = None
         self.settles_at: int | None = None
-        """µs at which what was written is applied: lines have to settle (IL-10). None: it is applied."""
+        """Time at which the last write is applied, µs: lines have to settle (IL-10). None: it is applied."""
         self.alarm: Alarm | None = None
         self.refused = ""
-        """Why the line arbiter did not activate something, in words, until it activates again."""
+        """A sentence why the line arbiter refused the last activation; empty again after it accepts one."""
         self.objected = False
-        """It has just refused an activation, and the automata do not know yet."""
+        """Whether the line arbiter has just refused an activation, and the automata have not processed that yet."""
 
     def found(self, levels: Mapping[str, bool], status: Status) -> None:
-        """The levels that a program adopts as it begins: what has changed since they were read is found by `agree`."""
+        """Store the levels that a program adopts as it begins; `agree` detects changes since they were read."""
         self._written = {line: levels[line] for line in self.mapping.levels(status) if line in levels}
         self.known |= levels
 
     @property
     def activated(self) -> frozenset[str]:
-        """The lines that this program has activated and not asked to deactivate."""
+        """The lines that this program has activated and not requested to deactivate."""
         return frozenset(line for line, level in self._written.items() if level)
 
     @property
     def owes(self) -> bool:
-        """Whether a deactivation that was decided is not written yet; one that ends a lease of maintenance is none."""
+        """Whether a decided deactivation is not written yet; those at the end of a maintenance lease do not count."""
         return not self._undone.keys() <= self._leased
 
     def begin(self, statuses: Sequence[Status]) -> Sequence[Status]:
-        """Begin to bring the lines to what the first status asks for that changes something; returns those after it.
+        """Begin to write the first status that changes something, and return the statuses after it.
 
-        Never waits; `complete` does. Before the lines are adopted nothing is written. A new will alone is not written
-        when at the same instant a status follows that deactivates lines: the two are one write.
+        This never waits; `complete` does. Before the lines are adopted nothing is written. A change of the last will
+        alone is not written if a status of the same instant follows that deactivates lines: the two are one write.
         """
         statuses = [status for status in statuses if self.mapping.adopted(status)]
         for number, status in enumerate(statuses):
@@ -129,14 +130,14 @@ class Outputs:
         return ()
 
     def complete(self, unwritten: Sequence[Status]) -> None:
-        """Wait until what was begun is done, and write for the statuses that `begin` has returned."""
+        """Wait until the write is done, then write the statuses that `begin` has returned."""
         self.finish()
         while unwritten:
             unwritten = self.begin(unwritten)
             self.finish()
 
     def finish(self) -> None:
-        """Wait until what was begun is done; trouble becomes :attr:`alarm`."""
+        """Wait until the write is done; an error becomes :attr:`alarm`."""
         asked, self._asked = self._asked, None
         if asked is None:
             return
@@ -158,15 +159,15 @@ class Outputs:
         self._fail(asked.changes)
 
     def retry(self, status: Status, at: int) -> None:
-        """Write again what could not be deactivated, and the will."""
+        """Repeat the failed deactivations, and write the last will."""
         self._ask(self._undone, self.mapping.last_will(status), at)
         self.finish()
 
     def agree(self, at: int, *, gripping: bool = False) -> bool:
-        """Whether the lines are as they were written; raises WireError while nobody knows.
+        """Return whether the lines are as they were written; raises WireError while that is unknown.
 
-        ``gripping``: and the arbiter has not taken this program for dead. What was given up then must not go on by
-        itself, whatever the will has left (IL-11).
+        With ``gripping``, the arbiter must also not have declared this program dead: an abandoned grip must not go on
+        by itself, whatever the last will has left active (IL-11).
         """
         self.retry_at = at + RETRY_US
         levels = self._lines.levels()
@@ -184,7 +185,7 @@ class Outputs:
             )
         elif unknown:
             self.disagreement = (
-                f"After the line arbiter was lost nobody knew how {', '.join(unknown)} stood; {RESTARTED}"
+                f"After the line arbiter was lost the level of {', '.join(unknown)} was unknown; {RESTARTED}"
             )
         return not self.disagreement
 
@@ -195,18 +196,18 @@ class Outputs:
         self._end({line: active}, lambda: self._lines.ask({line: active}, will, drop=not active)())
 
     def lose(self, error: WireError, at: int) -> None:
-        """The line arbiter was lost; nothing is written until `agree` has been asked."""
+        """Note that the line arbiter was lost; nothing is written until `agree` was called."""
         self.lost, self.retry_at = True, at
         self.alarm = unknown(error)
 
     def let_go(self, lines: Sequence[str], at: int) -> None:
-        """Deactivate what maintenance has activated; tried again until it is done, else the last will does it."""
+        """Deactivate the lines of maintenance; repeated until it succeeds, otherwise the last will does it."""
         self._leased |= set(lines)
         self._ask({**self._undone, **dict.fromkeys(lines, False)}, maintenance_will(lines), at)
         self.finish()
 
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
-        """Activate with the next attempt what the lost arbiter could not activate, if it stays active between."""
+        """Return the activations that the lost arbiter could not do and that the next attempt still requests."""
         before, self._attempt = self._attempt, status.attempt
         if status.attempt <= before:
             return {}
@@ -219,7 +220,7 @@ class Outputs:
         return {line: level for line, level in wanted.items() if before is None or before.get(line) != level}
 
     def _deactivates(self, following: Sequence[Status], status: Status) -> bool:
-        """Whether what follows at the same instant makes lines inactive, and no others active."""
+        """Return whether the next status of the same instant deactivates lines and activates none."""
         return any(
             (changes := self._changes(self.mapping.levels(each))) and not any(changes.values())
             for each in following
@@ -262,10 +263,10 @@ class Outputs:
 
 
 def unknown(error: ReportedError) -> Alarm:
-    """The alarm while the line arbiter is lost."""
+    """Return the alarm that is shown while the line arbiter is lost."""
     return Alarm(ARBITER_LOST, "", {"why": str(error).rstrip(".")})
 
 
 def _nothing() -> int:
-    """There is nothing to wait for."""
+    """Return 0 at once: there is no reply to wait for."""
     return 0

@@ -1,4 +1,4 @@
-"""Controllers in real time: each program with its thread, its jobs, its statuses and its connection to the arbiter."""
+"""Controllers in real time: every program with its thread, jobs, statuses and connection to the line arbiter."""
 
 from ._changer_program import ChangerProgram, longest_release_s, release_is_decided
 from ._grip_program import GripProgram

@@ -1,4 +1,4 @@
-"""From the lines as a program finds them to its next restart: a controller, its outputs, and what is known of both."""
+"""Adopt the lines as a program finds them, and compare them with what was written after the line arbiter was lost."""
 
 from __future__ import annotations
 
@@ -14,22 +14,25 @@ from end_effector_hal.vocabulary import Alarm, EndEffectorState
 
 
 class DeclaredDeadError(Exception):
-    """The lines are not as the program has left them: it must restart, for this reason."""
+    """The lines are not as the program left them: it must restart; the text is the reason."""
 
 
 class Adoption:
     """Adopts the lines as soon as they can be read, and compares them after the line arbiter was lost.
 
+    One object serves a program from its start, or a restart, to its next restart.
+
     Args:
-        controller: one that has not begun.
-        outputs: of its statuses.
+        controller: a controller that has not begun.
+        outputs: the writer of its statuses.
         lines: the line arbiter.
-        activated: lines that count as active where nobody knows how they stand, whatever their sensors show.
+        activated: lines that count as active while their level cannot be read, whatever their sensors show.
 
     Attributes:
         begun: whether the lines are adopted.
-        withholds: whether something held is not told yet, because a write waits for its lines to settle.
-        alarm: why they are not; None: nothing is known to be in the way.
+        withholds: whether a status with a held part is not published yet, because a write waits for its lines to
+            settle.
+        alarm: why the lines are not adopted; None: no obstacle is known.
     """
 
     def __init__(
@@ -52,12 +55,12 @@ class Adoption:
 
     @property
     def lost(self) -> bool:
-        """Whether the line arbiter is lost: nothing is known of the lines now."""
+        """Whether the line arbiter is lost: the levels of the lines are unknown now."""
         return self.outputs.lost or self._unreachable
 
     @property
     def due(self) -> int | None:
-        """µs at which something happens by itself."""
+        """Time of the next action that needs no event, µs; None: there is none."""
         at = self.controller.deadline if self.begun else self._begin_at
         settles_at = self.outputs.settles_at if self.withholds else None
         return min(
@@ -65,12 +68,12 @@ class Adoption:
         )
 
     def begin(self, at: int, sensor_fault: Callable[[], bool], peer: Mapping[str, int]) -> list[Status]:
-        """Adopt the lines as they are, or find an obstacle and have it tried again.
+        """Adopt the lines as they are; if that fails, set the alarm and schedule a retry.
 
         Args:
-            at: µs.
-            sensor_fault: whether one was latched before; raises WireError.
-            peer: what is known of the other program.
+            at: time, µs.
+            sensor_fault: returns whether a sensor fault was latched before; may raise WireError.
+            peer: the known interface variables of the other program.
         """
         try:
             levels = {**dict.fromkeys(self._activated, True), **self._lines.levels()}
@@ -88,14 +91,14 @@ class Adoption:
         return statuses + (self.controller.update_peer(peer, at) if peer else [])
 
     def time_passed(self, at: int) -> list[Status]:
-        """What is due at ``at``, once the lines are adopted."""
+        """Do everything that is due at ``at``; the lines must be adopted."""
         settled = self.withholds and at >= (self.outputs.settles_at or at)
         if not self.outputs.lost and (settled or at >= (self.outputs.retry_at or at + 1)):
             self.outputs.retry(self.controller.status(), at)
         return self.controller.advance(at)
 
     def look(self, at: int) -> None:
-        """Whether the line arbiter answers: a command that finds it lost is not even begun."""
+        """Check whether the line arbiter answers, so that a command does not begin while it is lost."""
         if self.begun and not self.outputs.lost:
             try:
                 self._lines.levels()
@@ -103,14 +106,19 @@ class Adoption:
                 self.outputs.lose(error, at)
 
     def lose(self, error: ArbiterError, at: int) -> None:
-        """The connection to the line arbiter was lost."""
+        """Note that the connection to the line arbiter was lost."""
         if self.begun:
             self.outputs.lose(error, at)
             with suppress(WireError):
                 self._lines.levels()  # a client reports each loss once more, to its next caller
 
     def compare(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
-        """What may be published of statuses after the line arbiter was lost; ``published``: what was before.
+        """Return the statuses that may be published after the line arbiter was lost.
+
+        Args:
+            statuses: the new statuses.
+            published: the status that was published last.
+            at: time, µs.
 
         Raises:
             DeclaredDeadError: the lines are not as they were left.
@@ -132,10 +140,11 @@ class Adoption:
         return self._filtered(statuses, lambda status: published.held or not status.held)
 
     def after_writes(self, statuses: list[Status], published: Status, at: int) -> list[Status]:
-        """What may be published of statuses after the line arbiter has replied; ``published``: what was before.
+        """Return the statuses that may be published after the arbiter's reply; ``published``: the last published one.
 
-        A deactivation that was asked for may wait behind its line's last change (IL-10). Nothing is told as held before
-        it is over, for until then the line of what would be held goes inactive; nor as at rest, for it is active.
+        A requested deactivation may have to wait after the last change of its line (IL-10). Until it is over, no
+        status with a held part is published, because the line that would hold it is going inactive, and no STAND_BY,
+        because the line is still active.
         """
         if self.outputs.settles_at is None:
             if self.withholds:
@@ -152,7 +161,7 @@ class Adoption:
     def _filtered(
         self, statuses: list[Status], may_be_published: Callable[[Status], bool] = lambda _: True
     ) -> list[Status]:
-        """Those of some statuses that may be published; the events of the others go with the next one that may."""
+        """Return the statuses that may be published; the events of the others are moved to the next status that may."""
         found = []
         for status in statuses:
             events = (*self._withheld, *status.events)
@@ -164,12 +173,12 @@ class Adoption:
         return found
 
     def now(self, at: int) -> Status:
-        """The status; before the lines are adopted nothing else gives it a time."""
+        """Return the current status; before the lines are adopted, its time is set to ``at``."""
         status = self.controller.status()
         return status if self.begun else replace(status, at=at)
 
     def look_ahead(self) -> bool:
-        """Have the automata look a little further ahead of where they stand; whether there is more."""
+        """Let the automata precompute one more step from their current state; return whether there are more."""
         state = self.controller.discrete_state
         if state != self._ahead_of:
             self._ahead_of, self._ahead = state, self.controller.look_ahead()

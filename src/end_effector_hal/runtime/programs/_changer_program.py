@@ -22,42 +22,42 @@ from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import SerialWorker
 
 FALL_S = 0.5
-"""What a vacuum that has just been told gone takes to fall below what IL-01 asks for, at the longest."""
+"""Longest time in which a vacuum that has just counted as gone falls below the limit of IL-01, s."""
 LAG_S = 0.15
-"""What shows the end of a release may be under way to this program for so long."""
+"""Longest delay until the end of a release is visible to this program, s."""
 _MAY_RELEASE = (EndEffectorState.STAND_BY, EndEffectorState.OFF, EndEffectorState.RELEASING)
 
 
 def await_release(latest: LatestStatus, changer: ToolChanger) -> None:
     """Wait until the release is proven or cannot be, for no longer than the fall and the proof take.
 
-    Feedback that is still there says nothing: the last frame of the release may not have come to this program yet.
+    Feedback that is still present is no reason to stop: the last frame of the release may not have arrived yet.
     """
     latest.wait(release_is_decided, longest_release_s(changer))
 
 
 def longest_release_s(changer: ToolChanger) -> float:
-    """Seconds that an unlock waits at the longest."""
+    """Return the longest wait of an unlock, s."""
     return LAG_S + FALL_S + changer.vented_s
 
 
 def release_is_decided(status: Status) -> bool:
-    """Whether the release is proven, or cannot be."""
+    """Return whether the release is proven, or cannot be."""
     return status.vented or status.ee not in _MAY_RELEASE
 
 
 CAME_LATE = (
-    "A sensor fault of the tool changer was latched before the start, and the disk of the line arbiter has given it "
-    f"back late; {RESTARTED}"
+    "A sensor fault of the tool changer was latched before the start, but the line arbiter read it from its disk "
+    f"too late; {RESTARTED}"
 )
 
 
 class ChangerLines(LineWriter, FaultKeeper, Protocol):
-    """What this program needs of the line arbiter."""
+    """The methods of the line arbiter that this program calls."""
 
 
 class ChangerProgram(Program):
-    """Executes the automata of the tool changer; the line arbiter keeps its sensor fault until a reset (IL-04)."""
+    """Executes the automata of the tool changer; the line arbiter stores its sensor fault until a reset (IL-04)."""
 
     NAME: ClassVar = "tool_change"
 
@@ -77,7 +77,7 @@ class ChangerProgram(Program):
         super().__init__(description, lines, on_status, recorder, clock, judge, worker)
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
-        """Like every program's; an unlock first waits for its proof, where there is a thread that can wait."""
+        """Execute a command; an unlock first waits for its proof (IL-01), unless the program has no thread."""
         if self._waits and name == "unlock" and (changer := self._description.tool_changer):
             await_release(self._latest, changer)
         return super().command(name, until_us)
@@ -89,7 +89,7 @@ class ChangerProgram(Program):
         return self._fault.found()
 
     def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
-        """A sensor fault may be among them that a slow disk has kept back until now."""
+        """Keep the latched faults, and schedule a check for a sensor fault that a slow disk has delayed."""
         self._look_at = self._clock()
         return super()._keep_faults(faults)
 

@@ -1,4 +1,4 @@
-"""The gripping program, with manual mode."""
+"""The gripping program, with maintenance mode."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ._program import Program
 
 
 def drive(adoption: Adoption, maintenance: Maintenance, line: str, at: int, *, active: bool) -> Answer:
-    """Write a line at ``at`` µs, under the lease; whether that was done."""
+    """Write a line at ``at`` µs, under the lease; return whether that succeeded."""
     if refused := adoption.controller.refuse_maintenance(active=active):
         return Answer(False, refused)
     try:
@@ -36,7 +36,7 @@ def drive(adoption: Adoption, maintenance: Maintenance, line: str, at: int, *, a
 def proof(
     latest: LatestStatus, description: Description, name: str, timeout_s: float | None, *, active: bool
 ) -> Answer:
-    """Wait for it, by default as long as the actuator has in a grip or a release."""
+    """Wait until the sensors prove the wanted level, by default as long as the actuator has in a grip or a release."""
     actuator, index = description.actuators[name], description.sequence.index(name)
     limit_s = timeout_s or (actuator.timeout_s if active else actuator.release_s)
     wanted = Evidence.CONFIRMED if active else Evidence.GONE
@@ -50,24 +50,24 @@ def proof(
 
 
 class GripProgram(Program):
-    """Executes the gripping automata; a lease ends what maintenance has activated (IL-12)."""
+    """Executes the gripping automata; deactivates the lines of maintenance when its lease expires (IL-12)."""
 
     NAME: ClassVar = "grip"
 
     def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
-        """Drive one actuator in maintenance (IL-12); success only with sensor evidence.
+        """Drive one actuator in maintenance (IL-12); success requires sensor evidence.
 
         Args:
-            name: of the actuator.
-            active: what its output becomes.
-            timeout_s: longest wait for the evidence; default: as long as the actuator has in a grip or a release.
+            name: name of the actuator.
+            active: the level that its output gets.
+            timeout_s: longest wait for the evidence; default: the time that the actuator has in a grip or a release.
         """
         answer = self._drive(name, None, active=active)
         proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
         return proven or answer
 
     def _drive(self, name: str, until_us: int | None, *, active: bool) -> Answer:
-        """Write the line of an actuator in maintenance; after ``until_us`` it is not done any more."""
+        """Write the line of an actuator in maintenance; refuse if ``until_us`` is over."""
         line = self._description.actuators[name].line
 
         def question() -> tuple[Answer, list[Status]]:
@@ -82,7 +82,10 @@ class GripProgram(Program):
         return self._ask(question, waits=True)
 
     def _asked(self, asked: ProgramCommand) -> Answer:
-        """Maintenance is answered when the line is written: nobody else's command waits for what its sensor shows."""
+        """Execute a client's command; a maintenance command is answered when the line is written.
+
+        Waiting for its sensor would delay the commands of other clients.
+        """
         if asked.command not in MAINTENANCE_WORDS:
             return super()._asked(asked)
         if asked.actuator not in self._description.actuators:
@@ -95,7 +98,7 @@ class GripProgram(Program):
         return GripOutputs(self._description, self._maintenance)
 
     def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
-        """A stop cancels the grip that runs."""
+        """Keep the latched faults; a new stop cancels a running grip."""
         before, adoption = self._stopped, self._adoption
         statuses = super()._keep_faults(faults)
         gripping = adoption.begun and adoption.outputs.mapping.gripping(adoption.controller.status())

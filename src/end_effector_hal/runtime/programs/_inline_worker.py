@@ -1,4 +1,4 @@
-"""Jobs of one program in the thread that submits them, for virtual time."""
+"""Run the jobs of a program in the thread that submits them, for virtual time."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ T = TypeVar("T")
 
 
 class InlineWorker:
-    """As `SerialWorker`, without a thread: a job is done with its follow-up before `submit` returns.
+    """Runs jobs as `SerialWorker` does, without a thread: a job and its follow-up are done before `submit` returns.
 
-    One that is submitted meanwhile, from within another, is done right after that.
+    A job that is submitted from within another job runs right after it.
 
     Args:
-        due: µs at which something is due without a job; None: nothing is.
-        time_passed: the job for that.
+        due: returns the time at which something is due without a job, µs; None: nothing is.
+        time_passed: the job that is run then.
         done: called after each job.
-        clock: µs.
-        prepare: not used: nobody waits for a reaction.
+        clock: returns the time, µs.
+        prepare: not used, because in virtual time no reaction is late.
     """
 
     def __init__(
@@ -36,16 +36,16 @@ class InlineWorker:
         self._jobs: deque[Job] = deque()
         self._busy = self._begun = self._ended = False
         self.busy_since: int | None = None
-        """None: no job takes any time."""
+        """Always None: no job takes any time."""
 
     def submit(self, job: Job) -> None:
-        """Do it, or leave it to the job that is being done."""
+        """Run a job now, or right after the running one."""
         if not self._ended:
             self._jobs.append(job)
             self._do_all()
 
     def ask(self, question: Callable[[], tuple[T, FollowUp | None]], *, waits: bool = False) -> T | None:
-        """The answer to a question, once its follow-up is done; None: there is none."""
+        """Return the answer to a question once its follow-up is done; None: there is no answer."""
         answers: list[T] = []
 
         def job() -> FollowUp | None:
@@ -57,23 +57,23 @@ class InlineWorker:
         return answers[0] if answers else None
 
     def run(self, first: FollowUp) -> None:
-        """There is no thread that could wait."""
+        """Raise NotImplementedError: this worker has no thread."""
         raise NotImplementedError("a program in virtual time is begun, not started")
 
     def begin(self, first: FollowUp) -> None:
-        """Do ``first``, then what was submitted before."""
+        """Run ``first``, then all jobs that were submitted before."""
         self._begun = True
         self._jobs.appendleft(lambda: first)
         self._do_all()
 
     def work(self) -> None:
-        """Do what is due."""
+        """Run the job for elapsed time if it is due."""
         due = self._due()
         if due is not None and due <= self._clock():
             self.submit(self._time_passed)
 
     def end(self) -> None:
-        """Do nothing any more."""
+        """Run no further jobs."""
         self._ended = True
 
     def _do_all(self) -> None:

@@ -1,4 +1,4 @@
-"""The latest status of a program: kept, waited for, and passed to a listener that cannot end the program."""
+"""Keep the latest status of a program, wait for it, and pass it to a listener whose errors cannot end the program."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ Listener = Callable[[Status], None]
 
 
 class LatestStatus:
-    """Thread-safe; ``ended``: there will be no other.
+    """Holds the latest status of a program; thread-safe. Once ``ended`` is set, no other status follows.
 
     Args:
-        status: the first one; the listener does not get it.
-        listener: called with each status, in the thread that publishes it; it must not wait. It may raise anything:
-            that becomes :attr:`trouble`, and it is called with the next one all the same.
+        status: the first status; the listener does not get it.
+        listener: called with each status, in the thread that publishes it; it must not wait. An exception becomes
+            :attr:`trouble`, and the listener is still called with the next status.
     """
 
     def __init__(self, status: Status, listener: Listener | None = None) -> None:
         self.status = status
         self.ended = False
         self.trouble = ""
-        """What the listener raised at its last call, a sentence; empty: nothing."""
+        """A sentence about the exception of the listener's last call; empty: there was none."""
         self._listener = listener
         self._changed = threading.Condition()
 
     def publish(self, status: Status) -> None:
-        """Replace the status, wake all who wait, and call the listener."""
+        """Replace the status, wake all waiting threads, and call the listener."""
         with self._changed:
             self.status = status
             self._changed.notify_all()
@@ -40,7 +40,7 @@ class LatestStatus:
         try:
             self._listener(status)
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
-            what = f"A listener failed, and lacks a state: {error_text(error)}"
+            what = f"A listener failed and missed a status: {error_text(error)}"
             if not self.trouble:
                 _log.exception("%s", what)
             self.trouble = self.trouble or what
@@ -48,13 +48,13 @@ class LatestStatus:
             self.trouble = ""
 
     def end(self) -> None:
-        """End all waiting: no other status will come."""
+        """Wake all waiting threads: no other status follows."""
         with self._changed:
             self.ended = True
             self._changed.notify_all()
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
-        """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
+        """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
         with self._changed:
             self._changed.wait_for(lambda: self.ended or until(self.status), timeout_s)
             return until(self.status)

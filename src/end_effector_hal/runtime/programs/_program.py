@@ -54,13 +54,13 @@ from ._serial_worker import FollowUp, SerialWorker
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
 STILL_US = 30_000_000
-"""Longer than all programs of a tool take to end and to start again."""
+"""Time for which a reload blocks activations, µs; longer than all programs of a tool take to end and to start again."""
 RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
 UNTIL_RESET = "Nothing is activated until it is closed and the faults are reset."
 _FAULT_IDS = {"stop": STOPPED, E_STOP_CLOSED: E_STOPPED}
-"""Alarms by the names of the faults; every other one is ``arbiter.fault``."""
+"""Alarm ids by the name of the fault; all other faults use ``arbiter.fault``."""
 ACTIVATING = ("grip", "unlock", "activate")
-"""Commands that begin with an activation; the others only deactivate, or change nothing."""
+"""Commands that begin with an activation; all others only deactivate, or change nothing."""
 LOST = "The line arbiter is lost: nothing was written, and nothing will be. Give the command again when it is back."
 UNWRITTEN = (
     "The line arbiter was lost before all of it was written. Nothing of it is written later; the program has restarted "
@@ -69,27 +69,29 @@ UNWRITTEN = (
 
 
 class Program(ABC):
-    """What :class:`GripProgram` and :class:`ChangerProgram` have in common; all methods are thread-safe.
+    """The base class of :class:`GripProgram` and :class:`ChangerProgram`; all methods are thread-safe.
 
-    1. The automata decide in the thread that brings an event, and the write to the line arbiter is sent there.
-       What waits for its reply runs in the program's own thread.
-    2. The listener is called there, once for each step of the automata, in order, after the lines are written.
-    3. No trouble leaves the program, and no trouble of a listener or of the recorder enters it: each is an alarm.
+    1. The automata decide in the thread that delivers an event, and that thread sends the write to the line arbiter.
+       The program's own thread waits for the reply.
+    2. The program's own thread calls the listener, once for each step of the automata, in order, after the lines are
+       written.
+    3. Errors do not leave the program, and errors of a listener or of the recorder do not enter it: each becomes an
+       alarm.
     4. A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
-       restarts, and adopts what it finds; what it has activated and nobody can read back counts as active, whatever
-       its sensors show. Until it knows, it claims no grip.
-    5. Nothing is told as held before all that was asked of the lines is applied: a deactivation may wait (IL-10).
-    6. While the line arbiter is lost no command is begun. What was decided and is not written when its command ends is
-       given up: the program restarts, and nothing of it is written later, nor left as a last will.
+       restarts, and adopts the lines as they are. A line that it has activated and that cannot be read back counts as
+       active, whatever its sensors show. Until the lines are read, it reports no grip.
+    5. Nothing is reported as held before all requested writes are applied: a deactivation may wait (IL-10).
+    6. While the line arbiter is lost, no command begins. Decisions that are not written when their command ends are
+       discarded: the program restarts, and nothing of them is written later or left as a last will.
 
     Args:
         description: the tool.
         lines: the line arbiter.
         on_status: called with each status.
-        recorder: of the boundary.
-        clock: µs.
-        judge: shared with all others in this process who get the same frames; default: its own.
-        worker: does its jobs; an `InlineWorker` where `begin` and `work` are called instead of `start`.
+        recorder: records the boundary.
+        clock: returns the time, µs.
+        judge: shared by all parts of this process that get the same frames; default: a judge of its own.
+        worker: runs the jobs; an `InlineWorker` if `begin` and `work` are called instead of `start`.
     """
 
     NAME: ClassVar[str]
@@ -124,37 +126,37 @@ class Program(ABC):
         self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
 
     def start(self) -> None:
-        """Begin: read the lines, read the sensors, adopt."""
+        """Start the thread: read the lines, read the sensors, adopt."""
         self._thread.start()
         self._recorder.serve(self._asked, lambda: self.alive, self._look_around)
 
     def begin(self) -> None:
-        """Begin in this thread, as `start` does in one of the program: for virtual time."""
+        """Begin in the calling thread instead of the program's own; for virtual time."""
         self._worker.begin(self._begin)
 
     @property
     def due(self) -> int | None:
-        """µs at which the program does something by itself; in virtual time `work` is to be called then."""
+        """Time of the next action that needs no event, µs; in virtual time, call `work` then. None: there is none."""
         return self._due()
 
     def work(self) -> None:
-        """Do what is due now."""
+        """Do everything that is due now."""
         self._worker.work()
 
     def leave(self, ending: str = "sigterm") -> None:
-        """End in good order, where there is no thread; raises WireError."""
+        """End in good order a program that has no thread; raises WireError."""
         self._worker.end()
         self._latest.end()
         self._lines.close(self._last_will(ending))
 
     @property
     def waits(self) -> bool:
-        """Whether each frame makes it look whether the line arbiter is back, or has done what it was asked for."""
+        """Whether each frame triggers a check if the line arbiter is back, or has applied the last writes."""
         return self._adoption.outputs.lost or self._adoption.withholds
 
     @property
     def alive(self) -> bool:
-        """Whether the program still works: a lease is renewed only while it does."""
+        """Whether the program still works; its lease is renewed only while it does."""
         since = self._worker.busy_since
         return not self._latest.ended and (since is None or self._clock() - since < HUNG_US)
 
@@ -165,42 +167,42 @@ class Program(ABC):
 
     @property
     def latched_interlocks(self) -> tuple[str, ...]:
-        """The faults that the line arbiter has latched for an interlock, sentences."""
+        """Sentences about the faults that the line arbiter has latched for an interlock."""
         return tuple(fault.text for fault in self._faults if "interlock" in fault.values)
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
-        """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
+        """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
         return self._latest.wait(until, timeout_s)
 
     def frame(self, frame: Frame) -> None:
-        """Submit a frame of the link; returns at once."""
+        """Submit a frame of the link; return at once."""
         self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
 
     def pass_over(self, frame: Frame) -> None:
-        """Take a frame that is known to change nothing of what the sensors prove, in virtual time."""
+        """Process a frame that is known to leave the evidence unchanged; for virtual time."""
         if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame)):
             self._submit(lambda: statuses)
 
     def update_peer(self, **values: int) -> None:
-        """Submit interface variables of the other program; returns at once."""
+        """Submit interface variables of the other program; return at once."""
         self._worker.submit(lambda: self._reaction(self._peer_changed(values)))
 
     def arbiter_lost(self, error: ArbiterError) -> None:
-        """Submit that the connection to the line arbiter was lost; returns at once."""
+        """Report to the program that the connection to the line arbiter was lost; return at once."""
         self._worker.submit(lambda: partial(self._lose, error))
 
     def faults_changed(self, faults: Mapping[str, str]) -> None:
-        """Submit the faults that the line arbiter has latched, sentences by name; returns at once."""
+        """Submit the faults that the line arbiter has latched, as sentences by name; return at once."""
         self._worker.submit(lambda: self._reaction(self._keep_faults(faults)))
 
     def acknowledge(self) -> None:
-        """Submit that alarms about what is held were seen: those that are over go; returns at once."""
+        """Acknowledge alarms about a held part, which clears those that are over; return at once."""
         self._submit(lambda: self._adoption.controller.acknowledge(self._clock()))
 
     def stand_still(self, for_us: int = STILL_US) -> Answer:
-        """Begin no activation for so long, if the program is at rest now; 0: go on.
+        """Block activations for ``for_us`` µs if the program is at rest now; 0 ends the block.
 
-        Asked before a reload, so that no grip begins meanwhile.
+        It is called before a reload, so that no grip begins meanwhile.
         """
 
         def question() -> tuple[Answer, list[Status]]:
@@ -212,7 +214,7 @@ class Program(ABC):
         return self._ask(question)
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
-        """Give a command and wait for the decision of the automaton; after ``until_us`` it is not executed any more."""
+        """Give a command and wait for the decision of the automaton; after ``until_us`` the command is refused."""
         return self._ask(lambda: self._decide(name, until_us), waits=name not in ACTIVATING)
 
     def close(self, ending: str = "sigterm") -> None:
@@ -230,14 +232,14 @@ class Program(ABC):
 
     @abstractmethod
     def _mapping(self) -> OutputMapping:
-        """The outputs of the program, for a controller that has not begun."""
+        """Return the output mapping of the program, for a controller that has not begun."""
 
     def _fault_found(self) -> bool:
-        """Whether the line arbiter keeps a sensor fault of this program; raises WireError."""
+        """Return whether the line arbiter stores a sensor fault of this program; raises WireError."""
         return False
 
     def _arbiter_was_lost(self) -> None:  # noqa: B027 most programs remember nothing of it
-        """The line arbiter is lost, or was; what is remembered of it may be outdated."""
+        """Handle a loss of the line arbiter, also one that is over: remembered facts about it may be outdated."""
 
     def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
         self._faults = _latched_alarms(faults)
@@ -247,15 +249,15 @@ class Program(ABC):
         return []  # only the notices change
 
     def _due(self) -> int | None:
-        """µs at which the program does something by itself."""
+        """Return the time of the next action that needs no event, µs."""
         return self._adoption.due
 
     def _on_time(self, at: int) -> list[Status]:
-        """What is due at ``at``, once the program has begun."""
+        """Do everything that is due at ``at``; the program must have begun."""
         return self._adoption.time_passed(at)
 
     def _obstacle(self, name: str) -> str:
-        """Why a command does not even come to the automata now, a sentence; empty: it does."""
+        """Return a sentence why a command is refused before it reaches the automata; empty: it is not."""
         adoption = self._adoption
         if not adoption.begun:
             return f"The lines are not adopted yet. {adoption.alarm or ''}".rstrip()
@@ -269,13 +271,13 @@ class Program(ABC):
         return ""
 
     def _unread(self, name: str) -> str:
-        """That the e-stop is not read, a sentence; empty: it is, or the automata would refuse for another reason."""
+        """Return a sentence if the e-stop is not read; empty: it is, or the automata refuse for another reason."""
         controller = self._adoption.controller
         why = unread_e_stop(self._description, controller.senses.now.readings, self._clock())
         return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name) else why
 
     def _unrest(self) -> str:
-        """Why the program is not at rest, a sentence; empty: it is."""
+        """Return a sentence why the program is not at rest; empty: it is."""
         if not self._adoption.begun:
             return self._obstacle("")
         status = self._adoption.controller.status()
@@ -303,13 +305,13 @@ class Program(ABC):
         return answer, statuses
 
     def see_link_faults(self, faults: tuple[Alarm, ...]) -> None:
-        """Take the alarms about the answers of single devices; for any thread."""
+        """Store the alarms about answers of single devices; callable from any thread."""
         if faults != self._link_faults:
             self._link_faults = faults
             self._look_around()
 
     def _notices(self) -> tuple[Alarm, ...]:
-        """The alarms beside those of the controller."""
+        """Return the alarms that do not come from the controller."""
         listener, recorder = self._latest.trouble, self._recorder.trouble
         return tuple(filter(None, (
             self._adoption.alarm, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
@@ -318,7 +320,7 @@ class Program(ABC):
         )))  # fmt: skip
 
     def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
-        """A status of the controller with the alarms and the reason of the program."""
+        """Return a status of the controller with the alarms and the reason of the program added."""
         reason = f"{status.reason or self._why} {self._adoption.outputs.refused}".strip()
         if not notices and not status.alarms and reason == status.reason:
             return status
@@ -332,11 +334,11 @@ class Program(ABC):
         return self._adoption.look_ahead()
 
     def _look_around(self) -> None:
-        """Something beside the automata may have changed."""
+        """Submit a check for changes outside the automata."""
         self._worker.submit(lambda: self._reaction([]))
 
     def _asked(self, asked: ProgramCommand) -> Answer:
-        """What a client of the stream asks for."""
+        """Execute a command of a client of the stream."""
         if asked.command == "acknowledge":
             self.acknowledge()
             return Answer(True)
@@ -378,7 +380,7 @@ class Program(ABC):
         return answer or Answer(False, f"The {self.NAME} program does not answer.", decided=False)
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
-        """Send what statuses ask of the lines; the follow-up waits for the reply and publishes them."""
+        """Begin to write what the statuses request; the returned follow-up waits for the reply and publishes them."""
         if not statuses and not self.waits and self._notices() == self._shown_notices:
             return None
         return partial(self._finish, statuses, self._adoption.outputs.begin(statuses))
@@ -402,7 +404,7 @@ class Program(ABC):
             self._recorder.close()
 
     def _last_will(self, ending: str) -> LastWill:
-        """What is done at an ending: nothing to lines that are not adopted."""
+        """Return the last will for an ending; it is empty for lines that are not adopted."""
         return self._adoption.outputs.mapping.last_will(self.status, ending) if self._adoption.begun else ()
 
     def _begin(self) -> None:
@@ -433,7 +435,7 @@ class Program(ABC):
         return [replace(now, events=restart_events(self.NAME, state, now.at)), *self._adopt()]
 
     def _give_up(self) -> list[Status]:
-        """Forget what was decided and cannot be written, with its last will."""
+        """Discard decisions that cannot be written, and their last will; restart."""
         with suppress(WireError):
             self._arbiter.ask(
                 {}, ()
@@ -448,7 +450,7 @@ class Program(ABC):
         self._act([])
 
     def _finish(self, statuses: list[Status], unwritten: Sequence[Status]) -> None:
-        """End the writes that were begun for statuses, the later of which are unwritten yet; publish them."""
+        """Wait for the writes that were begun, write the ``unwritten`` statuses too, and publish all of them."""
         outputs, commanded, self._commanded = self._adoption.outputs, self._commanded, False
         outputs.complete(unwritten)
         while outputs.objected:
@@ -483,7 +485,7 @@ class Program(ABC):
 
 
 def _latched_alarms(faults: Mapping[str, str]) -> tuple[Alarm, ...]:
-    """Alarms from sentences by the name of the fault, which begin with their interlock if there is one."""
+    """Return alarms from sentences by the name of the fault; a sentence about an interlock begins with its id."""
     return tuple([_latched_alarm(name, text) for name, text in faults.items()])
 
 

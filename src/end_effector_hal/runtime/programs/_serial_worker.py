@@ -1,17 +1,24 @@
-"""Jobs of one program, one at a time, in the order in which they were submitted.
+"""Run the jobs of one program one at a time, in the order in which they were submitted.
 
-Rule 1: One job at a time. The next one starts when the one before is done with its follow-up.
+Rule 1: One job at a time. The next one starts when the previous one and its follow-up are done.
+
 Rule 2: A job starts at once, in the thread that submits it, if nothing else is to be done: no hand-over between
-    threads stands between a frame and a line. Otherwise the thread of the worker starts it.
-Rule 3: A job does not wait. Whatever waits, or calls somebody else, is its follow-up: a job returns it, and the thread
-    of the worker runs it.
-Rule 4: What was submitted before the worker began starts after its beginning; what is submitted after its end never
-    starts.
-Rule 5: What is due is done by the thread of the worker, after the jobs that were submitted before.
-Rule 6: A job that fails ends the worker with its error; its submitter does not see the error.
-Rule 7: A question that could not start within 2 s never starts: its asker has gone on.
-Rule 8: The worker's thread prepares what may come, piece by piece, while it has nothing else to do. Jobs do not wait
-    for that: it has no turn, and changes nothing that they see.
+threads delays the way from a frame to a line. Otherwise the thread of the worker starts it.
+
+Rule 3: A job does not wait. Code that waits, or calls other components, belongs in the follow-up that a job returns;
+the thread of the worker runs it.
+
+Rule 4: Jobs that were submitted before the worker began start after its beginning; jobs that are submitted after its
+end never start.
+
+Rule 5: The thread of the worker runs the job for elapsed time, after the jobs that were submitted before.
+
+Rule 6: An exception in a job ends the worker with this error; the submitter does not see the error.
+
+Rule 7: A question that could not start within 2 s never starts: the caller no longer waits.
+
+Rule 8: The worker's thread prepares possible next steps, piece by piece, while it is idle. Jobs do not wait for that:
+it does not hold the turn, and changes nothing that jobs can see.
 """
 
 from __future__ import annotations
@@ -26,7 +33,7 @@ from typing import NoReturn, TypeVar
 from end_effector_hal.wires import now_us
 
 FollowUp = Callable[[], None]
-"""What a job leaves to the thread of the worker."""
+"""The part of a job that the thread of the worker runs."""
 Job = Callable[[], FollowUp | None]
 T = TypeVar("T")
 ANSWER_US = 2_000_000
@@ -34,14 +41,14 @@ _GRACE_S = 0.5
 
 
 class SerialWorker:
-    """Runs jobs under the rules above; `run` is its thread, or `begin` and `work` where a test has no thread.
+    """Runs jobs under the rules of this module; `run` is its thread, or `begin` and `work` where a test has no thread.
 
     Args:
-        due: µs at which something is due without a job; None: nothing is.
-        time_passed: the job for that.
+        due: returns the time at which something is due without a job, µs; None: nothing is.
+        time_passed: the job that is run then.
         done: called after each job with its follow-up, in either thread.
-        clock: µs.
-        prepare: does a piece of what is prepared; returns whether there is more.
+        clock: returns the time, µs.
+        prepare: prepares one piece; returns whether there is more.
     """
 
     def __init__(
@@ -62,21 +69,21 @@ class SerialWorker:
         self._sleeps_until: int | None = None
         self._bell: queue.SimpleQueue[None] = queue.SimpleQueue()
         self.busy_since: int | None = None
-        """µs at which what is being done was begun; None: nothing is."""
+        """Time at which the running job began, µs; None: no job runs."""
 
     def submit(self, job: Job) -> None:
-        """Start a job, or leave it to the worker's thread; never waits."""
+        """Run a job, or leave it to the worker's thread; never waits."""
         self._jobs.append(job)
         # the one who has the turn may have looked for jobs already: then the thread looks again
         if not self._turn.acquire(blocking=False) or self._leaves_work():
             self._bell.put(None)
 
     def ask(self, question: Callable[[], tuple[T, FollowUp | None]], *, waits: bool = False) -> T | None:
-        """Submit a question; its answer, once its follow-up is done. None: no answer came within 2.5 s.
+        """Submit a question and return its answer once its follow-up is done; None: no answer came within 2.5 s.
 
         Args:
             question: returns the answer and the follow-up.
-            waits: the question itself waits for something: the worker's thread asks it.
+            waits: whether the question itself waits for something, so that the worker's thread must run it.
         """
         answers: queue.SimpleQueue[T] = queue.SimpleQueue()
         until = self._clock() + ANSWER_US
@@ -106,7 +113,7 @@ class SerialWorker:
             return None
 
     def run(self, first: FollowUp) -> None:
-        """The worker's thread: begins with ``first`` and returns after `end`."""
+        """Run the worker's thread: begin with ``first``, and return after `end`."""
         self.begin(first)
         while not self._ended:
             while self._bell.empty() and self._patience() != 0 and self._prepare():
@@ -116,7 +123,7 @@ class SerialWorker:
             self.work()
 
     def begin(self, first: FollowUp) -> None:
-        """Do ``first``, then what was submitted before."""
+        """Run ``first``, then all jobs that were submitted before."""
         with self._turn:
             first()
             self._begun = True
@@ -125,7 +132,7 @@ class SerialWorker:
             self._sleeps_until = self._due()
 
     def work(self) -> None:
-        """Do all that is left to this thread now: follow-ups, jobs, and what is due."""
+        """Run all waiting follow-ups and jobs, and the job for elapsed time if it is due; for the worker's thread."""
         with self._turn:
             self._do_all()
             due = self._due()
@@ -134,14 +141,16 @@ class SerialWorker:
             self._sleeps_until = self._due()
 
     def end(self) -> None:
-        """Let `run` return after the jobs that were submitted before."""
+        """Make `run` return after the jobs that were submitted before."""
         self.submit(lambda: self._end)
 
     def _end(self) -> None:
         self._ended = True
 
     def _leaves_work(self) -> bool:
-        """With the turn: do what can be done here, and give the turn back; whether the thread is needed."""
+        """Run the jobs that this thread can run, then release the turn; return whether the worker's thread
+        is needed.
+        """
         try:
             while self._jobs and self._follow_up is None and self._begun and not self._ended:
                 self.busy_since = self._clock()
@@ -177,7 +186,7 @@ class SerialWorker:
         self.busy_since = None
 
     def _patience(self) -> float | None:
-        """Seconds until something is due."""
+        """Return the time until something is due, s; None: nothing is."""
         until = self._sleeps_until
         return None if until is None else max(0, until - self._clock()) / 1_000_000
 

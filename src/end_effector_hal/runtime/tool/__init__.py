@@ -1,4 +1,4 @@
-"""A whole end-effector in one process: both programs and the link, goals, listeners, readiness, reset."""
+"""A whole end-effector in one process: both programs, its sensors, goals, listeners, readiness, reset."""
 
 from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal

@@ -1,4 +1,4 @@
-"""Goals of the programs in this process: begun in the thread of the caller, waited for as long as it likes."""
+"""Begin goals of the programs in this process in the caller's thread, and wait for them as long as the caller wants."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from end_effector_hal.wires import now_us
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """How a command ended, with sensor evidence or with the reason in words.
+    """The end of a command, with sensor evidence or with the reason in words.
 
     Attributes:
-        outcome: in one word.
-        state: of the end-effector, at the end.
-        reason: empty for a success only.
+        outcome: the outcome in one word.
+        state: state of the end-effector at the end.
+        reason: a sentence; empty only for a success.
         steps: attempts and times of the grip.
-        seconds: from the command to its end; 0: it was not begun.
+        seconds: time from the command to its end; 0: it was not begun.
     """
 
     outcome: Outcome
@@ -43,16 +43,16 @@ class Result:
 
     @property
     def succeeded(self) -> bool:
-        """Whether the sensors prove what was asked for."""
+        """Whether the sensors prove the requested result."""
         return self.outcome is Outcome.SUCCEEDED
 
 
 @dataclass(frozen=True, slots=True)
 class Refused(Result):
-    """A command that was not begun, and why; UNREACHABLE: it may have been begun."""
+    """A command that was not begun, and why; if the outcome is UNREACHABLE, it may have been begun."""
 
     def wait(self) -> Refused:
-        """Itself: it is over."""
+        """Return itself: it is over."""
         return self
 
 
@@ -61,25 +61,25 @@ class CommandedProgram(Protocol):
 
     @property
     def status(self) -> Status:
-        """The newest one."""
+        """The latest status."""
 
     @property
     def alive(self) -> bool:
-        """Whether it works."""
+        """Whether the program works."""
 
     def command(self, name: str) -> Answer:
-        """Ask it to begin what a channel of its automata is for; statuses of the beginning come before the answer."""
+        """Give the program a command by its channel; the first statuses are published before the answer."""
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
-        """Block until a status satisfies ``until``; False when the time is over or the program has ended."""
+        """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
 
 
 class GoalRunner:
     """Begins goals, one at a time; thread-safe.
 
     Args:
-        programs: ``grip`` and ``tool_change``.
-        tool: gives the status of the whole tool.
+        programs: the programs by the names ``grip`` and ``tool_change``.
+        tool: returns the status of the whole tool.
     """
 
     def __init__(self, programs: Mapping[str, CommandedProgram], tool: Callable[[], Status]) -> None:
@@ -88,7 +88,7 @@ class GoalRunner:
         self._lock = threading.Lock()
 
     def begin(self, command: Command) -> Refused | RunningGoal:
-        """Ask for a command and wait for the decision, not for its end.
+        """Give a command and wait for the decision, not for its end.
 
         Raises:
             UsageError: it is not GRIP, RELEASE, LOCK or UNLOCK.
@@ -107,20 +107,20 @@ class GoalRunner:
         return goal.result if isinstance(goal.result, Refused) else goal
 
     def wait(self, goal: RunningGoal, timeout_s: float | None) -> None:
-        """Block until a goal is over, or the time."""
+        """Block until a goal is over, or until the time-out."""
         program = self._programs[goal.program]
         program.wait(lambda status: goal.result is not None or is_over(status), timeout_s)
         with self._lock:
             self._look()
 
     def close(self, todo: str) -> None:
-        """We end: a goal that runs gets its ending now, ``todo`` in it, and none is begun any more."""
+        """End all goals: a running goal ends now, with ``todo`` in its ending, and no goal begins any more."""
         with self._lock:
             self._look()
             self._keep(self._goals.close("This process", todo, now_us()))
 
     def _look(self) -> None:
-        """See the newest statuses: the end of a goal is in them."""
+        """Process the latest statuses, which contain the end of a goal."""
         at = now_us()
         for name, program in self._programs.items():
             self._keep(self._goals.see(name, program.status, at))
@@ -144,14 +144,14 @@ class RunningGoal(Goal):
     """A command that was begun.
 
     Attributes:
-        result: how it ended; None: nobody has seen its end yet.
+        result: how it ended; None: its end has not been seen yet.
     """
 
     runner: GoalRunner = field(kw_only=True)
     result: Result | None = None
 
     def wait(self, timeout_s: float | None = None) -> Result:
-        """Wait for its end; raises TimeoutError when that takes longer."""
+        """Wait for the end of the command and return its result; raises TimeoutError on a time-out."""
         if self.result is None:
             self.runner.wait(self, timeout_s)
         if self.result is None:

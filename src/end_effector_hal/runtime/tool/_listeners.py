@@ -1,4 +1,4 @@
-"""Those who listen to a tool: each is called in a thread of its own, and nothing that it does reaches the tool."""
+"""The listeners of a tool: each is called in a thread of its own, and its errors and delays do not reach the tool."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 1_000
-"""What waits for a listener that takes its time; the oldest is dropped then."""
+"""Maximum number of items that wait for a slow listener; then the oldest is dropped."""
 SLOW_US = 2_000_000
-"""A call that takes longer is an alarm."""
+"""Longest call of a listener without an alarm, µs."""
 END_S = 2.0
-"""So long the end of a tool waits for its listeners."""
+"""Longest time that the end of a tool waits for its listeners, s."""
 T = TypeVar("T")
 
 
 class Listening(Generic[T]):
-    """One listener: whatever it raises, and however long it takes, is an alarm and nothing else.
+    """Calls one listener in a thread of its own; its exceptions and delays only cause an alarm.
 
-    It is called with the next one all the same. The alarm ends when it works again and somebody has acknowledged it.
+    After an exception the listener is still called with the next item. The alarm ends when it works again and a person
+    has acknowledged the alarm.
 
     Args:
         listener: called with each item, in order.
-        name: for its alarm; empty: that of the function.
+        name: the listener's name in its alarm; empty: that of the function.
         on_alarm: called in the listener's thread when the alarm has changed.
     """
 
@@ -51,7 +52,7 @@ class Listening(Generic[T]):
         self._thread.start()
 
     def put(self, item: T) -> None:
-        """Have the listener called with it; never waits."""
+        """Queue an item for the listener; never waits."""
         with self._changed:
             if len(self._waiting) >= MOST_WAITING:
                 self._waiting.popleft()
@@ -61,7 +62,7 @@ class Listening(Generic[T]):
 
     @property
     def alarm(self) -> Alarm | None:
-        """Its alarm; None: it works, and did so since the last acknowledgement."""
+        """The alarm of the listener; None: it works, and has worked since the last acknowledgement."""
         self._look()
         text, over = self._failing or self._over, not self._failing
         return Alarm("listener.failed", self._who, {"text": text}, self._since, over) if text else None
@@ -71,7 +72,7 @@ class Listening(Generic[T]):
         self._over = ""
 
     def close(self, until_s: float) -> None:
-        """Call it with what waits, until ``until_s`` on the monotonic clock (seconds) at the latest."""
+        """Call the listener with the waiting items, at most until ``until_s`` (seconds on the monotonic clock)."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -83,7 +84,7 @@ class Listening(Generic[T]):
         slow = since is not None and now_us() - since > SLOW_US
         if (slow or self._lost) and not self._failing:
             self._since = now_us()
-            self._failing = f"The listener {self._who} does not keep up with what it is called with."
+            self._failing = f"The listener {self._who} is too slow for its calls."
             _log.error("%s", self._failing)
 
     def _run(self) -> None:
@@ -112,7 +113,7 @@ class Listening(Generic[T]):
             self._on_alarm()
 
     def _worked(self) -> None:
-        """It works; whatever was dropped for it since it did last is told with the alarm that is over."""
+        """End the alarm after a successful call; the alarm that is over reports the number of dropped items."""
         self._look()  # nobody may have looked before it returned
         with self._changed:
             lost, self._lost = self._lost, 0
@@ -122,7 +123,7 @@ class Listening(Generic[T]):
 
 
 class Audience:
-    """All listeners of a tool; ``on_alarm`` is called in a thread of theirs when :attr:`alarms` have changed."""
+    """All listeners of a tool; ``on_alarm`` is called in a listener's thread when :attr:`alarms` have changed."""
 
     def __init__(self, on_alarm: Callable[[], None]) -> None:
         self._on_alarm = on_alarm
@@ -130,26 +131,26 @@ class Audience:
         self._frames: tuple[Listening[Frame], ...] = ()
 
     def add(self, listener: Callable[[Status], None], name: str = "") -> None:
-        """One more for statuses."""
+        """Add a listener for statuses."""
         self._statuses = (*self._statuses, Listening(listener, name, self._on_alarm))
 
     def add_for_frames(self, listener: Callable[[Frame], None], name: str = "") -> None:
-        """One more for frames."""
+        """Add a listener for frames."""
         self._frames = (*self._frames, Listening(listener, name, self._on_alarm))
 
     def status(self, status: Status) -> None:
-        """For each of them; never waits."""
+        """Queue a status for every listener; never waits."""
         for each in self._statuses:
             each.put(status)
 
     def frame(self, frame: Frame) -> None:
-        """For each of them; never waits."""
+        """Queue a frame for every listener; never waits."""
         for each in self._frames:
             each.put(frame)
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
-        """Those of all listeners."""
+        """The alarms of all listeners."""
         return tuple(alarm for each in self._all if (alarm := each.alarm))
 
     @property
@@ -157,12 +158,12 @@ class Audience:
         return (*self._statuses, *self._frames)
 
     def acknowledge(self) -> None:
-        """Forget what is over."""
+        """Forget all alarms that are over."""
         for each in self._all:
             each.acknowledge()
 
     def close(self) -> None:
-        """Give each what waits for it, for two seconds at most; then they are called no more."""
+        """Pass the waiting items to the listeners, for two seconds at most; then no listener is called any more."""
         until_s = time.monotonic() + END_S
         for each in self._all:
             each.close(until_s)

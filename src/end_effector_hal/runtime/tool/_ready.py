@@ -1,4 +1,4 @@
-"""When a tool can be used: its lines adopted, its sensors heard, and nothing shown that has a first grip refused."""
+"""Decide whether a tool is ready: its lines adopted, its sensors read, and no reason to refuse a first grip."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from end_effector_hal.wires.sensors import SensorHealth
 
 
 def gripper_ready(description: Description, status: Status) -> bool:
-    """Whether the lines are adopted, frames come, and the sensors refuse no command: a grip in STAND_BY, else a Drop.
+    """Return whether the lines are adopted, frames arrive, and the sensors allow a grip in STAND_BY, else a Drop.
 
-    What is gone is proven a while after the first frame, and again after each silence: until then a grip is refused.
+    GONE is proven only a while after the first frame, and again after each silence of the link; until then a grip is
+    refused.
     """
     adopted = status.ee != EndEffectorState.OFF
     known = adopted and status.link_up and Evidence.UNKNOWN not in status.evidence
@@ -23,7 +24,7 @@ def gripper_ready(description: Description, status: Status) -> bool:
 
 
 def _present(description: Description, status: Status) -> list[str]:
-    """The actuators that are not proven to be gone, where a grip needs that (IL-07)."""
+    """Return the actuators that are not proven to be gone, if a grip needs that proof (IL-07)."""
     if status.ee != EndEffectorState.STAND_BY or not description.interlocks.il_07:
         return []
     pairs = zip(description.sequence, status.evidence, strict=True)
@@ -31,18 +32,18 @@ def _present(description: Description, status: Status) -> list[str]:
 
 
 def changer_ready(description: Description, status: Status) -> bool:
-    """The same of the tool changer; one without sensors is never known."""
+    """Return whether the state of the tool changer is known; a changer without sensors counts as ready."""
     return status.changer != ChangerState.UNKNOWN or not changer_is_sensed(description)
 
 
 def changer_is_sensed(description: Description) -> bool:
-    """Whether there is a tool changer, and its two sensors are carried by the link."""
+    """Return whether the tool has a tool changer whose two sensors are carried by the link."""
     changer, carried = description.tool_changer, carrier_of(description).channels
     return changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
 
 
 def missing(description: Description, grip: Status, change: Status, sensors: SensorHealth) -> Iterator[str]:
-    """What a tool that is not ready lacks, each a clause."""
+    """Yield clauses with the reasons why a tool is not ready."""
     if grip.ee == EndEffectorState.OFF:
         yield "its lines are not adopted"
     inputs = sensors.inputs
@@ -72,7 +73,7 @@ def missing(description: Description, grip: Status, change: Status, sensors: Sen
 
 
 def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:
-    """Names of links of which some channel has no reading."""
+    """Return the names of links of which some channel has no reading."""
     sources = sources_of(carrier_of(description))
     return frozenset(each.link for each in sources if each.link and not each.channels.isdisjoint(stale))
 

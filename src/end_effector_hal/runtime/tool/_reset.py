@@ -1,4 +1,4 @@
-"""Stop and reset: what the line arbiter latches, and what clears it (section 6 of the contract)."""
+"""Stop and reset: latch faults at the line arbiter, and clear them (section 6 of the contract)."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ STOP_LATCHED = (
 
 
 class AcknowledgingProgram(Protocol):
-    """What a reset needs of the gripping program."""
+    """The method of the gripping program that a reset calls."""
 
     def acknowledge(self) -> None:
-        """Alarms that are over were seen."""
+        """Report that the alarms that are over were seen."""
 
 
 def reset(description: Description, grip: AcknowledgingProgram, *others: Answer) -> Answer:
-    """Clear what the line arbiter has latched, and the alarms about a held part that are over.
+    """Clear the faults that the line arbiter has latched, and the alarms about a held part that are over.
 
-    GRIP_ERROR and RELEASE_ERROR stay: those need a Drop. A fault that still is the case stays as well.
+    GRIP_ERROR and RELEASE_ERROR stay: they need a Drop. A fault whose cause persists also stays.
 
     Args:
-        description: of the tool.
+        description: the tool.
         grip: its gripping program.
-        others: the answers of what was reset before: the tool changer, for the line arbiter keeps its sensor fault
+        others: the answers of earlier resets: of the tool changer, because the line arbiter stores its sensor fault
             until its program has been reset.
     """
     grip.acknowledge()
@@ -46,9 +46,9 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
 
 
 def stop(description: Description) -> Answer:
-    """Latch a stop at the line arbiter: until a reset nothing is activated (IL-13), and a grip that runs is cancelled.
+    """Latch a stop at the line arbiter: until a reset nothing is activated (IL-13), and a running grip is cancelled.
 
-    What is held stays held. This is no safety function: it needs the line arbiter and a program that work.
+    What is held stays held. This is no safety function: it needs a working line arbiter and a working program.
     """
     try:
         with ArbiterClient(socket_path(description), "stop", patience_s=0) as arbiter:
@@ -58,7 +58,7 @@ def stop(description: Description) -> Answer:
 
 
 def latch_stop(arbiter: ArbiterClient) -> str:
-    """Latch a stop; what that means, and whether it would be lost with the line arbiter, in sentences.
+    """Latch a stop; return sentences about its effect, and whether it would be lost when the line arbiter ends.
 
     Raises:
         WireError: the line arbiter cannot be reached, or does not answer.

@@ -1,4 +1,4 @@
-"""The small proofs beside that of a tool: outputs on a bus, outputs of two coils, deaths at any instant, and Fig. 5."""
+"""Smaller proofs in addition to that of a tool: bus outputs, two coils, process deaths at any time, and Fig. 5."""
 
 from ._coils import COILS_FILE, coil_constants, coil_networks, prove_tool
 from ._fig5 import FIG5_FILE, OBSERVED, Fig5Report, compare_with_fig5, fig5_network, grips_as_fig5

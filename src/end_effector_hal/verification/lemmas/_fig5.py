@@ -1,8 +1,9 @@
-"""``fig5.xml`` with the times of a tool, proven, and the specification of what the tool's grip does.
+"""Prove ``fig5.xml`` with the times of a tool, and compare the tool's grip with it as its specification.
 
-The world is that of the paper: the tool starts with nothing active, locked, and with supply pressure; commands are grip
-and drop; the feedback of an actuator comes while its output is active or never, stays so long, and is gone in time. No
-cancel, no reading that is stale, in between or lost, no refusal of the line arbiter, no unlock.
+The environment is that of the paper: the tool starts with nothing active, locked, and with supply pressure; commands
+are grip and drop; the feedback of an actuator comes while its output is active or never, stays as long as the output
+is active, and is gone in time. There is no cancel, no reading that is stale, in between or lost, no refusal of the
+line arbiter, no unlock.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
 
 FIG5_FILE = Path(__file__).with_name("fig5.xml")
 OBSERVED = ("ee", "command", "actuator", "valve")
-"""What is seen of both: the state, the command, the actuators, and the levels that are asked of the lines."""
+"""The variables that are compared: the state, the command, the actuators, and the levels that are requested for the
+lines.
+"""
 _DEVICES = 3
 _TIMES = ("ATTEMPTS", "T_CONFIRM", "T_RESET", "T_GONE", "D", "COMMAND_GAP")
 _ENVIRONMENT = ("Sensor", "Supervisor")  # templates
@@ -27,11 +30,11 @@ _ENVIRONMENT = ("Sensor", "Supervisor")  # templates
 
 @dataclass(frozen=True, slots=True)
 class Fig5Report:
-    """What is shown of Fig. 5 and of a tool.
+    """The result of the comparison of a tool with Fig. 5.
 
     Attributes:
-        proof: of ``fig5.xml`` with the times of the tool.
-        inclusion: whether the tool does only what Fig. 5 does.
+        proof: the proof of ``fig5.xml`` with the times of the tool.
+        inclusion: whether every behaviour of the tool is also one of Fig. 5.
     """
 
     proof: Proof
@@ -39,7 +42,7 @@ class Fig5Report:
 
     @property
     def holds(self) -> bool:
-        """Whether all of it holds."""
+        """Whether both the proof and the inclusion hold."""
         return self.inclusion.holds and all(finding.holds for finding in self.proof.findings)
 
 
@@ -48,21 +51,21 @@ def compare_with_fig5(description: Description, network: Network) -> Fig5Report:
 
     Args:
         description: the tool, with three actuators.
-        network: of its automata, with its constants.
+        network: the network of its automata, with its constants.
 
     Raises:
-        UsageError: it has not three actuators.
-        ModelError: its automata cannot be compared; with their place.
+        UsageError: the tool does not have three actuators.
+        ModelError: its automata cannot be compared; the error names the place.
     """
     fig5 = fig5_network(description)
     return Fig5Report(prove(fig5), grips_as_fig5(network, description.automata.grip, fig5))
 
 
 def fig5_network(description: Description) -> Network:
-    """Fig. 5 with the times of a tool.
+    """Return the network of Fig. 5 with the times of a tool.
 
     Raises:
-        UsageError: it has not three actuators.
+        UsageError: the tool does not have three actuators.
     """
     if len(description.sequence) != _DEVICES:
         what = (
@@ -74,12 +77,12 @@ def fig5_network(description: Description) -> Network:
 
 
 def grips_as_fig5(network: Network, templates: tuple[str, ...], fig5: Network) -> Inclusion:
-    """Whether each timed trace of a tool in the paper's world is one of Fig. 5.
+    """Check whether each timed trace of a tool in the paper's environment is also a trace of Fig. 5.
 
     Args:
-        network: of the tool's automata.
-        templates: of these, what its grip program executes.
-        fig5: with the same times.
+        network: the network of the tool's automata.
+        templates: the templates of it that the grip program executes.
+        fig5: the network of Fig. 5 with the same times.
     """
     interface = Interface(
         environment=[each.name for each in fig5.processes if each.template in _ENVIRONMENT],

@@ -18,7 +18,7 @@ BUS_FILE = Path(__file__).with_name("bus_output.xml")
 
 
 def bus_networks(description: Description) -> dict[str, Network]:
-    """The network of each output on a bus, by the name of its actuator."""
+    """Return the network of each output on a bus, by the name of its actuator."""
     return {
         name: load_network(BUS_FILE, output_constants(part.modbus))
         for name, part in description.ordered
@@ -27,7 +27,7 @@ def bus_networks(description: Description) -> dict[str, Network]:
 
 
 def output_constants(output: RegisterOutput) -> dict[str, int]:
-    """Constants of ``bus_output.xml``: which steps the commands of an output have."""
+    """Return the constants of ``bus_output.xml``, which select the steps of an output's commands."""
     order = output.handshake.order if output.handshake else ""
     return {
         "ACTIVATION": int(output.activation is not None),

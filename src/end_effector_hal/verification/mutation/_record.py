@@ -21,7 +21,7 @@ CHECKS: Mapping[str, str] = {
     "room": "Every time-out that is executed is due D before its invariant ends it.",
     "time": "Time can always pass: no timelock, and no endless run in finite time.",
 }
-"""Checks that notice a mutant though they are no requirements of the file: sentences by id."""
+"""Checks that detect a mutant although they are no requirements of the file: sentences by id."""
 _LABELS = ("select", "guard", "synchronisation", "assignment")
 
 
@@ -29,9 +29,9 @@ class EdgeNeeds(NamedTuple):
     """The judged edits of one edge.
 
     Attributes:
-        edits: how many were judged and are models, with the edge switched on.
-        needed_by: how many of them each requirement, or check, has noticed, by its id; of one edit the first that
-            fails is seen, with those that fail in the same exploration.
+        edits: number of edits that were judged and are valid models, with the edge switched on.
+        needed_by: number of edits that each requirement, or check, has detected, by its id; for one edit only the
+            first failure is counted, with those that fail in the same exploration.
     """
 
     edits: int
@@ -43,12 +43,12 @@ class MutationRecord:
     """The result of ``make mutants``.
 
     Attributes:
-        judged: how many mutants.
-        of: how many there are.
-        seed: of the sample; None: it is no sample that can be drawn again.
-        outcomes: how many had which outcome, by the kind of edit.
-        survivors: in words.
-        edges: by template, ends and labels of an edge: one that was edited since is not in it.
+        judged: number of judged mutants.
+        of: number of all mutants.
+        seed: seed of the sample; None: the judged mutants are no sample that can be drawn again.
+        outcomes: number of mutants by the kind of edit and the outcome.
+        survivors: the surviving mutants in words.
+        edges: by template, ends and labels of an edge: an edge that was edited since is not found.
     """
 
     judged: int
@@ -59,20 +59,20 @@ class MutationRecord:
     edges: Mapping[str, EdgeNeeds] = field(default_factory=dict, repr=False)
 
     def of_edge(self, template: Template, number: int) -> EdgeNeeds | None:
-        """Return what was found of an edge of a template; None: nothing, or the edge was edited since."""
+        """Return the judged edits of an edge of a template; None: there are none, or the edge was edited since."""
         return self.edges.get(edge_key(template, template.edges[number]))
 
 
 @cache
 def kept_record() -> MutationRecord:
-    """Return the record of the shipped automata; of other automata it describes the edges that are the same."""
+    """Return the record of the shipped automata; for other automata it is valid for the edges that are the same."""
     given: Any = json.loads(KEPT_FILE.read_text(encoding="utf-8"))
     edges = {key: EdgeNeeds(each["edits"], each["needed_by"]) for key, each in given["edges"].items()}
     return MutationRecord(**{**given, "survivors": tuple(given["survivors"]), "edges": edges})
 
 
 def edge_key(template: Template, edge: DrawnEdge) -> str:
-    """Return the template, the ends and the labels of an edge in one line; where it is drawn does not matter."""
+    """Return the template, the ends and the labels of an edge in one line; its position in the drawing is ignored."""
     names = {each.id: each.name.text.content.strip() if each.name else each.id for each in template.locations}
     labels = (edge.labels[kind].text.content for kind in _LABELS if kind in edge.labels)
     ends = f"{names[edge.source]} -> {names[edge.target]}"

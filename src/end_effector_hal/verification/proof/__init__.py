@@ -1,4 +1,4 @@
-"""The proof: every requirement of a UPPAAL file, what queries cannot say, and the worst cases."""
+"""The proof: every requirement of a UPPAAL file, general checks that no query expresses, and the worst cases."""
 
 from ._counterexample import counterexample_run, told_run, write_counterexample
 from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, requirements_of

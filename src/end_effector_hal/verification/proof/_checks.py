@@ -1,4 +1,4 @@
-"""What no query says and every model must satisfy: all of it can happen, time goes on, channels have both ends."""
+"""Checks for every model that no query expresses: all can happen, time passes, channels have both ends."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ _ROOM = "Every time-out that is executed is due D ({} ms) before its invariant e
 _TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
 _NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
 _KEPT: dict[bytes, CoverageReport] = {}
-"""What was explored of whole files, by all that stands in them."""
+"""Cached coverage of files with their own constants, by their complete content."""
 _MOST_KEPT = 4
 
 
 def checks(
     explorer: Explorer, found: Overview, reaction: ReactionBound | None = None, *, flickers: bool = False
 ) -> tuple[Finding, ...]:
-    """Of one network, after the exploration ``found``; where that decides, states and seconds are zero.
+    """Return the findings of one network after the exploration ``found``; decided ones have zero states and seconds.
 
-    ``flickers``: that time diverges is not asked.
+    ``flickers``: divergence of time is not checked, only timelocks.
 
     Raises:
         RunTimeError: a value leaves its range.
@@ -51,16 +51,17 @@ def checks(
 
 
 def open_checks(reaction: ReactionBound | None, remark: str, *, flickers: bool) -> tuple[Finding, ...]:
-    """The same where the exploration did not come to its end; ``remark``: why."""
+    """Return the same findings as undecided, after an incomplete exploration; ``remark`` is the reason."""
     room = () if reaction is None else (("room", _ROOM.format(reaction.room)),)
     asked = (_LOCATIONS, _EDGES, _CHANNELS, *room, _NO_TIMELOCK if flickers else _TIME)
     return tuple(Finding(id_, sentence, "", False, 0, 0.0, remark, decided=False) for id_, sentence in asked)
 
 
 def without_unused(network: Network, found: Overview, progress: Callable[[int], None]) -> Overview:
-    """Take what happens with the constants of the file itself for switched off by those that were given.
+    """Move edges that only the given constants make unreachable from the missing to the disabled ones.
 
-    A tool with one step has no step before another one: the edges for that are not dead, they are not needed.
+    With the constants of the file itself these edges can fire. A tool with one step has no step before another one:
+    the edges for that are not dead, but unneeded.
     """
     missing = found.coverage
     if not network.replaced or not (missing.edges or missing.locations):
@@ -73,7 +74,7 @@ def without_unused(network: Network, found: Overview, progress: Callable[[int], 
 
 
 def _own_coverage(document: Document, progress: Callable[[int], None]) -> CoverageReport:
-    """What happens with the constants of the file itself: the same for each tool, so it is explored once."""
+    """Return the coverage with the constants of the file itself; it is the same for all tools, and explored once."""
     content = pickle.dumps(document)  # all of it, also of one that was edited since it was read
     if content not in _KEPT:
         if len(_KEPT) == _MOST_KEPT:
@@ -83,12 +84,12 @@ def _own_coverage(document: Document, progress: Callable[[int], None]) -> Covera
 
 
 def not_decided(error: StoppedError) -> str:
-    """The remark of what was stopped."""
+    """Return the remark of a finding whose exploration was stopped."""
     return f"not decided: {error}"
 
 
 def _nothing(id_: str, sentence: str, faults: tuple[str, ...]) -> Finding:
-    """That there are no such faults."""
+    """Return the finding that there are no faults of a kind."""
     return Finding(id_, sentence, "", not faults, 0, 0.0, "; ".join(faults))
 
 

@@ -1,4 +1,4 @@
-"""What must hold, and what a proof says about it."""
+"""Requirements, and the findings of a proof about them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from timed_automata.queries import Query
 _COMMENT = re.compile(r"\s*\[([a-z0-9][a-z0-9-]*)\]\s*(.*)", re.DOTALL)
 
 UNMET = "does not apply here: its condition is never met"
-"""The remark of a requirement that holds and proves nothing."""
+"""Remark of a requirement that holds only because its condition never occurs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +23,9 @@ class WorstCase:
     """The longest time that a bounded response takes.
 
     Attributes:
-        computed_ms: the supremum; None: not known, or it never starts.
-        declared_ms: the bound that is required.
-        at_least_ms: where the search for the supremum ended; None: it did not end before its time.
+        computed_ms: the supremum, ms; None: unknown, or the response never starts.
+        declared_ms: the required bound, ms.
+        at_least_ms: where the search for the supremum was ended, ms; None: the search was completed.
     """
 
     computed_ms: int | None
@@ -38,7 +38,7 @@ class WorstCase:
         return "never" if self.computed_ms is None else f"{self.computed_ms / 1000:g} s"
 
     def document(self) -> dict[str, float | None]:
-        """In seconds; ``at_least`` only where the value itself is not known."""
+        """Return the times in seconds; ``at_least`` only if the value itself is unknown."""
         found = {"computed": _seconds(self.computed_ms), "declared": _seconds(self.declared_ms)}
         return found if self.at_least_ms is None else {**found, "at_least": _seconds(self.at_least_ms)}
 
@@ -48,16 +48,16 @@ class Finding:
     """The answer to one requirement.
 
     Attributes:
-        id: of the requirement.
+        id: id of the requirement.
         sentence: what must hold.
-        query: empty for what no query can say.
-        holds: whether it does.
+        query: empty for a check that no query can express.
+        holds: whether it holds.
         states: symbolic states of the exploration that decided it.
         seconds: its share of the time of that exploration.
-        remark: what else is to be said: what was found, or that the requirement does not apply here.
-        trace: the shortest run found that shows why not; None where there is none to show.
+        remark: additional text: what was found, or that the requirement does not apply here.
+        trace: the shortest run found that refutes it; None: there is none to show.
         worst: for ``A[] p imply x <= c``.
-        decided: whether it was looked at; what was not does not hold either.
+        decided: whether it was decided; an undecided one does not count as holding.
     """
 
     id: str
@@ -74,11 +74,11 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """What must hold.
+    """A sentence that must hold, with its query.
 
     Attributes:
         id: stable; from the comment ``[id] Sentence.``, or the number of the query.
-        sentence: in words; the query itself if it has none.
+        sentence: in words; the query itself if there is no sentence.
         query: as parsed.
     """
 
@@ -88,15 +88,15 @@ class Requirement:
 
     @property
     def finding(self) -> Callable[..., Finding]:
-        """What makes a finding about it, of the rest that a finding has."""
+        """A function that makes a finding about this requirement from the remaining fields."""
         return partial(Finding, self.id, self.sentence, str(self.query))
 
 
 def stored_requirements(network: Network) -> tuple[Requirement | Finding, ...]:
-    """What is stored in the file of a network; what cannot be asked is found to be open, with the reason.
+    """Return the requirements in the file of a network; an invalid query becomes an undecided finding with the reason.
 
     Raises:
-        ModelError: two queries have one id.
+        ModelError: two queries have the same id.
     """
     found: dict[str, Requirement | Finding] = {}
     for number, stored in enumerate(network.document.queries, start=1):
@@ -117,7 +117,7 @@ def stored_requirements(network: Network) -> tuple[Requirement | Finding, ...]:
 
 
 def requirements_of(network: Network) -> tuple[Requirement, ...]:
-    """The requirements of the file of a network that can be asked; raises as `stored_requirements` does."""
+    """Return the requirements in the file of a network that can be checked; raises as `stored_requirements` does."""
     return tuple(each for each in stored_requirements(network) if isinstance(each, Requirement))
 
 
@@ -126,11 +126,11 @@ class Proof:
     """All findings about one network.
 
     Attributes:
-        findings: a requirement each, in the order of the file, then what no query says.
-        states: symbolic states of the one exploration that most of them come from.
-        seconds: in all.
-        off: edges that cannot fire with these constants, and could with others.
-        stopped: whether some are open because that took too much memory.
+        findings: one per requirement, in the order of the file, then the checks that no query expresses.
+        states: symbolic states of the one exploration that most findings come from.
+        seconds: total time.
+        off: edges that cannot fire with these constants, but could with others.
+        stopped: whether some findings are undecided because they took too much memory.
     """
 
     findings: tuple[Finding, ...]
@@ -141,7 +141,7 @@ class Proof:
 
     @property
     def holds(self) -> bool:
-        """Whether every requirement does."""
+        """Whether every requirement holds."""
         return all(finding.holds for finding in self.findings)
 
     @property
@@ -150,9 +150,9 @@ class Proof:
         return {f"{f.id.replace('-', '_')}_s": f.worst for f in self.findings if f.worst is not None}
 
     def document(self, reasons: Mapping[str, str] | None = None) -> dict[str, object]:
-        """As JSON: requirements, bounds in seconds, and edges that are switched off.
+        """Return the proof as JSON: requirements, bounds in seconds, and edges that are switched off.
 
-        ``reasons``: of requirements that do not hold why, by id; else what the remark says.
+        ``reasons``: by id, why requirements do not hold; default: the remark.
         """
         return {
             "requirements": [

@@ -1,4 +1,4 @@
-"""The network with sensors that are free: any reading changes to anything at any time, and remembers nothing."""
+"""The network with free sensors: any reading may change to any value at any time, without memory."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ FREE_SENSORS: Mapping[str, tuple[str, ...]] = {
     "actuators": ("FREE_SENSORS",),
     "all": ("FREE_SENSORS", "FREE_TOOL"),
 }
-"""Constants of the UPPAAL file that set sensors free, by whose sensors they are: ``all`` has the tool changer's too."""
+"""Constants of the UPPAAL file that set sensors free, by the affected sensors: ``all`` includes those of the tool
+changer.
+"""
 
 
 def free_constants(network: Network, which: str) -> dict[str, bool]:
-    """Constants that set sensors free, to be put into the file of a network.
+    """Return the constants of a network's file that set its sensors free.
 
     Args:
-        network: as its file or its description has it.
+        network: as its file or its description defines it.
         which: a key of `FREE_SENSORS`.
 
     Raises:

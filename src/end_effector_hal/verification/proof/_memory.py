@@ -1,4 +1,4 @@
-"""How much memory a proof may take: a machine that has none left kills programs, perhaps those of a tool."""
+"""Limit the memory of a proof: a machine without free memory kills programs, perhaps those of a tool."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from timed_automata.errors import StoppedError
 
 GIB = 2**30
 TIMES_LEFT = 3
-"""A proof that has taken so many times what is left is stopped: alone it may take three quarters of what is there."""
+"""A proof is stopped when its memory exceeds this multiple of the free memory; it alone may take three quarters of
+all.
+"""
 _TODO = "Give it more memory, or a smaller network: fewer actuators, or without --free-sensors."
 
 
 class MemoryBound:
-    """Stops an exploration that takes too much memory. Where the system does not say how much that is, nothing does.
+    """Stops an exploration that takes too much memory; there is no limit if the system does not report its memory.
 
     Args:
-        most_bytes: that this process may take; None: 75 % of the memory that the machine, and each control group (a
-            container, a slice of systemd) that it is in, has for it.
-        root: of the file system.
+        most_bytes: maximum for this process; None: 75 % of the memory that the machine, and each control group of the
+            process (a container, a slice of systemd), has for it.
+        root: the root of the file system.
     """
 
     def __init__(self, most_bytes: int | None = None, root: Path = Path("/")) -> None:
@@ -29,7 +31,7 @@ class MemoryBound:
         self._groups = tuple(_groups(root)) if most_bytes is None else ()
 
     def check(self, states: int) -> None:
-        """Raises StoppedError when it has taken too much; ``states``: how many it has found."""
+        """Raise StoppedError when the process has taken too much memory; ``states``: number of states found so far."""
         try:
             taken = _value(self._proc / "self" / "status", "VmRSS:")
             if self._most is not None:
@@ -61,13 +63,13 @@ class _ControlGroup(NamedTuple):
     cache: str  # what of the usage the kernel gives up when it is needed
 
     def left(self) -> int:
-        """Bytes; raises OSError or ValueError where it has no limit."""
+        """Return the free memory, bytes; raises OSError or ValueError if the group has no limit."""
         limit = int(self.limit.read_text())
         return limit - int(self.usage.read_text()) + _value(self.stat, self.cache)
 
 
 def _groups(root: Path) -> Iterator[_ControlGroup]:
-    """Those of this process, of either version, with those that they are in."""
+    """Yield the control groups of this process, of either version, with their parents."""
     mounted = root / "sys" / "fs" / "cgroup"
     try:
         lines = (root / "proc" / "self" / "cgroup").read_text().splitlines()
@@ -87,7 +89,7 @@ def _groups(root: Path) -> Iterator[_ControlGroup]:
 
 
 def _value(file: Path, key: str) -> int:
-    """Bytes behind a key, such as ``VmRSS:    1024 kB``; raises OSError or ValueError where there is none."""
+    """Return the bytes after a key, such as ``VmRSS:    1024 kB``; raises OSError or ValueError if it is missing."""
     for line in file.read_text().splitlines():
         name, *rest = line.split()
         if name == key:

@@ -1,4 +1,4 @@
-"""All requirements in one exploration; what does not hold there is asked again, for the shortest run."""
+"""Check all requirements in one exploration; search the shortest run for those that do not hold."""
 
 from __future__ import annotations
 
@@ -31,17 +31,18 @@ def prove(
     """Prove or refute every requirement of a network.
 
     Args:
-        network: with the constants of a description, or as its file stands.
-        progress: called now and then with what is being done, and the number of states so far.
+        network: with the constants of a description, or with those of its file.
+        progress: called now and then with the current activity and the number of states so far.
         executed: templates that a program executes: their time-outs must leave the room `D`, a constant of the file.
-        flickers: its sensors may change any number of times at one instant. Such a run is endless and takes no time,
-            so that only timelocks are asked for, not whether time diverges.
-        most_bytes: of memory that this process may take; None: see `MemoryBound`. What needs more is left open.
+        flickers: whether its sensors may change any number of times at one instant. Such a run is endless and takes no
+            time, so that only timelocks are checked, not whether time diverges.
+        most_bytes: maximum memory of this process; None: see `MemoryBound`. Requirements that need more stay
+            undecided.
 
-    A query that is not well-formed, or outside of the supported subset, is left open; the others are answered.
+    A query that is not well-formed, or outside of the supported subset, stays undecided; the others are answered.
 
     Raises:
-        ModelError: two queries have one id.
+        ModelError: two queries have the same id.
     """
     bound = MemoryBound(most_bytes)
     proving = _Proving(network, progress or (lambda *_: None), executed, flickers, bound)
@@ -102,7 +103,7 @@ class _Proving:
         return Proof(tuple(findings), found.states, perf_counter() - self.begun, off, stopped)
 
     def _telling(self, what: str) -> Callable[[int], None]:
-        """What an exploration tells its progress to; it ends where there is too little memory."""
+        """Return the progress function of an exploration; it stops the exploration when there is too little memory."""
 
         def tell(states: int) -> None:
             self.states = states
@@ -121,7 +122,7 @@ class _Proving:
         return self.requirements[number].finding(False, 0, 0.0, not_decided(error), decided=False)
 
     def _finding(self, number: int, requirement: Requirement, found: Overview, share: float) -> Finding:
-        """Of what the one exploration has answered."""
+        """Return the finding of a requirement that the one exploration has answered."""
         unmet = UNMET if number in found.unmet else ""
         holds = found.answers[number] is True
         worst = None
@@ -132,11 +133,11 @@ class _Proving:
         return requirement.finding(holds, found.states, share, remark, worst=worst)
 
     def _nowhere(self, number: int, *, holds: bool) -> str:
-        """The remark of what should be possible and is not: there is no run to show."""
+        """Return the remark of an ``E<>`` query that does not hold: no run can be shown."""
         return "no run leads there" if self.requirements[number].query.kind == "E<>" and not holds else ""
 
     def _others(self, explorer: Explorer, found: Overview) -> dict[int, Finding]:
-        """What is left open: refuted with the shortest run, or of another kind."""
+        """Return the findings that the one exploration left open: refuted with the shortest run, or of another kind."""
         open_ = [number for number, answer in enumerate(found.answers) if answer is None]
         kinds = {number: self.requirements[number].query.kind for number in open_}
         together = [number for number in open_ if kinds[number] in ("A[]", "E<>")]
@@ -172,7 +173,7 @@ class _Proving:
         return findings
 
     def _worst_cases(self, late: list[int], found: Overview) -> dict[int, WorstCase]:
-        """How late what does not keep its bound can be: in one exploration more, which does not go on for ever."""
+        """Return how late responses can be that miss their bound, from one more exploration of limited size."""
         if not late:
             return {}
         most = {number: _FAR * max(1, found.bounded[number].most) for number in late}
@@ -200,7 +201,7 @@ class _Proving:
         return self.requirements[number].finding(verdict.holds, verdict.states, seconds, remark, trace)
 
     def _out_of_range(self, found: RangeError) -> Proof:
-        """A run of the network leaves a range, or what a query asks does: nothing else is said of such a model."""
+        """Return the proof of a network in which a run, or a query, leaves a range; no other requirement is decided."""
         self.progress("the shortest run", 0)
         explorer = Explorer(self.network, self._telling("the shortest run"))
         queries: list[Query | str] = ["A[] true", *(each.query for each in self.requirements)]

@@ -21,14 +21,14 @@ _LONGEST_BYTES = 100_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """What `prove` found out about a tool.
+    """The stored result of `prove` for a tool.
 
     Attributes:
-        hash: of the tool and its automata, see `content_hash`.
-        version: of the product that proved it: another one may ask for more.
-        at: when, local time, ISO 8601.
-        requirements: how many there are.
-        failed, undecided: the identifiers of those that do not hold, and of those that were given up.
+        hash: hash of the tool and its automata, see `content_hash`.
+        version: version of the product that proved it; another version may check more.
+        at: time of the proof, local time, ISO 8601.
+        requirements: number of requirements.
+        failed, undecided: the ids of those that do not hold, and of those that were not decided.
     """
 
     hash: str
@@ -40,11 +40,11 @@ class Verdict:
 
     @property
     def holds(self) -> bool:
-        """Whether every requirement was decided, and holds."""
+        """Whether every requirement was decided and holds."""
         return self.requirements > 0 and not self.failed and not self.undecided
 
     def __str__(self) -> str:
-        """As a sentence."""
+        """Return the verdict as a sentence."""
         at = self.at.replace("T", " ")
         if self.holds:
             return f"All {self.requirements} requirements hold ({at})."
@@ -60,7 +60,7 @@ _VERDICT = TypeAdapter(Verdict)
 
 
 def proof_verdict(content: str, proof: Proof) -> Verdict:
-    """The verdict of a proof; ``content``: `content_hash` of the tool before its network was read for it."""
+    """Return the verdict of a proof; ``content``: `content_hash` of the tool from before its network was read."""
     return Verdict(
         hash=content,
         version=product_version(),
@@ -72,7 +72,7 @@ def proof_verdict(content: str, proof: Proof) -> Verdict:
 
 
 def keep_verdict(verdict: Verdict) -> Path:
-    """Write a verdict where `kept_verdict` finds it; raises UsageError where that cannot be written."""
+    """Write a verdict where `kept_verdict` finds it; raises UsageError if it cannot be written."""
     path = _folder() / f"{verdict.hash}.json"
     try:
         owned_folder(path.parent)
@@ -86,7 +86,7 @@ def keep_verdict(verdict: Verdict) -> Path:
 
 
 def kept_verdict(description: Description) -> Verdict | None:
-    """The verdict that this version of the product has found about exactly this tool; None: there is none."""
+    """Return the verdict of this version of the product on exactly this tool; None: there is none."""
     hash_now = content_hash(description)
     try:
         with os.fdopen(open_owned(_folder() / f"{hash_now}.json", os.O_RDONLY), "rb") as file:
@@ -97,6 +97,6 @@ def kept_verdict(description: Description) -> Verdict | None:
 
 
 def _folder() -> Path:
-    """Below ``$XDG_STATE_HOME``, else ``~/.local/state``."""
+    """Return the folder of the verdicts, below ``$XDG_STATE_HOME``, else ``~/.local/state``."""
     state = os.environ.get("XDG_STATE_HOME") or os.path.expanduser("~/.local/state")
     return Path(state) / "end-effector-hal" / "verdicts"

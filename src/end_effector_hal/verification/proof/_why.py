@@ -1,4 +1,4 @@
-"""Why a requirement does not hold, in words, and what it speaks of over the run that shows it."""
+"""Explain in words why a requirement does not hold, with the values that it names over the run that shows it."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ _ALSO = ("cause_at",)
 
 
 def names_in(network: Network, actuators: Sequence[str]) -> Names:
-    """The names of a network's values, with those of the actuators in sequence order."""
+    """Return the names of a network's values, with those of the actuators in sequence order."""
     return Names(network, actuators, _LIKE, _ALSO)
 
 
 def why(finding: Finding, names: Names) -> Explanation:
-    """Why a requirement does not hold.
+    """Return the explanation why a requirement does not hold.
 
     Args:
-        finding: with a trace.
-        names: of the network of the trace.
+        finding: a finding with a trace.
+        names: the names of the trace's network.
     """
     trace = finding.trace
     assert trace is not None

@@ -1,4 +1,4 @@
-"""Segments of one run in a row: each begins where the one before it ends, or says what is missing."""
+"""Check consecutive segments of one run: each must begin where the previous one ends, or report a gap."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from ._written_lines import WrittenLines
 
 @dataclass(frozen=True, slots=True)
 class SegmentEnd:
-    """Where a segment ends.
+    """The end of a segment.
 
     Attributes:
-        program, run, segment: of its header.
-        complete: it was closed in good order.
-        state: of its replayed controller, as JSON; None: it is not known.
-        execution: of its automata, as the monitor followed them; None: they could not be followed to the end.
-        lines: what was written to them, and is owed to them.
-        path: of its file.
+        program, run, segment: from its header.
+        complete: whether it was closed in good order.
+        state: state of its replayed controller, as JSON; None: unknown.
+        execution: state of its automata, as the monitor followed them; None: they could not be followed to the end.
+        lines: the writes to its lines, and the deactivations that are still owed.
+        path: path of its file.
     """
 
     program: str
@@ -42,9 +42,9 @@ class Chain:
     """A segment and the one that was recorded before it.
 
     Attributes:
-        state: of the controller at the end of the segment before it, if nothing is missing between the two.
-        objections: what there is to say against their order.
-        notes: what is missing before it.
+        state: state of the controller at the end of the previous segment, if nothing is missing between the two.
+        objections: faults in the order of the two.
+        notes: sentences about missing data before the segment.
     """
 
     def __init__(self, trace: ProgramTrace, before: SegmentEnd | None) -> None:
@@ -60,16 +60,16 @@ class Chain:
         self.notes = tuple(self._missing(trace))
 
     def lines(self, tool: Description) -> WrittenLines:
-        """What is known of the lines where the segment begins."""
+        """Return the known state of the lines at the beginning of the segment."""
         if self._joined is not None and self._joined.complete:
             return self._joined.lines.copied()
         return WrittenLines(tool, self._header.program)
 
     def compare(self, recorded: ExecutionSnapshot) -> Iterator[Objection]:
-        """The state with which the segment begins, and the one in which the monitor saw the segment before it end."""
+        """Yield an objection if the segment begins in another state than that in which the previous one ended."""
         seen = self._joined.execution if self._joined is not None else None
         if seen is not None and replace(seen, at=recorded.at) != recorded:
-            what = f"The recorded state is not where the segment before it ends: {_first_difference(seen, recorded)}."
+            what = f"The recorded state is not the end of the segment before it: {_first_difference(seen, recorded)}."
             yield Objection(recorded.at, "no run", what)
 
     def _faults(self) -> Iterator[str]:
@@ -78,16 +78,16 @@ class Chain:
             yield from self._faults_of_run()
             return
         if before.segment >= segment:
-            yield f"Segment {segment} was recorded after segment {before.segment}, but comes after it."
+            yield f"Segment {segment} comes after segment {before.segment}, but its number is not higher."
         elif before.segment + 1 < segment:
             yield f"Between segment {before.segment} and this one, {segment}, others are missing."
         elif self._header.follows and not before.complete:
-            yield f"Segment {before.segment} was closed in good order, and has no end now: something was cut off."
+            yield f"Segment {before.segment} was closed in good order, but its end is missing now: it was cut off."
         elif before.complete and self._joined is not None and not self._header.follows:
             yield f"Segment {before.segment} was closed in good order, but this one is not its successor."
 
     def _faults_of_run(self) -> Iterator[str]:
-        """Nothing of another run stands right before a segment that is not the first."""
+        """Yield a fault if a segment that is not the first directly follows a trace of another run."""
         other, header = self._before_in_folder, self._header
         if other is None or header.segment <= 1:
             return
@@ -107,7 +107,7 @@ class Chain:
 
 
 def _number(path: Path) -> int:
-    """Of a file ``NAME-N``; ``NAME`` alone is number 1."""
+    """Return the number of a file ``NAME-N``; ``NAME`` alone is number 1."""
     number = path.stem.rpartition("-")[2]
     return int(number) if number.isdecimal() and len(number) < 10 else 1
 

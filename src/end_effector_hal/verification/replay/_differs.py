@@ -1,4 +1,4 @@
-"""Where two records differ."""
+"""Find where two records differ."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from end_effector_hal.description import Description
 
 NOTHING = "nothing"
 _UNTOLD = frozenset({"where"})
-"""Where an edge stands in a file is no decision."""
+"""Fields that are not compared: the place of an edge in its file is no decision."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first thing that was decided in another way.
+    """The first decision that differs.
 
     Attributes:
-        at: µs, of the record.
+        at: time of the record, µs.
         what: kind of the record, and the field in it.
         recorded, replayed: the values.
-        names: the word for each of them, where it is a number of Table II or the like.
+        names: the words for the two values, if they are numbers of Table II or similar.
     """
 
     at: int
@@ -38,7 +38,7 @@ class Difference:
         return f"{self.what}: recorded {old}, replayed {new}"
 
     def named(self, description: Description) -> Difference:
-        """The same with the words of a tool for its numbers."""
+        """Return a copy with the words of a tool for its numbers."""
         variable = self.what.rpartition(".")[2].replace("actuators[", "actuator[")
         old, new = (
             word_of(description, variable, value) if type(value) is int else None
@@ -48,7 +48,7 @@ class Difference:
 
 
 def first_difference(kind: str, recorded: Any, replayed: Any) -> Difference | None:
-    """The first field that differs."""
+    """Return the first field that differs; None: none does."""
     found = _differs(recorded, replayed, kind)
     if found is None:
         return None

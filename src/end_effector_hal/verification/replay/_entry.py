@@ -1,4 +1,4 @@
-"""A record of a run, whichever file or program it comes from."""
+"""A record of a run, from any file and program."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 
 class Entry(NamedTuple):
-    """One record of a program, at its place in the order of all.
+    """A record of a program, at its place in the order of all records.
 
     Attributes:
-        at: µs on the monotonic clock.
+        at: time, µs on the monotonic clock.
         program: `grip` or `tool_change`.
-        kind: of `end_effector_hal.runtime.boundary.KINDS`.
-        record: typed; None: its trace cannot be read on.
+        kind: a key of `end_effector_hal.runtime.boundary.KINDS`.
+        record: the typed record; None: the rest of its trace cannot be read.
     """
 
     at: int

@@ -1,4 +1,4 @@
-"""The header of a trace, held against what the trace itself holds; nothing in it is believed."""
+"""Check the header of a trace against the other content of the trace; nothing in it is trusted."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from timed_automata.monitor import Objection
 from ._load import ProgramTrace
 
 STARTED_S = 60.0
-"""The time of day in the header is that of its message, but for a clock that is set between the two."""
+"""Largest difference between the time of day in the header and that of its message, s; a clock may be set between the
+two.
+"""
 
 
 def header_objections(trace: ProgramTrace, tool: Description) -> Iterator[Objection]:
-    """What the description, the automata and the other records say against a header.
+    """Yield objections where the description, the automata or the other records contradict a header.
 
     Args:
-        trace: of a program.
-        tool: as it stands in the trace.
+        trace: the trace of a program.
+        tool: the description in the trace.
 
     Raises:
         UsageError: a record has no time.
@@ -58,7 +60,7 @@ def _hash(description: bytes, model: bytes) -> str:
 
 
 def _of_constants(trace: ProgramTrace, tool: Description) -> Iterator[str]:
-    """The constants are those that the description makes."""
+    """Yield faults if the constants are not those that the description defines."""
     recorded, expected = trace.header.constants, model_constants(tool)
     for name in sorted(recorded.keys() | expected.keys()):
         if name not in expected:
@@ -84,11 +86,11 @@ def _of_segments(trace: ProgramTrace) -> Iterator[str]:
     if header.follows and header.gap is not None:
         yield "that nothing is missing before this segment, and that records are"
     if header.gap is not None and (header.gap.since > header.at or header.gap.records < 0):
-        yield "that what is missing before this segment came after it, or is less than nothing"
+        yield "that the gap before this segment begins after it, or has a negative length"
 
 
 def _of_times(trace: ProgramTrace) -> Iterator[Objection]:
-    """Each message has the time of day of its record: the same clock, moved by the same amount."""
+    """Yield objections if message times are not those of their records plus one constant offset."""
     header, shifts = trace.header, dict[int, int]()
     for number, record in enumerate(trace.file.records):
         if record.day_us is not None:
@@ -107,9 +109,9 @@ def _of_times(trace: ProgramTrace) -> Iterator[Objection]:
     try:
         started = datetime.fromisoformat(header.started)
     except ValueError:
-        yield Objection(header.at, "no run", f"By the header it started at {header.started!r}.")
+        yield Objection(header.at, "no run", f"The start time in the header is invalid: {header.started!r}.")
         return
     started = started if started.tzinfo else started.replace(tzinfo=UTC)
     if abs(started.timestamp() - day_us / 1e6) > STARTED_S:
-        what = f"By the header it started at {header.started}, and its message has another time of day."
+        what = f"The start time in the header, {header.started}, is not the time of day of its message."
         yield Objection(header.at, "no run", what)

@@ -1,4 +1,4 @@
-"""The trace of a program, read back with its types."""
+"""Read the trace of a program with typed records."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL, Header
 
 SUFFIX = ".mcap"
 FARTHEST_US = 2**63 - 1
-"""No clock shows more."""
+"""Largest time that a clock can show, µs."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramTrace:
-    """A trace: where it comes from, and its records in order."""
+    """A trace: its file, its header, and its records in order."""
 
     file: TraceFile
     header: Header
 
     def typed(self, number: int) -> Any:
-        """A record as the dataclass that it was; raises UsageError when it is none."""
+        """Return a record as its dataclass; raises UsageError when it is invalid."""
         record = self.file.records[number]
         try:
             typed = _adapter(record.kind).validate_json(record.data)
@@ -44,7 +44,7 @@ class ProgramTrace:
         return typed
 
     def content(self, number: int) -> dict[str, Any]:
-        """A record as JSON, with its time ``at``; raises UsageError when it is none."""
+        """Return a record as JSON, with its time ``at``; raises UsageError when it is invalid."""
         record = self.file.records[number]
         try:
             content = record.content
@@ -60,14 +60,14 @@ class ProgramTrace:
         return max(int(self.content(n)["at"]) for n in range(len(self.file.records)))
 
     def seconds(self, at: int) -> float:
-        """A time in seconds since the beginning of the trace."""
+        """Convert a time to seconds since the beginning of the trace."""
         return (at - self.header.at) / 1_000_000
 
     def description(self) -> Description:
-        """The tool as it was recorded, with its automata; its files are there until this process ends.
+        """Return the recorded tool with its automata; its files exist until this process ends.
 
         Raises:
-            UsageError: the trace does not hold it.
+            UsageError: the trace does not contain it.
         """
         files = self.file.attachments
         if DESCRIPTION not in files or MODEL not in files:
@@ -88,14 +88,16 @@ class ProgramTrace:
 
     @property
     def _doubt(self) -> str:
-        """Why the description of a trace, or its UPPAAL file, cannot be read; it was valid when it was written."""
+        """A clause why the description in a trace, or its UPPAAL file, is unreadable; it was valid when it was
+        written.
+        """
         if self.file.damaged:
             return f"The trace is damaged ({self.file.note}), and with it the description in it:"
         if self.file.complete:
-            return "This version does not take the description in this trace any more:"
+            return "This version no longer accepts the description in this trace:"
         return (
             "Bytes of the description in this trace were changed, or this version does not accept it "
-            "(the trace was not closed, so that no checksum tells):"
+            "(the trace was not closed, so it has no checksum):"
         )
 
     def _fault(self, number: int, record: Record, error: Exception) -> UsageError:
@@ -138,7 +140,7 @@ def _without_header(file: TraceFile) -> UsageError:
 
 
 def traces_of(path: str | Path) -> tuple[Path, ...]:
-    """The traces in a folder, or the one that is named, each program's in the order of writing.
+    """Return the traces in a folder, or the named one; those of a program are in the order of writing.
 
     Raises:
         UsageError: there is none, or the folder cannot be read.
@@ -154,10 +156,10 @@ def traces_of(path: str | Path) -> tuple[Path, ...]:
 
 
 def runs_of(path: str | Path) -> tuple[Path, ...]:
-    """The folders of runs in a folder, however deep, in the order of their names; itself, if it has traces.
+    """Return the folders with traces below a folder, sorted by name; the folder itself, if it has traces.
 
-    Links to other folders are not followed; one that cannot be read is among them, and told by `traces_of`. A file is
-    itself. Raises UsageError when there is none.
+    Links to other folders are not followed. An unreadable folder is included; `traces_of` then reports its error. A
+    file is returned as it is. Raises UsageError when there is none.
     """
     path = Path(path)
     if not path.is_dir() or any(_listed(path)):
@@ -175,14 +177,14 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _order(path: Path) -> tuple[str, int]:
-    """``grip-10.mcap`` comes after ``grip-9.mcap``."""
+    """Return a sort key by which ``grip-10.mcap`` comes after ``grip-9.mcap``."""
     name, _, number = path.stem.rpartition("-")
     return (name, int(number)) if name and number.isdecimal() and len(number) < 10 else (path.stem, 1)
 
 
 @lru_cache(maxsize=8)
 def _unpacked(description: bytes, model: bytes) -> Description:
-    """Once for all segments of a tool: their network is compiled once, then."""
+    """Load a description from a trace; cached, so that its network is compiled once for all segments."""
     folder = Path(mkdtemp(prefix="eehal-replay-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     (folder / DESCRIPTION).write_bytes(description)

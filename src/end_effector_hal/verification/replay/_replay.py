@@ -1,4 +1,4 @@
-"""Feeding recorded inputs to the same controller: it must decide the same."""
+"""Feed recorded inputs to the same controller, which must make the same decisions."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from ._load import ProgramTrace
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """How a replay went.
+    """The result of a replay.
 
     Attributes:
-        inputs: how many were fed.
-        compared: how many records of what was decided were the same.
-        difference: the first that was not.
-        end: the state of the controller after the last input, as JSON; None: it is not known.
+        inputs: number of inputs that were fed.
+        compared: number of recorded decisions that were compared.
+        difference: the first one that differs; None: none does.
+        end: the state of the controller after the last input, as JSON; None: unknown.
     """
 
     inputs: int
@@ -39,13 +39,13 @@ class Replay:
 def replay(
     trace: ProgramTrace, description: Description, network: Network, before: dict[str, Any] | None = None
 ) -> Replay:
-    """Feed the inputs of a trace to a controller until it decides otherwise than recorded.
+    """Feed the inputs of a trace to a controller until a decision differs from the recorded one.
 
     Args:
-        trace: of a program, one segment.
+        trace: one segment of a program's trace.
         description: the tool to replay with.
         network: its automata with its constants.
-        before: the ``end`` of the segment before it, where nothing is missing between the two; None: unknown.
+        before: the ``end`` of the previous segment, if nothing is missing between the two; None: unknown.
 
     Raises:
         UsageError: a record cannot be read.
@@ -85,7 +85,7 @@ class _Replay:
         return Replay(self._inputs, self._compared, difference, end)
 
     def _resume(self, number: int) -> Difference | None:
-        """Go on from the recorded state: it must be where the segment before it ends, and agree with itself."""
+        """Resume from the recorded state, which must be valid and equal the end of the previous segment."""
         state, recorded = self._trace.typed(number), self._trace.content(number)
         if self._controller is not None or self._inputs:
             return Difference(state.at, STATE, "a state in the middle of a segment", NOTHING)
@@ -146,13 +146,13 @@ class _Replay:
 
 
 def _as_json(content: object) -> dict[str, Any]:
-    """As it would be recorded."""
+    """Return the content as it would be recorded."""
     found: dict[str, Any] = json.loads(to_json(content, fallback=dict))
     return found
 
 
 def _brief(content: dict[str, Any]) -> str:
-    """What tells one record from another."""
+    """Return the fields that distinguish a record from others."""
     if "edges" in content:
         moves = [f"{edge['process']} {edge['source']} → {edge['target']}" for edge in content["edges"]]
         return " with ".join(moves)

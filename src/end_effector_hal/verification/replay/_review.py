@@ -1,4 +1,4 @@
-"""A recorded run looked at again: replayed, and judged by the monitor of its network."""
+"""Check a recorded run: replay it, and judge it with the monitor of its network."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from ._replay import Replay, replay
 
 
 class EdgePlaces:
-    """Holds the recorded places of edges against the file.
+    """Compares the recorded places of edges with the file.
 
     Args:
-        network: of the file in the trace.
+        network: the network of the file in the trace.
     """
 
     def __init__(self, network: Network) -> None:
@@ -33,7 +33,7 @@ class EdgePlaces:
         self._path: str | None = None
 
     def step(self, step: Step) -> Iterator[Objection]:
-        """The path is that of the machine that recorded it: it must be the same in all steps."""
+        """Yield objections to the places of a step's edges; their path, of the recording machine, must not change."""
         for taken in step.edges:
             edges = self._edges.get(taken.process, ())
             if not 0 <= taken.index < len(edges):
@@ -43,32 +43,32 @@ class EdgePlaces:
             self._path = path if self._path is None else self._path
             who = f"{taken.process} {taken.source} → {taken.target}"
             if place != there:
-                what = f"{who} is recorded as standing at {place}, and stands at {there}."
+                what = f"{who} is recorded at {place}, but the file has it at {there}."
                 yield Objection(step.at, "no run", what)
             elif path != self._path:
-                what = f"{who} is recorded as standing in {path!r}, and others in {self._path!r}."
+                what = f"{who} is recorded in {path!r}, but other edges in {self._path!r}."
                 yield Objection(step.at, "no run", what)
 
 
 def _parted(where: str) -> tuple[str, str]:
-    """The path, and ``line:column``."""
+    """Return the path, and ``line:column``."""
     path, line, column = (["", "", *where.rsplit(":", 2)])[-3:]
     return path, f"{line}:{column}"
 
 
 @dataclass(frozen=True, slots=True)
 class Review:
-    """What there is to say of a trace.
+    """The results of the check of a trace.
 
     Attributes:
-        trace: of a program.
-        hash: of the description that it was replayed with.
-        replay: whether it decides the same.
-        steps: of the automata, as far as the monitor followed them.
-        objections: of the monitor.
-        requirements: how many of the file's requirements could be judged on the run.
-        notes: what has changed since, and what is missing.
-        end: where the segment ends, for the review of the next one.
+        trace: the trace of a program.
+        hash: hash of the description it was replayed with.
+        replay: the result of the replay.
+        steps: number of steps of the automata that the monitor followed.
+        objections: objections of the monitor and of the other checks.
+        requirements: number of the file's requirements that could be judged on the run.
+        notes: sentences about changes since the recording, and about missing data.
+        end: the end of the segment, for the review of the next one.
     """
 
     trace: ProgramTrace
@@ -82,15 +82,15 @@ class Review:
 
     @property
     def ok(self) -> bool:
-        """Its bytes are what was written, it decides the same, and is a run of its network.
+        """Whether the bytes are unchanged, the decisions are the same, and the run is one of its network.
 
-        A missed bound that was told is no fault of the record.
+        A missed bound that the program reported is no fault of the record.
         """
         same = self.replay.difference is None and all(o.kind == "missed" for o in self.objections)
         return same and not self.trace.file.damaged
 
     def as_json(self) -> dict[str, Any]:
-        """For programs; times in seconds since the beginning of the trace."""
+        """Return the results as JSON, for programs; times in seconds since the beginning of the trace."""
         difference, seconds = self.replay.difference, self.trace.seconds
         return {
             "trace": str(self.trace.file.path),
@@ -126,10 +126,10 @@ def review(
     """Replay a trace and judge it.
 
     Args:
-        trace: of a program, one segment.
-        description: another tool than the one that was recorded.
-        before: where the trace before it in the folder ended, if it is of the same program; a segment that follows
-            it must begin there. None: the segment is judged alone, from the state that it begins with.
+        trace: one segment of a program's trace.
+        description: another tool than the recorded one; None: the recorded one.
+        before: the end of the previous trace in the folder, if it is of the same program; a segment that follows it
+            must begin there. None: the segment is judged alone, from the state it begins with.
 
     Raises:
         UsageError: a record cannot be read.
@@ -140,7 +140,7 @@ def review(
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         if isinstance(error, ReportedError):
             raise
-        what = f"A record fits its form and makes no sense: {type(error).__name__}: {error}."
+        what = f"A record has a valid form but impossible content: {type(error).__name__}: {error}."
         raise UsageError(what, where=str(trace.file.path)) from None
 
 

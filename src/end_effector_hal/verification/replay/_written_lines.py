@@ -1,7 +1,7 @@
-"""From a decision to its lines and its last will: what was written must be what a decision asks for.
+"""Check that the written lines and last wills are those that the decisions request.
 
-What a last will has done is in no record of its own: it shows in the levels that the program finds when it restarts.
-They are judged by the last will that was left before.
+There is no separate record of an executed last will: its effect shows in the levels that the program finds when it
+restarts. They are checked against the last will that was written before.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from timed_automata.monitor import Objection
 
 Level = tuple[str, bool]
 Steps = tuple[tuple[object, ...], ...]
-"""A last will: line, level and µs after the death of each step."""
+"""A last will: line, level and µs after the death for each step."""
 
 
 class _Decision(NamedTuple):
-    """A status: the levels that it changes, its last will, and what is done where the program ends in good order.
+    """A status: the levels that it changes, its last will, and the last will for an end in good order.
 
-    ``excused``: perhaps it was not written, for the line arbiter was lost.
+    ``excused``: it may be unwritten, because the line arbiter was lost.
     """
 
     changes: set[Level]
@@ -35,11 +35,11 @@ class _Decision(NamedTuple):
 
 
 class WrittenLines:
-    """Holds the recorded writes of a program against its recorded statuses.
+    """Compares the recorded writes of a program with its recorded statuses.
 
-    A write brings the lines from one status to a later one, with the last will of that status. Beside that it may only
-    hold what an earlier write owed, because it failed or the line arbiter was lost, and what maintenance drives in
-    STAND_BY.
+    A write changes the lines from one status to a later one, and sets the last will of that status. In addition it may
+    contain only changes that an earlier write owed, because it failed or the line arbiter was lost, and lines that
+    maintenance drives in STAND_BY.
 
     Args:
         description: the tool.
@@ -72,7 +72,7 @@ class WrittenLines:
         self._wills: list[Steps] = []
 
     def copied(self) -> WrittenLines:
-        """Another one that knows the same."""
+        """Return an independent copy."""
         other = copy(self)
         other._decided, other._wills = [*self._decided], [*self._wills]
         other._owed, other._driven = {*self._owed}, {*self._driven}
@@ -81,9 +81,9 @@ class WrittenLines:
         return other
 
     def begin(self, start: Start) -> Iterator[Objection]:
-        """The program begins, or restarts: its first status writes all lines.
+        """Process a start or restart of the program, whose first status writes all lines.
 
-        At a restart, what it finds must be what it has written, or what its last will has left.
+        At a restart, the levels must be those that the program has written, or that its last will has left.
         """
         yield from self._after_death(start)
         self._levels, self._decided = {}, []
@@ -96,7 +96,7 @@ class WrittenLines:
         self._wills = []
 
     def status(self, status: Status) -> None:
-        """It was decided."""
+        """Process a decided status."""
         if not self._mapping.adopted(status):
             return
         levels, before = self._mapping.levels(status), self._levels
@@ -112,11 +112,11 @@ class WrittenLines:
         self._decided.append(decision)
 
     def lines(self, record: LinesWritten, *, final: bool = False) -> Iterator[Objection]:
-        """It was written; each level, and a last will, that no decision asks for is an objection.
+        """Process a write; yield an objection to each level, and to a last will, that no decision requests.
 
         Args:
-            record: of the write.
-            final: it is the last one of the trace: perhaps the program has left, with what is declared for its end.
+            record: the write.
+            final: whether it is the last write of the trace: the program may have ended with its declared last will.
         """
         written, will = set(record.levels.items()), tuple(map(_step, record.will))
         if self._changed:
@@ -135,7 +135,7 @@ class WrittenLines:
             self._lost = False
 
     def lose(self) -> None:
-        """The line arbiter is lost: what is decided meanwhile is not written."""
+        """Process a loss of the line arbiter: decisions made meanwhile are not written."""
         self._lost = True
         self._decided = [each._replace(excused=True) for each in self._decided]
 
@@ -156,7 +156,7 @@ class WrittenLines:
             self._anchored = True
             missing = set().union(*(each.changes for each in skipped if not each.excused)) - written
             for line, level in sorted(missing):
-                what = f"{self._called(line)} was to be {_word(level)}, and that was not written."
+                what = f"{self._called(line)} should have been {_word(level)}, but that was not written."
                 yield Objection(record.at, "no run", what)
         meant = self._decided if written or final else self._before_next_change()
         for line, level in sorted(rest):
@@ -176,14 +176,14 @@ class WrittenLines:
             self._pass_over(will)
 
     def _before_next_change(self) -> list[_Decision]:
-        """A last will alone is that of one of these."""
+        """Return the decisions before the next change of a line; a write of only a last will belongs to one of them."""
         changing = (n for n, each in enumerate(self._decided) if each.changes and not each.excused)
         return self._decided[: next(changing, None)]
 
     def _in_maintenance(
         self, driven: set[str], maintained: set[Level], otherwise: list[Steps]
     ) -> list[Steps]:
-        """The last wills of a write by maintenance, or while maintenance has activated something."""
+        """Return the allowed last wills for a write by maintenance, or while maintenance has activated lines."""
         begins = any(level for _, level in maintained)
         some = [self._driven] if begins or not maintained else [driven, self._driven]
         found: list[Steps] = []
@@ -192,7 +192,7 @@ class WrittenLines:
         return found
 
     def _pass_over(self, will: Steps) -> None:
-        """A last will alone was written: the decisions before it that change no line are done with."""
+        """After a write of only a last will, remove the earlier decisions that change no line."""
         number = next((n for n, each in enumerate(self._decided) if each.will == will), 0)
         self._decided = [each for each in self._decided[:number] if each.changes] + self._decided[number:]
 
@@ -212,7 +212,7 @@ class WrittenLines:
         return _steps(maintenance_will(line for line in self._release_order if line in driven))
 
     def _after_death(self, start: Start) -> Iterator[Objection]:
-        """What was left active by a death, and in which order the rest was deactivated."""
+        """Yield objections if the levels found at a start are not those that the last will should have left."""
         sure = {
             line: next(iter(levels))
             for line, levels in self._possible.items()
@@ -220,7 +220,7 @@ class WrittenLines:
         }
         for line in sorted(sure.keys() - start.levels.keys()):
             del sure[line]
-            what = f"{self._called(line)} was written before, and is not among what was found."
+            what = f"{self._called(line)} was written before, but is not among the lines that were found."
             yield Objection(start.at, "no run", what)
         for line, level in sure.items():
             if start.levels[line] and not level:
@@ -242,7 +242,7 @@ def _word(level: bool) -> str:
 
 
 def _executed(will: Steps, fallen: set[str], stayed: set[str]) -> bool:
-    """Whether a last will that was executed does this: whole, for a program that restarts waits for its end."""
+    """Return whether a completely executed last will explains the levels; a restarting program waits for its end."""
     lines = {step[0] for step in will}
     return fallen <= lines and not stayed & lines
 
@@ -252,7 +252,7 @@ def _steps(will: LastWill) -> Steps:
 
 
 def _step(recorded: Mapping[str, object]) -> tuple[object, ...]:
-    """A step as it is recorded; what is none equals none."""
+    """Return a recorded step; invalid content becomes a value that equals no step."""
     step = recorded.get("line"), recorded.get("level"), recorded.get("after_us")
     known = (
         recorded.keys() == {"line", "level", "after_us"}

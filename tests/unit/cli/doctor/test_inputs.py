@@ -70,7 +70,7 @@ def test_lines_of_a_real_chip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     [
         ("1000", "ok", "cup: -50.0 kPa"),
         ("9000", "warning", "cup shows what its sensor cannot mean"),
-        ("x", "missing", "says 'x', and that is no number"),
+        ("x", "missing", "contains 'x', which is not a number"),
     ],
 )
 def test_an_analog_input_is_read_once(tmp_path: Path, raw: str, level: str, text: str) -> None:

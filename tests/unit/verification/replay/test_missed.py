@@ -60,7 +60,7 @@ def test_a_trace_that_cannot_be_read_is_a_note(folder: Path) -> None:
     (folder / "other.mcap").write_text("no trace")
     moments, (note,) = missed_moments(folder)
     assert len(moments) == 1
-    assert "not an MCAP file. What it missed is not drawn." in note
+    assert "not an MCAP file. Its missed bounds are not drawn." in note
 
 
 def test_a_recording_says_when_it_began(tmp_path: Path) -> None:

@@ -209,7 +209,7 @@ def test_a_segment_that_was_cut_off_afterwards_is_found(folder: Path, tmp_path: 
     traces = tuple(load_trace(each) for each in traces_of(tmp_path / "cut") if each.name.startswith("grip"))
     found = in_a_row(traces)
     assert faulty(found) == [4]
-    assert "Segment 3 was closed in good order, and has no end now" in found[3].objections[0].what
+    assert "Segment 3 was closed in good order, but its end is missing now" in found[3].objections[0].what
     assert any("not whole" in note for note in found[2].notes)
 
 
