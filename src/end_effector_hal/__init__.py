@@ -1,1 +1,1 @@
-"""The hardware abstraction layer for robot end-effectors whose UPPAAL file is the program."""
+"""A hardware abstraction layer for robot end-effectors that executes its UPPAAL file as the program."""

@@ -1,4 +1,4 @@
-"""What is closed when it is left as a context manager."""
+"""A base class for objects that are closed at the end of a ``with`` block."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Self
 
 
 class Closing(ABC):
-    """Gives itself on entry, and is closed on leaving, with or without an error."""
+    """A context manager that returns itself and calls `close` when the block ends, also after an error."""
 
     @abstractmethod
     def close(self) -> None:
-        """End."""
+        """Release everything that this object uses."""
 
     def __enter__(self) -> Self:
         return self

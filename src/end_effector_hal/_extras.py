@@ -1,4 +1,4 @@
-"""Extras of the distribution: packages that only some commands and codecs need."""
+"""Extras of the distribution: optional packages that only some commands and codecs need."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _ADDED = re.compile(r"""(?P<package>[\w.-]+).*;.*\bextra == ['"](?P<extra>[\w-]+
 
 
 def extras() -> dict[str, tuple[str, ...]]:
-    """The packages that each extra adds; nothing where the package was copied without its metadata."""
+    """Return the packages that each extra adds; empty if the package was copied without its metadata."""
     from importlib.metadata import PackageNotFoundError, requires
 
     found: dict[str, tuple[str, ...]] = {}
@@ -26,11 +26,11 @@ def extras() -> dict[str, tuple[str, ...]]:
 
 
 def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraError | None:
-    """The sentence for a module that was not found, with the command; None: no extra adds it.
+    """Return an error with the missing module and the command to install it; None: no extra adds it.
 
     Args:
-        what_needs: how the sentence begins, such as ``Figures need``.
-        error: of the import.
+        what_needs: the beginning of the sentence, such as ``Figures need``.
+        error: the error that the import raised.
     """
     module = (error.name or "").partition(".")[0]
     for extra, packages in extras().items():
@@ -41,5 +41,5 @@ def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraEr
 
 
 def command_for(extra: str) -> str:
-    """The command that installs an extra, and where."""
+    """Return the command that installs an extra, and the folder in which to run it."""
     return f"pip install '.[{extra}]' in a checkout of {DISTRIBUTION}"

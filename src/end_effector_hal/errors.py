@@ -1,4 +1,7 @@
-"""The errors of the product: what happened, where, and what to do; each with a stable code and an exit code."""
+"""The errors of the product: each reports what happened, where, and the remedy.
+
+Every class has a stable code and an exit code.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ __all__ = [
 
 
 class DescriptionError(ReportedError, ValueError):
-    """A description is not valid; ``faults`` holds every fault found, each a line ready to print."""
+    """A description is not valid; ``faults`` holds every fault found, as one printable line per fault."""
 
     code = "EE-200"
     exit_code = 2
@@ -49,7 +52,7 @@ class DescriptionError(ReportedError, ValueError):
 
 
 class MissingExtraError(UsageError):
-    """A command or a codec needs a package of an extra that is not installed; says how to install it."""
+    """A command or a codec needs a package of an extra that is not installed; the error has the command."""
 
     code = "EE-101"
 
@@ -62,13 +65,13 @@ class WireError(ReportedError, OSError):
 
 
 class LineNotFoundError(WireError):
-    """A line name is missing on this machine, or stands on more than one chip."""
+    """A line name is missing on this machine, or exists on more than one chip."""
 
     code = "EE-401"
 
 
 class LineBusyError(WireError):
-    """Somebody else holds the lines."""
+    """Another process holds the lines."""
 
     code = "EE-402"
 
@@ -80,13 +83,13 @@ class LineRefusedError(WireError):
 
 
 class LinkError(WireError):
-    """A sensor link cannot be opened or has gone."""
+    """A sensor link cannot be opened, or was lost."""
 
     code = "EE-410"
 
 
 class LinkBusyError(LinkError):
-    """Somebody else reads the sensor link."""
+    """Another process reads the sensor link."""
 
     code = "EE-411"
 
@@ -98,7 +101,7 @@ class ArbiterError(WireError):
 
 
 class NotReadyError(WireError, TimeoutError):
-    """A tool did not become ready in time; says what is missing."""
+    """A tool did not become ready in time; the error names what is missing."""
 
     code = "EE-430"
 
@@ -111,7 +114,7 @@ class RosError(ReportedError, OSError):
 
 
 class WorkersError(ReportedError, OSError):
-    """The processes or machines that share a computation cannot be reached, do not fit, or died."""
+    """The processes or machines that share a computation cannot be reached, are not compatible, or died."""
 
     code = "EE-610"
     exit_code = 3
@@ -119,7 +122,10 @@ class WorkersError(ReportedError, OSError):
 
 @contextmanager
 def os_errors(what: str, where: Path | str, *, todo: str = "") -> Iterator[None]:
-    """What the system refuses within it is a UsageError: ``what`` cannot be done, the system's reason, and where."""
+    """Raise an OSError of the block as a UsageError.
+
+    Its text has the failed action (``what``), the system's reason, and the place.
+    """
     try:
         yield
     except OSError as error:

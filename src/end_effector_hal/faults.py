@@ -1,9 +1,10 @@
-"""The faults of a simulated tool: what a testbench offers, and the messages on its socket (`wires.rpc`).
+"""The faults that a testbench can simulate for a tool, and the messages on its socket (`wires.rpc`).
 
-A client needs neither the testbench nor its faults to use them.
+A client can use these messages without the testbench installed.
 
-The first record from the testbench is the ``header``: which tool it simulates, and the faults that this tool can have.
-Then comes ``scenario``, what is wrong now: at each change, and each 0.4 s as a sign of life.
+The first record from the testbench is the ``header``: the tool that it simulates, and the faults that this tool can
+have. Then come ``scenario`` records with the faults that are active now: one at each change, and one every 0.4 s as a
+sign of life.
 
 A request with the word ``check`` asks whether the testbench could play a scenario; ``choose`` plays it from now on.
 """
@@ -20,22 +21,29 @@ from end_effector_hal.description import Description, socket_path
 from end_effector_hal.wires.rpc import RpcRequest
 
 NOMINAL = "nominal"
-"""The scenario in which nothing is wrong."""
+"""The scenario without faults."""
 MOST_TEXT = 300
-"""The largest number of letters of a scenario."""
+"""Longest scenario text, characters."""
 LONGEST = 2_000
-"""Bytes of a message to the testbench: any scenario fits, however it is escaped."""
+"""Longest message to the testbench, bytes; enough for any scenario, even with every character escaped."""
 
 
 def socket_of_testbench(description: Description) -> Path:
-    """The socket of a tool's testbench: beside that of the line arbiter; raises WireError as `socket_path` does."""
+    """Return the socket path of a tool's testbench, beside that of the line arbiter.
+
+    Raises:
+        WireError: as `socket_path` does.
+    """
     arbiter = socket_path(description)
     return arbiter.with_name(f"{arbiter.name}.testbench")
 
 
 @dataclass(frozen=True, slots=True)
 class FaultNumber:
-    """A number that belongs to a fault, with its limits; ``default``: it may be left out; ``whole``: no fraction."""
+    """A number that a fault needs, with its limits.
+
+    With a ``default`` the number may be omitted; ``whole``: it must be an integer.
+    """
 
     name: str
     low: float
@@ -49,12 +57,12 @@ class FaultOffer:
     """A fault that a tool can have.
 
     Args:
-        name: as it stands in a scenario, ``name[:place][:number]``.
+        name: the fault's name in a scenario, ``name[:place][:number]``.
         meaning: a phrase for people.
-        usage: how it is written.
-        places: the actuators, links or channels that can have it.
-        anywhere: the place may be left out.
-        number: what else is to be given.
+        usage: the syntax of the fault in a scenario.
+        places: the actuators, links or channels that can have the fault.
+        anywhere: whether the place may be omitted.
+        number: the number that the fault needs; None: it needs none.
     """
 
     name: str
@@ -78,7 +86,7 @@ class TestbenchHeader:
 
 @dataclass(frozen=True, slots=True)
 class TestbenchScenario:
-    """The scenario that plays now, as text."""
+    """The scenario that the testbench plays now, as text."""
 
     __test__ = False
 

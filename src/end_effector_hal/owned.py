@@ -1,4 +1,7 @@
-"""Opens what the product owns: no link is followed, and nobody else may own or write it."""
+"""Functions that open files of the product safely.
+
+They follow no symbolic link, and accept no file that another user owns or can write.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,12 @@ _HAS_USERS = hasattr(os, "geteuid")
 
 
 def open_owned(path: str | Path, flags: int, mode: int = 0o600, *, shared: bool = False) -> int:
-    """As `os.open`; raises OSError, with a reason, for a link, for what is no file, and for a file of another user.
+    """Open a file as `os.open` does, but no symbolic link, no special file, and no other user's file.
 
-    ``shared``: other users may own and write it, as the simulated wires between two of them.
+    With ``shared``, other users may own and write the file, as for simulated wires between two users.
+
+    Raises:
+        OSError: the file was refused or cannot be opened; the reason is in its text.
     """
     try:
         fd = os.open(path, flags & ~os.O_TRUNC | _SAFELY, mode)
@@ -38,7 +44,10 @@ def open_owned(path: str | Path, flags: int, mode: int = 0o600, *, shared: bool 
 
 
 def write_owned(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, beside it first; what stands there is replaced, and never followed."""
+    """Write a file completely or not at all, through a temporary file beside it.
+
+    An existing file or link at the path is replaced; the link is not followed.
+    """
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         beside.unlink(missing_ok=True)
@@ -52,10 +61,14 @@ def write_owned(path: Path, data: bytes) -> None:
 
 
 def owned_folder(path: Path, mode: int = 0o755) -> Path:
-    """A folder, made if it is missing; raises OSError, with a reason.
+    """Return a folder that only this user or root controls, and create it if it is missing.
 
-    It belongs to this user or to root, and nobody else may write there or replace it; a group of this user may, where
-    its sticky or setgid bit says that it is shared on purpose, as that of a service is.
+    The folder must belong to this user or to root, and no other user may write to it or replace it. One exception: a
+    group of this user may write to it if its sticky or setgid bit marks it as shared on purpose, as a service's folder
+    is.
+
+    Raises:
+        OSError: the folder was refused or cannot be created; the reason is in its text.
     """
     path = path.absolute()
     for each in (*reversed(path.parents), path):

@@ -1,4 +1,4 @@
-"""What other distributions add by an entry point: found by name, and distrusted."""
+"""Plug-ins that other distributions add by an entry point: found by name, and never trusted."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 LONGEST = 200
 LOAD_S = 15.0
-"""The longest that the import of a plug-in of another distribution may take."""
+"""Longest time for the import of another distribution's plug-in, s."""
 Plugin = TypeVar("Plugin")
 
 
@@ -24,12 +24,12 @@ class Plugins(Generic[Plugin]):
     """Plug-ins of one sort, by name.
 
     Args:
-        group: of the entry points.
-        noun: what one of them is called in a sentence, such as ``codec``.
-        own: those of this product, as pyproject.toml has them too: they are known without reading any metadata,
-            which takes longer than all of the rest; each is imported when it is wanted.
-        check: makes a plug-in of what another distribution's entry point names; raises UsageError for what is none.
-        make: whether an entry point may name a class of which an object is wanted.
+        group: the group of the entry points.
+        noun: the name of one plug-in in a sentence, such as ``codec``.
+        own: the plug-ins of this product, which pyproject.toml also lists. They are found without reading any
+            metadata, because that takes longer than everything else; each is imported when it is needed.
+        check: converts the object that a foreign entry point names into a plug-in; raises UsageError if it is not one.
+        make: whether an entry point may name a class, which is then instantiated.
     """
 
     def __init__(
@@ -47,15 +47,15 @@ class Plugins(Generic[Plugin]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All that are installed, our own first."""
+        """Names of all installed plug-ins, those of this product first."""
         return (*self._own, *sorted(self._added().names - set(self._own)))
 
     def get(self, name: str) -> Plugin:
-        """The plug-in of that name, which is made once.
+        """Return the plug-in of this name; it is created once.
 
         Raises:
-            MissingExtraError: it needs a package of an extra that is not installed.
-            UsageError: there is none of that name (with the names that there are), or it cannot be loaded.
+            MissingExtraError: the plug-in needs a package of an extra that is not installed.
+            UsageError: no plug-in has this name (the error lists the known names), or it cannot be loaded.
         """
         if name in self._own:
             if name not in self._made:
@@ -87,7 +87,10 @@ class Plugins(Generic[Plugin]):
         )
 
     def _load(self, known: str, entry: EntryPoint) -> Any:
-        """What an entry point names; a thread imports what is not ours, and is left behind if that does not end."""
+        """Return the object that an entry point names.
+
+        A foreign one is imported in a thread, which is abandoned if the import does not end.
+        """
 
         def load() -> None:
             try:
@@ -122,14 +125,14 @@ class Plugins(Generic[Plugin]):
 
 
 class PluginError(UsageError):
-    """A class of another distribution raised an exception, or returned what it may not."""
+    """A class of another distribution raised an exception, or returned a value that is not allowed."""
 
 
 T = TypeVar("T")
 
 
 def attempt(what: str, function: Callable[[], T]) -> T:
-    """Call into a plug-in; raises PluginError for whatever it raises, with ``what`` as its subject."""
+    """Call into a plug-in; raise its exceptions as PluginError, whose message begins with ``what``."""
     try:
         return function()
     except BaseException as error:  # SystemExit as well: it would end a thread in silence
@@ -141,7 +144,7 @@ def attempt(what: str, function: Callable[[], T]) -> T:
 
 
 def named(error: BaseException) -> str:
-    """An exception of a plug-in in words: its type, and what it says in one line of at most 200 characters."""
+    """Return an exception of a plug-in as one line: its type and its message, cut to 200 characters."""
     try:
         text = "".join(each if each.isprintable() else " " for each in str(error))[:LONGEST].strip()
     except BaseException:  # noqa: BLE001 its author's code as well

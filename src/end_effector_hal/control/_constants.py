@@ -1,4 +1,4 @@
-"""The constants of the model, from a description: the only place where the two meet."""
+"""The constants of the model, computed from a description: the only place where the two meet."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Constants = dict[str, "int | bool | list[int]"]
 
 
 def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
-    """Constants by the name that they have in the UPPAAL file; times in ms.
+    """Return the constants by their name in the UPPAAL file; times in ms.
 
     Interlocks whose sensors the codec does not carry are off (section 4 of the contract: not fitted).
     """
@@ -63,7 +63,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
 
 
 def _blow_offs(description: Description) -> Constants:
-    """How a release blows each part off."""
+    """Return the constants for the blow-off of each part during a release."""
     times = description.blow_offs
     driven = [times.get(name) for name in description.sequence]
     return {
@@ -76,7 +76,7 @@ def _blow_offs(description: Description) -> Constants:
 
 
 def _endings(description: Description) -> Constants:
-    """Which outputs stay active, for each ending that the automata know."""
+    """Return for each ending of the automata which outputs stay active."""
     each = [description.endings_of(name) for name in description.sequence]
     keeps: dict[str, list[int]] = {
         "CANCEL_KEEPS": [its.gripping.cancel != "release" for its in each],

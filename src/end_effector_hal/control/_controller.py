@@ -1,4 +1,7 @@
-"""One program of a tool: its automata with its detectors. Events and time in, statuses and a deadline out."""
+"""One program of a tool: its automata with its detectors.
+
+Inputs are events and time; outputs are statuses and a deadline.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +23,14 @@ from .words import blocking, no_maintenance, refusal
 
 @dataclass(frozen=True, slots=True)
 class ControllerSnapshot:
-    """Enough for another controller of the same description to decide the same from here on.
+    """The state from which another controller of the same description makes the same decisions.
 
     Attributes:
-        at: µs, the latest time that the controller was told.
-        status: as it is then, with outputs, evidence, deadline and alarms.
+        at: latest time that the controller has received, µs.
+        status: the status at that time, with outputs, evidence, deadline and alarms.
         execution: locations, variables and clocks of the automata.
-        memory: of the detectors, the hold monitor and the status: last readings with their times, streaks, alarms.
+        memory: state of the detectors, the hold monitor and the status: last readings with their times, streaks,
+            alarms.
     """
 
     at: int
@@ -36,7 +40,10 @@ class ControllerSnapshot:
 
 
 FIRST_FRAME_US = 5_000_000
-"""What was found active waits so long for the link before it counts as unproven: who reads it may start later."""
+"""Time after which outputs found active count as unproven without a frame, µs.
+
+It is long because the reader of the link may start later.
+"""
 PROGRAMS = ("grip", "tool_change")
 _COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
@@ -49,10 +56,11 @@ class Controller:
 
     Args:
         description: the tool.
-        network: its automata with its constants put in.
-        program: ``grip`` or ``tool_change``: which of the executed processes this is.
-        observe: is told of what the automata see and do.
-        judge: shared with all others in this process who get the same frames; default: its own.
+        network: its automata with its constants inserted.
+        program: ``grip`` or ``tool_change``: the program whose processes are executed.
+        observe: called with every observation of the automata: their inputs and their steps.
+        judge: judges frames; shared with all controllers in this process that receive the same frames; default: its
+            own.
     """
 
     MEMORY: ClassVar = {
@@ -89,17 +97,17 @@ class Controller:
 
     @property
     def at(self) -> int:
-        """µs, the latest time that it was told."""
+        """Latest time that the controller has received, µs."""
         return self._at
 
     @property
     def deadline(self) -> int | None:
-        """µs of the next thing that happens by itself, or None."""
+        """Time of the next change that needs no input, µs; None: there is none."""
         due = (self._execution.deadline, self._senses.deadline(self._at), self._adopt_by)
         return min([time for time in due if time is not None], default=None)
 
     def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
-        """Begin, with the lines' levels as they were found; adoption follows once the sensors are read.
+        """Start with the levels of the lines as they were found; adoption follows once the sensors are read.
 
         ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
         """
@@ -111,15 +119,16 @@ class Controller:
         return self._told(self._execution.start(at))
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
-        """One frame of the link, which came at ``frame.at`` and is taken now, at ``at``.
+        """Process one frame of the link, which arrived at ``frame.at`` and is processed at ``at``.
 
-        When it came decides whether it is before a time-out; when it is taken is when the next wait begins, so that
-        no line is active for less than its time. One that waited until it was stale proves nothing any more, nor does
-        one that is stamped ahead of now or before the last: it is refused, counted and told.
+        The arrival decides whether the frame came before a time-out; the next wait begins when the frame is processed,
+        so that no line is active for less than its time. A frame that waited until it was stale proves nothing any
+        more. A frame with a stamp in the future or before the last one is not valid either. Both are refused, counted
+        and reported.
 
         Args:
-            frame: of the link.
-            at: µs, now; default: when the frame came, in virtual time.
+            frame: the frame.
+            at: the time now, µs; default: the arrival of the frame, in virtual time.
         """
         if not self._senses.accepts(frame, frame.at if at is None else at):
             return self._refuse_frame(self._at if at is None else at)
@@ -151,7 +160,7 @@ class Controller:
         return self._watched(statuses if statuses or not (events or told) else [self.status()])
 
     def pass_over(self, frame: Frame) -> list[Status]:
-        """One frame that is known to change nothing of what the sensors prove: only the watch over a part sees it."""
+        """Process a frame that changes no evidence: only the watch over a held part receives it."""
         self._at = max(self._at, frame.at)
         readings = PassingReadings(self._senses.now.readings, frame)
         told = self._hold.sample(
@@ -165,9 +174,10 @@ class Controller:
         return statuses if statuses or not told else [self.status()]
 
     def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """Interface variables of the other program: ``ee``, or ``unlock_valve`` and whether the tool is ``loose``.
+        """Update the interface variables of the other program: ``ee``, or ``unlock_valve`` and ``loose``.
 
-        Loose: the unlock output is active, or the tool changer is in FAULT; default: as ``unlock_valve``.
+        ``loose`` is 1 if the unlock output is active or the tool changer is in FAULT; default: the value of
+        ``unlock_valve``.
         """
         at = self._until(at)
         statuses = self._due_before(at)
@@ -179,7 +189,7 @@ class Controller:
         return self._watched(statuses + self._told(self._execution.advance(at)))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
-        """A command by the name of its channel; whether it is accepted is an edge of the automaton."""
+        """Execute a command, given by its channel; an edge of the automaton decides about acceptance."""
         at = self._until(at)
         statuses = self._due_before(at)
         event = Event(name)
@@ -195,9 +205,9 @@ class Controller:
         return Answer(True), statuses + self._told(reaction.steps)
 
     def refusal(self, name: str) -> str:
-        """Why a command would be refused now, in the words of its refusal; empty: it would be accepted.
+        """Return why a command would be refused now, as in its refusal; empty: it would be accepted.
 
-        Nothing is changed by asking.
+        The call changes nothing.
         """
         if self._execution.takes(Event(name)):
             return self._faulty(self._at) if name == "grip" else ""
@@ -205,71 +215,74 @@ class Controller:
 
     @property
     def blocking(self) -> dict[str, str]:
-        """What each interlock says against a grip or an unlock now, a sentence; empty: nothing."""
+        """The reason of each interlock against a grip or an unlock now, a sentence; empty: none."""
         fault, senses = self._statuses.fault, self._senses.now
         said = blocking(self._description, self.status(), senses, self._at, fault=fault)
         return said | {"IL-07": said["IL-07"] or self._faulty(self._at)}
 
     @property
     def senses(self) -> SensorSet:
-        """What the sensors prove, for those who show it."""
+        """The sensors and what they prove, for display."""
         return self._senses
 
     @property
     def hold(self) -> HoldMonitor:
-        """What is watched while a part is held, for those who show it."""
+        """The watch over a held part, for display."""
         return self._hold
 
     def locations(self) -> ExecutionSnapshot | None:
-        """Where the automata stand; None: they were not started yet."""
+        """Return the locations, variables and clocks of the automata; None: they were not started yet."""
         return self._execution.snapshot()
 
     def refused(self, at: int) -> list[Status]:
-        """The line arbiter refused to activate what the last status asked for."""
+        """Handle a refusal: the line arbiter did not activate an output that the last status demands."""
         at = self._until(at)
         statuses = self._due_before(at)
         channel = "unlock_refused" if self._program == "tool_change" else "grip_refused"
         return statuses + self._receive(Event(channel), at)
 
     def acknowledge(self, at: int) -> list[Status]:
-        """Alarms that are over were seen: they are forgotten. Nothing else is changed by it."""
+        """Remove the alarms that are over, because an operator has seen them; nothing else changes."""
         at = self._until(at)
         statuses = self._due_before(at)
         self._hold.acknowledge()
         return [*statuses, self.status()]
 
     def refuse_maintenance(self, *, active: bool) -> str:
-        """Why the line of an actuator may not be driven in maintenance now (IL-12); empty: it may."""
+        """Return why the line of an actuator may not be driven in maintenance now (IL-12); empty: it may."""
         if refused := no_maintenance(EndEffectorState(self._statuses.values["ee"]), held=self._statuses.held):
             return refused
         return self.blocking["IL-05"] if active else ""
 
     def advance(self, at: int) -> list[Status]:
-        """Everything that is due at or before ``at``."""
+        """Execute everything that is due at or before ``at``."""
         return self._advance(self._until(at))[0]
 
     def look_ahead(self) -> Iterator[object]:
-        """Compute the results of possible next inputs, a little with each item; change nothing."""
+        """Compute the results of possible next inputs, one portion per item; the state does not change."""
         takes = self._execution.inputs
         events = [event for event in (*self._senses.events, *_COMMANDS) if event.channel in takes]
         return self._execution.look_ahead(events)
 
     @property
     def discrete_state(self) -> object:
-        """Equal for equal locations and values: what `look_ahead` found for one holds for the other."""
+        """A value that is equal for equal locations and variables.
+
+        The results of `look_ahead` hold for all equal states.
+        """
         return self._execution.state
 
     def status(self) -> Status:
-        """The state as it is now."""
+        """Return the present status."""
         return self._statuses.status(self._at)
 
     def snapshot(self) -> ControllerSnapshot | None:
-        """Where it stands; None: it was not started yet. Nothing is changed by it."""
+        """Return the present state for `resume`, without changing it; None: not started yet."""
         memory, execution = memory_of(self), self._execution.snapshot()
         return ControllerSnapshot(self._at, self.status(), execution, memory) if execution else None
 
     def resume(self, snapshot: ControllerSnapshot) -> None:
-        """Stand where another controller of the same description stood; for one that was not started.
+        """Continue from the state of another controller of the same description, instead of `start`.
 
         Raises:
             UsageError: the snapshot is of another description, or contradicts itself.
@@ -283,12 +296,12 @@ class Controller:
         return refusal(self._description, name, self.status(), senses, at, fault=fault)
 
     def _faulty(self, at: int) -> str:
-        """Why a device refuses a grip, a sentence; empty: none does."""
+        """Return why a device prevents a grip, as a sentence; empty: none does."""
         why = self._hold.fault(at)
         return f"IL-07: {why}" if why else ""
 
     def _watched(self, statuses: list[Status]) -> list[Status]:
-        """These, and another one where the tool of a held part is loose now, or is not any more (IL-05)."""
+        """Return these statuses, and one more if a held part's tool just became loose or locked (IL-05)."""
         held = self._statuses.held and self._statuses.adopted
         loose = self._statuses.loose if held else ""
         return [*statuses, self.status()] if held and self._hold.tool(loose, self._at) else statuses
@@ -303,7 +316,7 @@ class Controller:
         return max(at, self._at)
 
     def _advance(self, at: int) -> tuple[list[Status], int | None]:
-        """As `advance`, for an ``at`` that is not before `Controller.at`; also returns µs of what is due next."""
+        """Do as `advance` for an ``at`` that is not in the past; also return the next deadline, µs."""
         statuses: list[Status] = []
         while (due := self.deadline) is not None and due <= at:
             # what is late is taken now, and told as late: nobody may see a time at which nothing happened
@@ -328,7 +341,7 @@ class Controller:
         return statuses
 
     def _look(self, at: int, stamp: int | None = None) -> tuple[list[Status], bool]:
-        """What the sensors prove at ``at`` without a frame, taken now; and whether that is news."""
+        """Judge the sensors at ``at`` without a frame; return the statuses, and whether something changed."""
         events = self._senses.advance(at)
         self._write_levels()
         told = self._hold.sample(at, held=self._statuses.held and self._statuses.adopted)

@@ -1,4 +1,7 @@
-"""Last wills: what the line arbiter does when a program dies, computed here, so that it knows no gripping logic."""
+"""Last wills: the deactivations that the line arbiter does if a program dies.
+
+They are computed here, so that the line arbiter needs no gripping logic.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,15 @@ from .words import left_active
 
 
 class GripLastWill:
-    """The end of a blow-off, then deactivations in release order of what is engaged and is declared to be released.
+    """Computes the last will of the grip program: the end of a blow-off, then deactivations in release order.
 
-    Empty: hold. What is blown off is not held by its suction, so nothing falls for that end; no last will begins one.
+    It deactivates active outputs that the description declares to be released; an empty will means hold. The end of a
+    blow-off drops nothing, because a part that is blown off is no longer held by its suction; no last will begins a
+    blow-off.
 
-    Held, or left active by an unwinding: it stays, unless the description says otherwise (IL-09). Before GRIPPED:
-    as it says; while releasing: the release is carried out. The arbiter sees no sensors, so it gives each step the
-    whole time that the release allows it.
+    An output of a held part, or one that an unwinding has left active, stays active unless the description declares
+    otherwise (IL-09). Before GRIPPED the declared endings apply; while releasing, the release is completed. The line
+    arbiter reads no sensors for this, so every step gets the full time that a release allows it.
     """
 
     def __init__(self, description: Description) -> None:
@@ -35,7 +40,7 @@ class GripLastWill:
         ]
 
     def of(self, status: Status, *, on: str = "process_death") -> LastWill:
-        """The last will for a status, and for an ending: ``process_death`` or ``sigterm``."""
+        """Return the last will for a status and an ending, ``process_death`` or ``sigterm``."""
         steps = [LastWillStep(self._blow_offs[index]) for index in status.blowing]
         after_us = 0
         releasing = status.ee == EndEffectorState.RELEASING
@@ -53,7 +58,7 @@ class GripLastWill:
 
 
 def changer_will(description: Description, status: Status, *, on: str = "process_death") -> LastWill:
-    """The unlock output is deactivated where that is declared for an ending: an inactive line is locked."""
+    """Return the last will: it deactivates the unlock output, which locks, if declared for the ending."""
     changer = description.tool_changer
     if not (changer and status.unlock_output and getattr(changer.endings, on) == "release"):
         return ()
@@ -61,12 +66,15 @@ def changer_will(description: Description, status: Status, *, on: str = "process
 
 
 def maintenance_will(lines: Iterable[str]) -> LastWill:
-    """Everything that maintenance has activated is deactivated at once, however the program ends; in this order."""
+    """Return the last will that deactivates the lines driven by maintenance, at once and in this order.
+
+    It applies to every way in which the program can end.
+    """
     return tuple(LastWillStep(line) for line in lines)
 
 
 def ending_in_words(description: Description, status: Status, *, on: str) -> str:
-    """What becomes of the outputs of a tool when its process ends like this, sentences; empty: nothing is active."""
+    """Return what happens to the outputs at this end of the tool's process; empty: none is active."""
     name_of = {part.line: name for name, part in description.ordered}
     will = GripLastWill(description).of(status, on=on)
     released = [name_of[step.line] for step in will if step.line in name_of]

@@ -1,4 +1,4 @@
-"""The network of a tool: its UPPAAL file with the constants of its description."""
+"""The network of a tool: its UPPAAL file with the constants from its description."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _KEPT = 8
 
 
 def network_of(description: Description) -> Network:
-    """The network that both programs of a tool execute.
+    """Return the network that both programs of a tool execute.
 
-    The same file with the same constants gives the same network: compiling takes half a second, on a robot's computer
-    several. A file or a constant that has changed gives another one.
+    It is cached by the content of the file and its constants: compiling takes half a second, and several seconds on a
+    robot's computer. A changed file or constant gives another network.
 
     Raises:
         ModelError: the UPPAAL file is not valid; with ``file:line:column``.
-        UsageError: a constant does not exist there, or does not fit its declaration.
+        UsageError: a constant does not exist in the file, or does not fit its declaration.
     """
     path = description.automata_path
     return _compiled(str(path), load_source(path), json.dumps(model_constants(description)))

@@ -1,4 +1,4 @@
-"""What a running program says of itself: one immutable snapshot per step of its automata."""
+"""The status of a running program: one immutable snapshot per step of its automata."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from ._events import ToolEvent
 
 @dataclass(frozen=True, slots=True)
 class StepReport:
-    """One step of the running or last grip."""
+    """A report on one step of the running or last grip."""
 
     name: str
     attempts: int = 0
     seconds: float = 0.0
-    """From its first activation to its confirmation, or until now."""
+    """Time from its first activation to its confirmation, or until now, s."""
     confirmed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Whether a command was taken, and if not, why in words.
+    """The answer to a command: whether it was accepted, and if not, why.
 
     Attributes:
-        decided: False when no answer came in time, and the command may be executed all the same; or when the line
-            arbiter is lost, and it is not executed.
-        count: the number of the first status that is certain to follow the acceptance, where statuses are numbered.
+        decided: False if no answer came in time, so that the command may still be executed; or if the line arbiter is
+            lost, and the command is not executed.
+        count: number of the first status that is certain to follow the acceptance, where statuses are numbered.
     """
 
     accepted: bool
@@ -47,13 +47,13 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Everything that can be said after one step; times in µs on the monotonic clock."""
+    """The complete status after one step; times are in µs on the monotonic clock."""
 
     at: int
     ee: EndEffectorState
     command: Command
     actuators: tuple[int, ...]
-    """The state of each in Table II; its kind has the words."""
+    """State of each actuator in Table II; its kind has the names."""
     outputs: tuple[bool, ...]
     evidence: tuple[Evidence, ...]
     step: int = -1
@@ -66,35 +66,35 @@ class Status:
     lift_allowed: bool = False
     held: bool = False
     kept: tuple[int, ...] = ()
-    """Actuators, by their place in the sequence, that the unwinding which runs leaves active, as declared."""
+    """Actuators, by position in the sequence, that the present unwinding leaves active, as declared."""
     blowing: tuple[int, ...] = ()
-    """Actuators, by their place in the sequence, that are being blown off."""
+    """Actuators, by position in the sequence, whose part is being blown off."""
     dropped: int = -1
-    """The actuator that a Drop has deactivated last, by its place in the sequence, until it is over; -1: none."""
+    """The actuator that the present Drop has deactivated last, by position in the sequence; -1: none."""
     secure: bool = False
     maintenance: bool = False
     changer: ChangerState = ChangerState.UNKNOWN
     unlock_output: bool = False
     changer_fault: ChangerFault = ChangerFault.NONE
-    """Why the tool changer is FAULT."""
+    """Why the tool changer is in FAULT."""
     vented: bool = False
-    """Nothing is gripped, as IL-01 asks it."""
+    """Whether nothing is gripped, as IL-01 requires."""
     armed: bool = False
-    """An unlock was armed (IL-02)."""
+    """Whether an unlock is armed (IL-02)."""
     link_up: bool = False
     stale: tuple[str, ...] = ()
     missed: int = 0
     worst_late_us: int = 0
     refused_frames: int = 0
-    """Frames that did not count because of their stamp, since the start."""
+    """Number of frames refused because of their stamp, since the start."""
     alarms: tuple[Alarm, ...] = ()
     steps: tuple[StepReport, ...] = ()
     events: tuple[ToolEvent, ...] = ()
-    """What has led from the status before to this one, in order."""
+    """Events between the previous status and this one, in order."""
 
     @property
     def arbiter_lost(self) -> bool:
-        """Whether ``held`` and the outputs are the last known ones, and not known now."""
+        """Whether the line arbiter is lost, so that ``held`` and the outputs are the last known ones."""
         return self.alarm(ARBITER_LOST) is not None
 
     @property
@@ -103,12 +103,12 @@ class Status:
         return tuple(map(str, self.alarms))
 
     def alarm(self, *ids: str, about: str | None = None) -> Alarm | None:
-        """The first alarm with one of some ids, about something or about anything (None); None: there is none."""
+        """Return the first alarm with one of these ids, about this thing (None: any thing), or None."""
         found = (each for each in self.alarms if each.id in ids and about in (None, each.about))
         return next(found, None)
 
 
 def told_to_grip(status: Status) -> dict[str, int]:
-    """The tool changer's variables in the gripping network; loose: unlock output active, or FAULT."""
+    """Return the tool changer's variables for the gripping network; loose: unlock output active, or FAULT."""
     loose = status.unlock_output or status.changer is ChangerState.FAULT
     return {"unlock_valve": int(status.unlock_output), "loose": int(loose)}

@@ -1,4 +1,4 @@
-"""The status of one program after each step of its automata."""
+"""Builds the status of one program after each step of its automata."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ Condition = Callable[[tuple[int, ...], tuple[int, ...]], Any]
 
 
 class StatusBuilder:
-    """Puts together what the automata, the detectors and the hold monitor know; decides nothing.
+    """Collects the state of the automata, the detectors and the hold monitor in a status; makes no decisions.
 
     Attributes:
-        values: of the automata, by name.
+        values: variables of the automata, by name.
         found: levels of the lines as they were found at the start.
-        adopted: whether the automata know of them.
-        held: whether a part is held; what was found active is, until it is adopted and known better.
+        adopted: whether the automata have received these levels.
+        held: whether a part is held; outputs found active count as holding until they are adopted and judged.
     """
 
     MEMORY: ClassVar = {
@@ -116,7 +116,7 @@ class StatusBuilder:
         self.know({})
 
     def know(self, values: Mapping[str, int]) -> None:
-        """Values have changed, or whether the lines are adopted."""
+        """Update variables of the automata; with no values, update all that depends on the adoption."""
         known = self.values
         known.update(values)
         if not values or not self._per_actuator.isdisjoint(values):
@@ -141,7 +141,7 @@ class StatusBuilder:
         self.held = self._grips and held
 
     def step(self, step: Step, at: int) -> Status:
-        """The status after one more step, at ``at`` µs."""
+        """Return the status after one more step, at ``at`` µs."""
         self._missed += step.missed
         self._worst_late_us = max(self._worst_late_us, step.late_us)
         changes = {}
@@ -155,7 +155,7 @@ class StatusBuilder:
         return self.status(at, events)
 
     def blame(self, cause: int, cause_at: int, at: int) -> None:
-        """Why a grip or a release ended, in the words of this moment: what decided it is soon another reading."""
+        """Store why a grip or a release ended, with the readings of this moment, which soon change."""
         if cause == Cause.KEPT:  # what it ended for is told already
             self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
@@ -165,7 +165,7 @@ class StatusBuilder:
             self._cause, self._cause_at, self._left = cause, cause_at, ""
 
     def _unknown(self, cause: int) -> str:
-        """That nothing was known of an output at the start, a sentence; empty: it is not the reason."""
+        """Return a sentence if an output's unknown state at the start is the cause; empty: it is not."""
         ordered = self._description.ordered
         names = [
             display_name(name)
@@ -181,11 +181,11 @@ class StatusBuilder:
 
     @property
     def steps(self) -> StepLog:
-        """Attempts and times."""
+        """Attempts and times of the steps."""
         return self._steps
 
     def status(self, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
-        """The state at ``at`` µs; ``events``: those that have led to it."""
+        """Return the status at ``at`` µs; ``events``: the events that led to it."""
         values, hold, steps = self.values, self._hold, self._steps
         ee = _STATES[values["ee"]]
         seen = (at, self._senses.revision, self.held)
@@ -233,7 +233,7 @@ class StatusBuilder:
         )
 
     def _look(self, at: int) -> None:
-        """At the sensors, once for all steps that follow from what they show."""
+        """Read the sensors' state once for all steps that follow from it."""
         senses, readings = self._senses, self._senses.now.readings
         self._refused = senses.refused
         self._down = readings.down(at)
@@ -262,14 +262,14 @@ class StatusBuilder:
 
     @property
     def fault(self) -> bool:
-        """Whether the other program says that the tool changer is in FAULT."""
+        """Whether the other program reports that the tool changer is in FAULT."""
         return bool(self.values.get("loose")) and not self.values["unlock_valve"]
 
     @property
     def loose(self) -> str:
-        """Why the tool of a held part is not proven to be locked, a clause (IL-05); empty: it is.
+        """Reason why the tool of a held part is not proven locked (IL-05), a clause; empty: it is.
 
-        Sensors that are only silent are an alarm of their own.
+        Silent sensors alone do not count here: they raise an alarm of their own.
         """
         told = bool(self.values.get("loose", self.values["unlock_valve"]))
         if self._is(self._fastened) or (self._senses.now.tool is ToolEvidence.UNCLEAR and not told):
@@ -278,7 +278,7 @@ class StatusBuilder:
         return loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
 
     def _is(self, condition: Condition) -> bool:
-        """Whether a condition of the automata holds."""
+        """Return whether a condition of the automata holds."""
         state = self._execution.state
         return bool(condition(state.values, state.locations))
 
@@ -294,5 +294,5 @@ class StatusBuilder:
 
 
 def _condition(network: Network, name: str) -> Condition:
-    """A function of the automata that asks no clock."""
+    """Return a function that evaluates a condition of the automata without clocks."""
     return compile_integer(network, parse_expression(Text.plain(f"{name}()", f"function {name}")))

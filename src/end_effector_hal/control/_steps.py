@@ -1,4 +1,4 @@
-"""Attempts and times of each step of a grip, from the events of the automata."""
+"""Attempts and times of each step of a grip, derived from the events of the automata."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._status import StepReport
 
 
 class StepLog:
-    """Counts attempts and their times; decides nothing."""
+    """Counts the attempts of each step and measures their time; makes no decisions."""
 
     MEMORY: ClassVar = {
         "_begun": list[int | None],
@@ -29,7 +29,7 @@ class StepLog:
         self.step = -1
 
     def take(self, events: Sequence[ToolEvent], at: int, *, gripping: bool) -> None:
-        """Follow one more step of the automata, taken at ``at`` µs; ``gripping``: the state after it is GRIPPING."""
+        """Process a step of the automata at ``at`` µs; ``gripping``: the state after it is GRIPPING."""
         if gripping and not self._gripping:
             self.steps = tuple(map(StepReport, self._names))
             self._begun = [None] * len(self._names)

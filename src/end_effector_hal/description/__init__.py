@@ -1,6 +1,7 @@
-"""What an end-effector is made of: YAML in, frozen typed objects out; pure.
+"""The description of an end-effector: YAML in, frozen typed objects out; no I/O beyond reading the file.
 
-``model`` has the stanzas, ``reading`` leads from a file to them, ``rules`` says what cannot be meant.
+``model`` contains the stanzas, ``reading`` builds them from a file, ``rules`` finds settings that make no sense
+together.
 """
 
 from ._fault import CODES, Fault, did_you_mean

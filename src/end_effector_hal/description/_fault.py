@@ -1,4 +1,4 @@
-"""One thing that is wrong with a description, and the place in its file."""
+"""A fault of a description, and its place in the file."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Keys = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Place:
-    """A position, both counted from 1, the text that stands there in short, and its length in its first line.
+    """A position in a file: line and column from 1, the short text there, its length in its first line.
 
-    ``path`` is what was looked for: a default that is not written has the place of the stanza around it.
+    ``path`` holds the keys that were looked up: a default that is not written has the place of the stanza around it.
     """
 
     line: int = 1
@@ -33,7 +33,7 @@ class Place:
 
     @property
     def order(self) -> tuple[int, int]:
-        """Sorts places as they stand in the file."""
+        """Sort key for the order of the file."""
         return self.line, self.column
 
 
@@ -47,12 +47,12 @@ class Places:
     values: dict[Keys, Place] = field(default_factory=dict)
 
     def key(self, *path: str | int) -> Place:
-        """Where a key stands; an element of a sequence has none, there it is the value."""
+        """Return the place of a key; for an element of a list, which has no key, that of its value."""
         found = self.keys.get(path)
         return replace(found, path=path) if found else self.value(*path)
 
     def value(self, *path: str | int) -> Place:
-        """Where a value stands, or the nearest stanza around it that is written."""
+        """Return the place of a value; if it is not written, that of the nearest written stanza around it."""
         around = path
         while around and around not in self.values:
             around = around[:-1]
@@ -61,7 +61,7 @@ class Places:
         return replace(self.values.get(around, Place()), path=path)
 
     def where(self, *path: str | int) -> str:
-        """``file:line:column`` of a value."""
+        """Return the place of a value as ``file:line:column``."""
         place = self.value(*path)
         return f"{self.name or self.file}:{place.line}:{place.column}"
 
@@ -71,7 +71,7 @@ CODES = {
     "EE-201": "the file cannot be read",
     "EE-202": "not YAML",
     "EE-203": "YAML that a description does not use: tags, merge keys, several documents, a list at the top",
-    "EE-204": "a key stands twice",
+    "EE-204": "a key is repeated",
     "EE-205": "unknown key",
     "EE-206": "missing key",
     "EE-207": "wrong type",
@@ -86,15 +86,18 @@ CODES = {
     "EE-224": "the automata file is missing",
     "EE-225": "no wire carries a channel, or the codec cannot prove an actuator",
     "EE-226": "unknown codec",
-    "EE-227": "a condition that cannot be meant",
+    "EE-227": "a condition that makes no sense",
     "EE-228": "channels and the frame of the link do not go together",
-    "EE-229": "an output on the bus that cannot be meant",
+    "EE-229": "an output on the bus that makes no sense",
 }
 
 
 @dataclass(frozen=True, order=True)
 class Fault:
-    """What is wrong, where (counted from 1; line 0: the whole file), what stands there, what is expected."""
+    """A fault: what is wrong, where, the text found there, and what is expected.
+
+    Line and column are counted from 1; line 0 means the whole file.
+    """
 
     line: int
     column: int
@@ -104,9 +107,9 @@ class Fault:
     expected: str = ""
     hint: str = ""
     length: int = field(default=1, compare=False)
-    """Of the offending text, in its line."""
+    """Length of the offending text in its line."""
     path: Keys = field(default=(), compare=False)
-    """Keys that lead to it; () where it is none of a key or value."""
+    """Keys that lead to the offending value; () if the fault belongs to no key or value."""
 
     @classmethod
     def at(
@@ -119,25 +122,25 @@ class Fault:
         hint: str = "",
         found: str | None = None,
     ) -> Fault:
-        """A fault at a place, whose text is the offending text unless ``found`` is given."""
+        """Return a fault at a place; the offending text is that of the place unless ``found`` is given."""
         found = place.text if found is None else found
         return cls(place.line, place.column, code, what, found, expected, hint, place.length, place.path)
 
     @property
     def message(self) -> str:
-        """The sentence without its place: what (offending text), expected …; hint."""
+        """The sentence without its place: what is wrong (offending text), expected …; hint."""
         found = f" ({self.found})" if self.found else ""
         expected = f", expected {self.expected}" if self.expected else ""
         hint = f"; {self.hint}" if self.hint else ""
         return escaped(f"{self.what}{found}{expected}{hint}")
 
     def diagnostic(self, name: str) -> Diagnostic:
-        """The fault of the file that is called so; as text ``file:line:column: message [code]``."""
+        """Return the fault as a diagnostic of this file; as text ``file:line:column: message [code]``."""
         return Diagnostic(self.code, name, self.line, self.column, self.message)
 
 
 def closest(word: object, candidates: Iterable[str]) -> str | None:
-    """The candidate that somebody who wrote ``word`` probably meant."""
+    """Return the candidate that the author of ``word`` probably meant; None: no candidate is similar."""
     written = str(word).lower()
     known = {each.lower(): each for each in candidates if not _another_number(written, each.lower())}
     matches = get_close_matches(written, known, n=1, cutoff=0.6)
@@ -145,11 +148,11 @@ def closest(word: object, candidates: Iterable[str]) -> str | None:
 
 
 def _another_number(word: str, candidate: str) -> bool:
-    """IL-02 is no misspelt IL-09."""
+    """Return whether two words differ only in their digits: IL-02 is not a misspelt IL-09."""
     return word != candidate and re.sub(r"\d", "0", word) == re.sub(r"\d", "0", candidate)
 
 
 def did_you_mean(word: object, candidates: Iterable[str]) -> str:
-    """A hint, or nothing if no candidate is near."""
+    """Return a hint such as ``did you mean 'line'?``; empty if no candidate is similar."""
     match = closest(word, candidates)
     return f"did you mean {match!r}?" if match and match != word else ""

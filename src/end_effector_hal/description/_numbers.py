@@ -1,4 +1,4 @@
-"""Units in keys (``timeout_s`` is in seconds, ``gone_kpa`` in kilopascal), ranges, and what was probably meant."""
+"""Units in keys (``timeout_s`` is in seconds, ``gone_kpa`` in kPa), ranges, and hints for wrong units."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ WORDS = {
 
 
 def split(key: str) -> tuple[str, str]:
-    """Stem and unit: ``("timeout", "s")``; the unit is empty where the key has none."""
+    """Return the stem and the unit of a key, such as ``("timeout", "s")``; the unit is empty if missing."""
     stem, _, unit = key.rpartition("_")
     return (stem, unit.lower()) if stem and any(unit.lower() in each for each in QUANTITIES) else (key, "")
 
 
 def convert(value: object, of: str, to: str) -> float | None:
-    """A number in another unit of the same quantity."""
+    """Return a number in another unit of the same quantity; None: not a number, or other quantities."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return next((value * each[of] / each[to] for each in QUANTITIES if of in each and to in each), None)
 
 
 def right_key(key: str, value: object, keys: Iterable[str]) -> tuple[str, str] | None:
-    """The key that has another unit but the same stem, and how to write it; None if there is none."""
+    """Return the known key with the same stem and another unit, and how to write it; None: none."""
     stem, unit = split(key)
     for known in keys:
         right_stem, right_unit = split(known)
@@ -49,7 +49,7 @@ def right_key(key: str, value: object, keys: Iterable[str]) -> tuple[str, str] |
 
 
 def with_unit(text: str) -> tuple[float, str] | None:
-    """``5 s`` to ``(5.0, "s")``; a number alone has the unit ``""``; None if it is no number."""
+    """Return ``5 s`` as ``(5.0, "s")``, and a number alone with the unit ``""``; None: it is no number."""
     match = re.fullmatch(r"\s*([-+]?\d{1,12}(?:[.,]\d{1,12})?)\s*(%|[A-Za-z]*)\s*", text)
     if not match:
         return None
@@ -57,7 +57,7 @@ def with_unit(text: str) -> tuple[float, str] | None:
 
 
 def number(value: float) -> str:
-    """Without needless digits."""
+    """Return a number as text without unnecessary digits."""
     return f"{value:.10g}"
 
 
@@ -73,7 +73,7 @@ SIGNS = {"s": "s", "ms": "ms", "kpa": "kPa", "mm": "mm"}
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds of a number; ``above`` is not part of the range, ``least`` and ``most`` are."""
+    """Bounds of a number; ``above`` is exclusive, ``least`` and ``most`` are inclusive."""
 
     above: float | None = None
     least: float | None = None
@@ -81,7 +81,7 @@ class Limits:
     unit: str = ""
 
     def allow(self, value: float) -> bool:
-        """Whether a number is in range."""
+        """Return whether a number is in range."""
         return (
             (self.above is None or value > self.above)
             and (self.least is None or value >= self.least)
@@ -98,7 +98,7 @@ class Limits:
 
 
 def limits_of(path: Keys, kind: str) -> Limits:
-    """The range that the model gives a number."""
+    """Return the range of a number as the model defines it."""
     stanza = stanza_at(path[:-1], kind)
     field = fields_of(stanza).get(str(path[-1])) if stanza else None
     bounds: dict[str, float] = {}
@@ -108,7 +108,7 @@ def limits_of(path: Keys, kind: str) -> Limits:
 
 
 def wrong_scale(key: str, value: object, limits: Limits) -> str:
-    """``milliseconds? write timeout_s: 5``, or nothing."""
+    """Return a hint such as ``milliseconds? write timeout_s: 5`` for a wrong unit; empty: none fits."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if limits.unit in KILOPASCAL and limits.least is None and limits.allow(-value):

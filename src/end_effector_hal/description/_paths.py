@@ -1,4 +1,4 @@
-"""Where things stand on the machine: shipped profiles, the run directory."""
+"""Paths on the machine: the shipped profiles and the run directory."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from end_effector_hal.owned import owned_folder
 
 
 def own_directory(path: Path) -> Path:
-    """The directory, made if it is missing, for this user alone (mode 0700).
+    """Return the directory, for this user alone (mode 0700); create it if it is missing.
 
-    Somebody else may have been there first, with a directory or a link of that name: then it is refused.
+    A directory or a link that another user created there first is refused.
 
     Raises:
-        WireError: it is not a directory, or belongs to another user, or others may write there.
+        WireError: it is not a directory, belongs to another user, or can be written by others.
     """
     try:
         owned_folder(path, 0o700).chmod(0o700)
@@ -33,7 +33,7 @@ PROFILES = Path(__file__).resolve().parent.parent / "profiles"
 
 
 def profile_path(name: str = "verdin_gripper") -> Path:
-    """The YAML file of a shipped profile.
+    """Return the YAML file of a shipped profile.
 
     Raises:
         UsageError: no profile has that name.
@@ -46,17 +46,17 @@ def profile_path(name: str = "verdin_gripper") -> Path:
 
 
 def profile_names() -> list[str]:
-    """The shipped profiles, in the order of the alphabet."""
+    """Return the names of the shipped profiles in alphabetical order."""
     return sorted(each.parent.name for each in PROFILES.glob("*/end_effector.yaml"))
 
 
 def tool_path(description: str | Path, profile: str, *, how: str) -> Path:
-    """The YAML file of the tool that a program is to drive, absolute: no tool is ever taken by default.
+    """Return the absolute path of the YAML file of the tool to be driven; there is no default tool.
 
     Args:
-        description: path of a file; empty: none is given. A relative one starts at the working directory.
-        profile: name of a shipped one; empty: none is given.
-        how: the way to give one of them, such as ``FILE or --profile NAME``.
+        description: path of a file; empty: not given. A relative path starts at the working directory.
+        profile: name of a shipped profile; empty: not given.
+        how: how the user can give one of them, such as ``FILE or --profile NAME``.
 
     Raises:
         UsageError: neither or both are given, or no profile has that name.
@@ -71,13 +71,13 @@ def tool_path(description: str | Path, profile: str, *, how: str) -> Path:
 
 
 def run_directory() -> Path:
-    """Where sockets of running programs stand; only the last resort is created here.
+    """Return the directory for the sockets of running programs.
 
-    ``$EEHAL_RUN_DIR``, else ``/run/eehal`` if it can be written, else ``$XDG_RUNTIME_DIR/eehal``, else
-    ``/tmp/eehal-<uid>``, which is for this user alone.
+    It is ``$EEHAL_RUN_DIR``, else ``/run/eehal`` if it can be written, else ``$XDG_RUNTIME_DIR/eehal``, else
+    ``/tmp/eehal-<uid>`` for this user alone. Only the last one is created here.
 
     Raises:
-        WireError: somebody else was first at the last resort.
+        WireError: the last one exists already and is not for this user alone.
     """
     if chosen := os.environ.get("EEHAL_RUN_DIR"):
         return Path(chosen)

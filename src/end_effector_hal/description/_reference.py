@@ -1,4 +1,4 @@
-"""The reference of all keys: a JSON Schema for editors, and the Markdown of ``docs/reference/description.md``."""
+"""The reference of all keys: a JSON Schema, and the Markdown of ``docs/reference/description.md``."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ._shape import actuator_stanzas, fields_of, is_common, of_any_kind, stanzas
 
 
 class _Untitled(GenerateJsonSchema):
-    """Without a title for each key, which would only repeat the key."""
+    """A schema generator that sets no title for a key, because it would only repeat the key."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
 
 
 def schema() -> dict[str, Any]:
-    """JSON Schema, draft 2020-12, with meanings and defaults; rules between stanzas are not in it."""
+    """Return the JSON Schema (draft 2020-12) with meanings and defaults, without rules between stanzas."""
     found = Description.model_json_schema(by_alias=True, schema_generator=_Untitled)
     actuators = found["properties"]["actuators"]
     actuators["additionalProperties"] = False
@@ -44,12 +44,12 @@ def schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """The same as a file, as it is shipped beside the profile."""
+    """Return the JSON Schema as the text of the file that is shipped beside the profile."""
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 
 def schema_path() -> Path:
-    """The copy that is shipped beside the profile; the profile's first line names it."""
+    """Return the path of the JSON Schema beside the profile; the profile's first line names it."""
     return profile_path().with_name("end_effector.schema.json")
 
 
@@ -59,7 +59,7 @@ HEAD = "| key | value | default | meaning |\n|---|---|---|---|"
 
 
 def markdown() -> str:
-    """A table for each stanza, then the codes of faults; between the two marks that stand in the document."""
+    """Return a table for each stanza and the codes of faults, between the marks of the generated part."""
     document, found = schema(), stanzas()
     parts = [BEGIN, *(part for path in found for part in _stanza(path, found, document)), *_codes(), END]
     return "\n\n".join(parts) + "\n"
@@ -100,7 +100,7 @@ def _table(defined: dict[str, Any], path: str, keys: set[str]) -> str:
 
 
 def _value(key: str, path: str, each: dict[str, Any]) -> str:
-    """What may stand there, in a few words."""
+    """Return in a few words which values are allowed for a key."""
     if "anyOf" in each:
         inner = next(option for option in each["anyOf"] if option.get("type") != "null")
         or_null = {"type": "null"} in each["anyOf"]
@@ -157,7 +157,7 @@ def _codes() -> Iterator[str]:
 
 
 def _errors(kind: type[ReportedError]) -> Iterator[type[ReportedError]]:
-    """Every kind of error that has a code of its own."""
+    """Yield every class of error with a code of its own."""
     yield kind
     for each in kind.__subclasses__():
         if each.__module__ in (ReportedError.__module__, DescriptionError.__module__):

@@ -1,4 +1,4 @@
-"""Which keys a stanza may have, and the values of a tree that are good while others are still broken."""
+"""The keys that a stanza may have, and access to the valid values of a description that still has faults."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 from ._fault import Keys, Places
 
 MAPPINGS: dict[str, type[Part]] = {"channels": Channel, "links": Link}
-"""Stanzas by the user's own names."""
+"""Stanzas that stand under names chosen by the user."""
 _KIND = re.compile(r"<\w+>")
 
 
 def fields_of(model: type[Part]) -> dict[str, FieldInfo]:
-    """Fields by the key that stands in the file."""
+    """Return the fields of a stanza by their key in the file."""
     return {each.alias or name: each for name, each in model.model_fields.items()}
 
 
 def actuator_stanzas() -> dict[str, type[Actuator]]:
-    """The stanza of each kind of actuator."""
+    """Return the stanza of each kind of actuator."""
     return {name: kind.stanza for name, kind in usable_kinds().items()}
 
 
 def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
-    """The model of the stanza at a path; None where no stanza can stand. ``kind`` picks the actuator's."""
+    """Return the model of the stanza at a path; None: none is possible. ``kind``: that of an actuator."""
     model: type[Part] | None = Description
     if len(path) >= 2 and path[0] == "actuators":
         model, path = get_kind(kind).stanza, path[2:]
@@ -46,7 +46,7 @@ def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
 
 
 def part_in(annotation: Any) -> type[Part] | None:
-    """The stanza in an annotation such as ``ToolChanger | None``, or of a list of them; not that in a dictionary."""
+    """Return the stanza in an annotation such as ``ToolChanger | None`` or of a list, not of a dictionary."""
     if isinstance(annotation, type) and issubclass(annotation, Part):
         return annotation
     if get_origin(annotation) is dict:
@@ -55,7 +55,7 @@ def part_in(annotation: Any) -> type[Part] | None:
 
 
 def top_mappings() -> dict[str, list[type[Part]]]:
-    """Keys at the top whose value is stanzas by the user's own names, and the models that one of these may have."""
+    """Return the top-level keys with stanzas under the user's own names, and the models of these stanzas."""
     return {
         "links": [Link],
         "channels": [Channel],
@@ -65,9 +65,11 @@ def top_mappings() -> dict[str, list[type[Part]]]:
 
 
 def homes_of(key: str, value: Any) -> list[str]:
-    """Stanzas that have this key, as ``link`` or ``actuators.<name>`` (with the kind, if only one has it).
+    """Return the stanzas that have this key, as ``link`` or ``actuators.<name>``.
 
-    A number is not meant for a key that takes one of a few words.
+    An actuator's stanza has the kind in place of the name if only one kind has the key.
+
+    Keys that accept only a few words are left out if the value is a number.
     """
     found = {stanza: fields_of(model).get(key) for stanza, model in stanzas().items()}
     homes = [
@@ -79,19 +81,19 @@ def homes_of(key: str, value: Any) -> list[str]:
 
 
 def is_common(stanza: str, among: Collection[str] | None = None) -> bool:
-    """Whether every kind of actuator has this stanza."""
+    """Return whether every kind of actuator has this stanza."""
     return stanza.startswith("actuators.<") and all(
         _KIND.sub(f"<{kind}>", stanza, count=1) in (among or stanzas()) for kind in usable_kinds()
     )
 
 
 def of_any_kind(stanza: str) -> str:
-    """``actuators.<name>.endings`` of ``actuators.<vacuum>.endings``."""
+    """Return ``actuators.<name>.endings`` for ``actuators.<vacuum>.endings``."""
     return _KIND.sub("<name>", stanza, count=1)
 
 
 def stanzas() -> dict[str, type[Part]]:
-    """Every stanza by its dotted path; the whole description has the path ``""``."""
+    """Return every stanza by its dotted path; the path of the whole description is ``""``."""
     found: dict[str, type[Part]] = {}
 
     def walk(path: str, model: type[Part]) -> None:
@@ -114,18 +116,18 @@ def stanzas() -> dict[str, type[Part]]:
 
 @dataclass(frozen=True)
 class Facts:
-    """A tree of values, the places of them, and the paths that already have a fault."""
+    """A tree of values, their places, and the paths that already have a fault."""
 
     tree: dict[str, Any]
     places: Places
     broken: set[Keys] = field(default_factory=set)
 
     def written(self, *path: str | int) -> bool:
-        """Whether the key stands in the file."""
+        """Return whether the key is written in the file."""
         return path in self.places.values
 
     def get(self, *path: str | int) -> Any:
-        """The value; the default if it is not written; None if it is broken or there is none."""
+        """Return the value, or the default if it is not written; None: it is faulty or unknown."""
         if any(path[:length] in self.broken for length in range(len(path) + 1)):
             return None
         value: Any = self.tree
@@ -136,21 +138,24 @@ class Facts:
         return value
 
     def says(self, *path: str | int) -> bool:
-        """Whether a key stands there with something else than its default, which a recorded description has, too."""
+        """Return whether a key is written with another value than its default.
+
+        The default itself does not count, because a recorded description writes defaults, too.
+        """
         if path in self.broken:
             return self.written(*path)
         return self.written(*path) and self.get(*path) != self.default(path)
 
     def broken_within(self, *path: str | int) -> bool:
-        """Whether something in a stanza already has a fault, from which others may only follow."""
+        """Return whether a stanza already contains a fault, which may cause others."""
         return any(each[: len(path)] == path for each in self.broken)
 
     def unbroken(self, *path: str | int) -> Any:
-        """A list; None where it is not written, or one of its elements is broken."""
+        """Return a list; None if it is not written, or one of its elements is faulty."""
         return None if self.broken_within(*path) else self.get(*path)
 
     def default(self, path: Keys) -> Any:
-        """What a key says that is not written."""
+        """Return the default of a key; None if it has none."""
         stanza = stanza_at(path[:-1], self._kind(path))
         found = fields_of(stanza).get(str(path[-1])) if stanza else None
         return None if found is None or found.is_required() else found.default
@@ -161,12 +166,12 @@ class Facts:
         )
 
     def names(self, *path: str | int) -> list[str]:
-        """The elements of a list that are texts, or the keys of a mapping; empty if it is broken."""
+        """Return the elements of a list of texts, or the keys of a mapping; empty if it is faulty."""
         value = self.get(*path)
         return [str(each) for each in value or ()]
 
     def actuators(self) -> list[tuple[str, str]]:
-        """Name and kind of each actuator whose stanza can be read."""
+        """Return name and kind of each actuator whose stanza can be read."""
         stanzas = self.tree.get("actuators")
         if not isinstance(stanzas, dict):
             return []

@@ -1,6 +1,6 @@
-"""Kinds of devices: what a vacuum, a cylinder, a clamp is; everything that differs between devices stands here.
+"""Kinds of devices, such as vacuum, cylinder and gripper: everything that differs between devices.
 
-A kind of your own is a subclass of `DeviceKind` with the stanza of its keys, an entry point in the group
+To add a kind, write a subclass of `DeviceKind` with a stanza of its keys, an entry point in the group
 ``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`.
 """
 

@@ -1,10 +1,14 @@
-"""Between the tool and a kind of somebody else's: whatever its classes raise or return ends no program.
+"""Guards the tool against plug-in kinds: none of their exceptions or wrong values ends the program.
 
-Rule 1: What judges a frame (a detector, a watch) and fails proves nothing: its evidence is UNKNOWN, a grip not secure.
-    A new one takes its place; it is believed once it has proven something.
-Rule 2: The first failure of each is told in words from then on, until the program restarts: a defect does not go away.
-Rule 3: What the tool is made of (ranges, names of channels, outputs) is asked for once; a failure is one sentence.
-Rule 4: What is only shown is left out: a margin is NaN, a sentence is the common one.
+Rule 1: A plug-in object that judges frames (a detector, a watch) and fails proves nothing: its evidence is UNKNOWN,
+its grip not secure. A new object replaces it and is trusted once it has proven something.
+
+Rule 2: The first failure of each object is reported until the program restarts: a defect does not disappear.
+
+Rule 3: Values on which the tool is built (ranges, names of channels, outputs) are queried once; a failure is one
+sentence.
+
+Rule 4: Values that are only displayed are omitted on failure: a margin is NaN, a sentence is the default one.
 """
 
 from __future__ import annotations
@@ -31,7 +35,7 @@ from ._parts import (
 )
 
 MOST_SAID = 16
-"""Findings or phrases that one call may return."""
+"""Largest number of findings or phrases that one call may return."""
 _DECLARED = (
     "name", "stanza", "channels", "states", "orders", "joint_rules", "opposing", "samples", "below_ambient", "moves",
     "empty",
@@ -40,10 +44,10 @@ T = TypeVar("T")
 
 
 class _Judge:
-    """Asks an object of somebody else's; replaces one that has failed.
+    """Calls a plug-in object, and replaces it after a failure.
 
     Attributes:
-        fault: how the first one failed, a sentence; empty: none has.
+        fault: a sentence about the first failure; empty: there was none.
     """
 
     MEMORY: ClassVar[dict[str, Any]] = {"_asked": PART, "fault": str}
@@ -87,7 +91,7 @@ class _Judge:
 
 
 class GuardedDetector(_Judge):
-    """A detector that always has an evidence."""
+    """A wrapper of a plug-in detector that always returns an evidence."""
 
     MEMORY: ClassVar[dict[str, Any]] = {**_Judge.MEMORY, "_believed": bool}
 
@@ -96,7 +100,7 @@ class GuardedDetector(_Judge):
         super().__init__(maker, make)
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """The evidence, or UNKNOWN."""
+        """Return the evidence; UNKNOWN if the plug-in fails."""
 
         def sampled(detector: Detector) -> Evidence:
             level = detector.sample(readings, at)
@@ -113,7 +117,7 @@ class GuardedDetector(_Judge):
 
 
 class GuardedWatch(_Judge):
-    """A watch over a held part that has findings, or none."""
+    """A wrapper of a plug-in watch over a held part that returns valid findings, or none."""
 
     MEMORY: ClassVar[dict[str, Any]] = {**_Judge.MEMORY, "secure": bool}
 
@@ -123,11 +127,11 @@ class GuardedWatch(_Judge):
 
     @property
     def watches(self) -> bool:
-        """Whether there is anything to watch, or should be."""
+        """Whether there is a watch, or there would be one if it had not failed."""
         return bool(self._asked or self.fault)
 
     def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
-        """Look at the newest readings."""
+        """Pass the newest readings to the watch."""
 
         def sampled(watch: HoldWatch) -> bool:
             watch.sample(readings, at, held=held)
@@ -136,7 +140,7 @@ class GuardedWatch(_Judge):
         self.secure = self._ask("sample()", sampled, False)
 
     def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """Its findings, as far as they are some."""
+        """Yield the findings of the watch, as far as they are valid."""
 
         def found(watch: HoldWatch) -> list[HoldFinding]:
             return [_finding(each) for each in islice(watch.findings(since, at), MOST_SAID)]
@@ -145,7 +149,7 @@ class GuardedWatch(_Judge):
         yield from self._ask("findings()", found, nothing)
 
     def dropped(self) -> None:
-        """Nothing is held any more."""
+        """Notify the watch that nothing is held any more."""
 
         def dropped(watch: HoldWatch) -> bool:
             watch.dropped()
@@ -155,7 +159,7 @@ class GuardedWatch(_Judge):
 
 
 class GuardedKind(DeviceKind[Any]):
-    """A kind of somebody else's: what it declares cannot change, and its methods raise PluginError or nothing."""
+    """A wrapper of a plug-in kind: its declarations are fixed, and its methods raise only PluginError."""
 
     def __init__(self, kind: DeviceKind[Any]) -> None:
         vars(self).update({key: getattr(kind, key) for key in _DECLARED})
@@ -164,11 +168,11 @@ class GuardedKind(DeviceKind[Any]):
         )
         self._kind = kind
         self.fault = ""
-        """How its margins have failed first, a sentence; empty: they have not."""
+        """A sentence about the first failure of a margin; empty: there was none."""
         self._known: dict[tuple[str, int], tuple[Actuator, Any]] = {}
 
     def preset(self, part: Any) -> EvidenceConditions | None:
-        """Its conditions."""
+        """Return the checked conditions of the plug-in."""
 
         def checked(conditions: EvidenceConditions | None) -> EvidenceConditions | None:
             return conditions if conditions is None else _of_type(conditions, EvidenceConditions)
@@ -176,24 +180,24 @@ class GuardedKind(DeviceKind[Any]):
         return self._once("preset()", part, lambda: checked(self._kind.preset(part)))
 
     def can_confirm(self, part: Any, carried: Mapping[str, Kind]) -> bool:
-        """Whether anything that is carried could."""
+        """Return whether any of the carried channels could confirm the actuator."""
         return attempt(
             self._name("can_confirm()"), lambda: _of_type(self._kind.can_confirm(part, carried), bool)
         )
 
     def detector(self, part: Any, supply: Supply) -> Detector:
-        """A new one, guarded where it is its own."""
+        """Return a new detector, with a guard if the plug-in defines its own."""
         if type(self._kind).detector is DeviceKind.detector:
             return super().detector(part, supply)
         return GuardedDetector(self._name("detector()"), lambda: self._kind.detector(part, supply))
 
     def hold_watch(self, part: Any, hold: Hold, period_us: int) -> GuardedWatch | None:
-        """A new one, guarded."""
+        """Return a new guarded watch; None: the kind has none."""
         watch = GuardedWatch(self._name("hold_watch()"), lambda: self._kind.hold_watch(part, hold, period_us))
         return watch if watch.watches else None
 
     def plausible(self, part: Any) -> PressureRange:
-        """Its range."""
+        """Return the checked pressure range of the plug-in."""
 
         def checked(span: object) -> PressureRange:
             found = _of_type(span, PressureRange)
@@ -203,7 +207,7 @@ class GuardedKind(DeviceKind[Any]):
         return self._once("plausible()", part, lambda: checked(self._kind.plausible(part)))
 
     def margin_pa(self, part: Any, gauge_pa: float, supply_pa: float) -> float:
-        """Its margin, or NaN."""
+        """Return the margin, Pa; NaN if the plug-in fails."""
         try:
             return attempt(
                 self._name("margin_pa()"), lambda: float(self._kind.margin_pa(part, gauge_pa, supply_pa))
@@ -213,28 +217,28 @@ class GuardedKind(DeviceKind[Any]):
             return float("nan")
 
     def lost(self, part: Any, readings: ChannelReadings, at: int) -> str:
-        """Its sentence, or the common one."""
+        """Return the plug-in's phrase about the loss; the default phrase if the plug-in fails."""
         try:
             return attempt(self._name("lost()"), lambda: _line(self._kind.lost(part, readings, at)))
         except PluginError as error:
             return f"{super().lost(part, readings, at)} ({error.what.rstrip('.')})"
 
     def not_fitted(self, part: Any, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """Its phrases."""
+        """Yield the checked phrases of the plug-in."""
         yield from attempt(
             self._name("not_fitted()"),
             lambda: [_line(each) for each in islice(self._kind.not_fitted(part, carried), MOST_SAID)],
         )
 
     def limits(self, part: Any, supply: Supply) -> dict[str, float]:
-        """Its thresholds."""
+        """Return the checked thresholds of the plug-in."""
         return attempt(
             self._name("limits()"),
             lambda: {_line(name): _number(each) for name, each in self._kind.limits(part, supply).items()},
         )
 
     def travel(self, part: Any) -> Travel | None:
-        """Its joint."""
+        """Return the checked joint of the plug-in."""
 
         def checked(travel: Travel | None) -> Travel | None:
             if travel is None:
@@ -247,15 +251,15 @@ class GuardedKind(DeviceKind[Any]):
         return self._once("travel()", part, lambda: checked(self._kind.travel(part)))
 
     def channel_names(self, part: Any) -> tuple[str, ...]:
-        """Its channels."""
+        """Return the checked names of the actuator's channels."""
         return self._once("channel_names()", part, lambda: _names(self._kind.channel_names(part)))
 
     def proofs(self, part: Any) -> tuple[str, ...]:
-        """Those that confirm."""
+        """Return the checked names of the channels that confirm."""
         return self._once("proofs()", part, lambda: _names(self._kind.proofs(part)))
 
     def opposing_output(self, part: Any) -> Any:
-        """Its stanza."""
+        """Return the checked stanza of the opposing output."""
 
         def checked(output: Any) -> Any:
             if output is not None:
@@ -278,7 +282,10 @@ class GuardedKind(DeviceKind[Any]):
         return fault
 
     def _once(self, what: str, part: Actuator, question: Callable[[], T]) -> T:
-        """What it says of a part; asked for once, so that a restart finds what the start has found."""
+        """Return the plug-in's answer for a part.
+
+        The plug-in is asked only once, so that a restart gets the same answer as the start.
+        """
         key = what, id(part)
         if key not in self._known:
             self._known[key] = part, attempt(self._name(what), question)
@@ -287,12 +294,12 @@ class GuardedKind(DeviceKind[Any]):
 
 
 def is_guarded(judge: object) -> bool:
-    """Whether a detector or a watch is somebody else's."""
+    """Return whether a detector or a watch comes from a plug-in."""
     return isinstance(judge, _Judge)
 
 
 def fault_of(thing: object) -> str:
-    """How a detector, a watch or a kind of somebody else's has failed first; empty: it has not."""
+    """Return a sentence about the first failure of a plug-in's object or kind; empty: there was none."""
     return thing.fault if isinstance(thing, _Judge | GuardedKind) else ""
 
 

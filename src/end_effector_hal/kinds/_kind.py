@@ -1,4 +1,4 @@
-"""What a kind of device is: everything that differs between devices, and nothing else."""
+"""The base class of all kinds of devices, which contains everything that differs between devices."""
 
 from __future__ import annotations
 
@@ -25,27 +25,32 @@ Stanza = TypeVar("Stanza", bound=Actuator)
 
 
 class DeviceKind(Generic[Stanza]):
-    """A vacuum, a cylinder, a clamp …: one subclass each; a kind has no state, its detectors have.
+    """A kind of device, such as a vacuum, a cylinder or a clamp; every kind is a subclass.
 
-    1. **Stanza.** ``stanza`` inherits `Actuator`; its ``kind`` is ``Literal[name]``, its numbers have their unit in
-       their key (``lost_kpa``, ``timeout_s``). ``orders`` and ``joint_rules`` say which numbers exclude each other.
-    2. **Outputs.** ``line`` is active while the actuator shall grip (a mono-stable valve). ``opposing`` names the key
-       of a stanza ``{line, gap_s}``: an output that is never active together with it (IL-08). With ``duration_s``
-       and ``until_gone`` a release drives it: that blows the part off.
-    3. **Channels.** ``channels`` are the keys that name channels. At least one of them confirms.
-    4. **Evidence.** ``detector`` judges readings: CONFIRMED (it grips), GONE (it is released), PARTIAL (neither is
-       proven), UNKNOWN (there is no fresh, valid reading of what decides it). Nothing is confirmed without a reading.
-       A kind whose evidence can be said in conditions gives them with ``preset`` and needs no detector of its own.
-       What a description declares as ``evidence`` comes before either.
-    5. **Plausible.** ``plausible`` is what a pressure of it can be; beyond that the reading is invalid.
-    6. **Margin.** ``margin_pa`` is how far its pressure is on the right side of the threshold that matters.
-    7. **Hold.** ``hold_watch`` warns while a part is held. What holds by a vacuum (``below_ambient``) must be vented
-       before an unlock (IL-01); of the others GONE is enough.
-    8. **States.** ``states`` are its words for the integers of Table II: 0 inactive, 1 pending, 2 active.
-    9. **Words.** ``lost`` says what its sensor shows when a part is lost, ``empty`` that it has gripped nothing,
-       ``not_fitted`` what is off where a channel is not carried, ``limits`` what a recording and its figures show.
-    10. **Travel.** ``travel`` is the joint that it moves, for those who plan and draw a robot; None where the stanza
-        does not say how far.
+    A kind has no state; its detectors have.
+
+    1. **Stanza.** ``stanza`` inherits `Actuator`; its ``kind`` is ``Literal[name]``, and the keys of its numbers
+       contain the unit (``lost_kpa``, ``timeout_s``). ``orders`` and ``joint_rules`` define which values exclude each
+       other.
+    2. **Outputs.** ``line`` is active while the actuator shall grip (a mono-stable valve). ``opposing`` is the key of
+       a stanza ``{line, gap_s}``: an output that is never active together with ``line`` (IL-08). If that stanza has
+       ``duration_s`` and ``until_gone``, a release activates the output, which blows the part off.
+    3. **Channels.** ``channels`` are the keys that name channels. At least one of these channels confirms.
+    4. **Evidence.** ``detector`` judges readings: CONFIRMED (the actuator grips), GONE (it is released), PARTIAL
+       (neither is proven), UNKNOWN (no fresh, valid reading of a channel that decides). Nothing is confirmed without a
+       reading. A kind whose evidence can be written as conditions returns them from ``preset`` and needs no detector
+       of its own. ``evidence`` in a description takes precedence over both.
+    5. **Plausible.** ``plausible`` is the range of its pressure; a reading outside of it is invalid.
+    6. **Margin.** ``margin_pa`` is the distance of its pressure from the threshold that matters, positive on the right
+       side.
+    7. **Hold.** ``hold_watch`` warns while a part is held. An actuator that holds by a vacuum (``below_ambient``) must
+       be vented before an unlock (IL-01); for all others GONE is sufficient.
+    8. **States.** ``states`` are its names for the integers of Table II: 0 inactive, 1 pending, 2 active.
+    9. **Words.** ``lost`` describes the readings of a lost part, ``empty`` is the phrase for a grip without a part,
+       ``not_fitted`` names the functions that are off because a channel is not carried, ``limits`` are the thresholds
+       for recordings and figures.
+    10. **Travel.** ``travel`` is the joint that the actuator moves, for robot planning and drawing; None where the
+        stanza does not define the distance.
     11. **Model.** The constants of the automata come from the keys that every `Actuator` has.
     """
 
@@ -57,83 +62,88 @@ class DeviceKind(Generic[Stanza]):
     joint_rules: ClassVar[tuple[JointRule, ...]] = ()
     opposing: ClassVar[str] = ""
     samples: ClassVar[str] = ""
-    """Key of how many consecutive samples confirm; empty: time alone decides."""
+    """Key of the number of consecutive samples that confirm; empty: time alone decides."""
     below_ambient: ClassVar[bool] = False
-    """Whether it holds by a vacuum: its pressure is negative, is drawn with the vacuums, and must be vented."""
+    """Whether the device holds by a vacuum: its pressure is negative, and must be vented before an unlock."""
     moves: ClassVar[bool] = False
-    """Whether it travels between two end positions, which are published as such."""
+    """Whether the device travels between two end positions, which are published as positions."""
 
     empty: ClassVar[str] = "has gripped nothing"
-    """What an actuator has done whose conditions say that it is empty; after its name."""
+    """Phrase for an actuator whose conditions show that it gripped nothing; follows the actuator's name."""
 
     def preset(self, part: Stanza) -> EvidenceConditions | None:
-        """The conditions that prove an actuator of this kind; None: its detector decides otherwise."""
+        """Return the conditions that prove an actuator of this kind; None: its own detector decides."""
         return None
 
     def detector(self, part: Stanza, supply: Supply) -> Detector:
-        """A new detector of one actuator, which declares no evidence of its own."""
+        """Return a new detector for an actuator that declares no evidence of its own."""
         if (preset := self.preset(part)) is None:
             raise NotImplementedError(f"the kind {self.name} has neither a preset nor a detector")
         return ConditionDetector(preset)
 
     def plausible(self, part: Stanza) -> PressureRange:
-        """What the pressure at ``channel`` can be."""
+        """Return the range of pressures that are possible at ``channel``."""
         return COMPRESSED_AIR
 
     def margin_pa(self, part: Stanza, gauge_pa: float, supply_pa: float) -> float:
-        """Pa beyond the threshold that matters, negative on its wrong side; NaN where no pressure decides.
+        """Return the distance from the threshold that matters, Pa; negative on the wrong side.
+
+        It is NaN where no pressure decides.
 
         Args:
             part: the actuator.
-            gauge_pa: its pressure, vacuum negative.
-            supply_pa: that of the supply, gauge.
+            gauge_pa: its gauge pressure, Pa; negative for a vacuum.
+            supply_pa: the gauge pressure of the supply, Pa.
         """
         return float("nan")
 
     def hold_watch(self, part: Stanza, hold: Hold, period_us: int) -> HoldWatch | None:
-        """A new watch over one actuator while a part is held, for frames of this period; None: evidence is enough."""
+        """Return a new watch over one actuator while a part is held; None: the evidence is sufficient.
+
+        ``period_us`` is the period of the frames, µs.
+        """
         return None
 
     def lost(self, part: Stanza, readings: ChannelReadings, at: int) -> str:
-        """What the sensors show of an actuator that was lost, and what they would have to; after ``… was lost:``."""
+        """Return the readings of a lost actuator and those required, to follow the words ``… was lost:``."""
         if conditions := self.conditions(part):
             return shown(conditions.channels, readings, at)
         return "its sensor shows nothing any more"
 
     def not_fitted(self, part: Stanza, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """A phrase for each thing that is off because a channel of ``part`` is not carried."""
+        """Yield a phrase for each function that is off because a channel of ``part`` is not carried."""
         yield from ()
 
     def limits(self, part: Stanza, supply: Supply) -> dict[str, float]:
-        """Thresholds for a recording, positive kPa by name; ``confirmed_kpa`` is the one that figures draw."""
+        """Return the thresholds for a recording, positive kPa by name; figures draw ``confirmed_kpa``."""
         return {}
 
     def travel(self, part: Stanza) -> Travel | None:
-        """The joint that it moves; None: it moves none, or nobody has said how far."""
+        """Return the joint that the actuator moves; None: there is none, or its distance is not defined."""
         return None
 
     def conditions(self, part: Stanza) -> EvidenceConditions | None:
-        """What proves an actuator, as far as conditions say it: its own, or those of its kind."""
+        """Return the conditions that prove an actuator: its own, else its kind's preset; None: neither."""
         return part.evidence or self.preset(part)
 
     def can_confirm(self, part: Stanza, carried: Mapping[str, Kind]) -> bool:
-        """Whether anything that is carried could confirm it."""
+        """Return whether any of the carried channels could confirm the actuator."""
         if conditions := self.conditions(part):
             return conditions.confirmed.can_be_known(carried)
         return any(name in carried for name in self.proofs(part))
 
     def channel_names(self, part: Stanza) -> tuple[str, ...]:
-        """The channels of one actuator that prove something, carried or not."""
+        """Return the names of the actuator's channels that prove something, carried or not."""
         if part.evidence is not None:
             return part.evidence.channels
         named = (getattr(part, each.key) for each in self.channels)
         return tuple(name for name in named if name)
 
     def proofs(self, part: Stanza) -> tuple[str, ...]:
-        """Those of them that alone can confirm it."""
+        """Return the names of the actuator's channels that can confirm it alone."""
         named = (getattr(part, each.key) for each in self.channels if each.confirms)
         return tuple(name for name in named if name)
 
     def opposing_output(self, part: Stanza) -> Any:
-        """The stanza of the output that is never active together with ``line``; None: there is none."""
+        """Return the stanza of the output that is never active together with ``line``; None: none."""
         return getattr(part, self.opposing) if self.opposing else None

@@ -1,4 +1,4 @@
-"""What a switch says by itself: that its actuator grips, has released, or has gripped nothing."""
+"""The meaning of a single switch: its actuator grips, has released, or has gripped nothing."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _PROVEN = ("confirmed", "gone", "empty")
 
 
 class SwitchMeaning(NamedTuple):
-    """What is proven while a switch is on, and while it is off, in a word; empty: nothing, by it alone."""
+    """The words for what a switch proves while on and while off; empty: it proves nothing by itself."""
 
     on: str
     off: str
 
     def words(self, level: bool | None) -> str:
-        """Such as ``on: confirmed``; ``not known``: there is no valid reading."""
+        """Return a phrase such as ``on: confirmed``; ``not known`` if there is no valid reading."""
         if level is None:
             return "not known"
         meaning = self.on if level else self.off
@@ -27,9 +27,9 @@ class SwitchMeaning(NamedTuple):
 
 
 def switch_meanings(part: Actuator) -> dict[str, SwitchMeaning]:
-    """By channel, of each bit that an actuator may have; which are carried is not asked.
+    """Return the meaning of each bit that an actuator may have, by channel, carried or not.
 
-    What several switches prove together is the word of each that has to be on for it.
+    If several switches together prove something, each switch that must be on for it gets its word.
     """
     kind = kind_of(part)
     if (conditions := kind.conditions(part)) is not None:
@@ -57,7 +57,7 @@ def _proves(name: str, level: bool, proven: list[tuple[str, Condition]]) -> str:
 
 
 def _shown(condition: Condition, name: str, level: bool) -> bool | None:
-    """Whether a condition holds, with one bit known and nothing else; None: that leaves it open."""
+    """Return whether a condition holds if only this one bit is known; None: this bit does not decide it."""
     if condition.not_ is not None:
         inside = _shown(condition.not_, name, level)
         return None if inside is None else not inside

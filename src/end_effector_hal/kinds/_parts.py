@@ -1,4 +1,4 @@
-"""What a kind is made of: evidence, the watch over a held part, ranges and rules of its numbers."""
+"""The parts of a kind: its evidence, the watch over a held part, and the ranges and rules of its numbers."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class ChannelKey(NamedTuple):
     """A key of a stanza that names a channel.
 
     Attributes:
-        key: in the stanza; its value is the name of a channel, or ``none``: there is no such sensor.
-        carries: a pressure or a bit. A key of a bit ends in ``_bit``; what stands before it is what the bit means.
-        confirms: whether this channel alone can prove the actuator to be active.
-        bit_instead: a bit in the place of this pressure says "present", as the switch of a vacuum does.
+        key: the key in the stanza; its value is the name of a channel, or ``none``: there is no such sensor.
+        carries: a pressure or a bit. The key of a bit ends in ``_bit``; the part before it is the meaning of the bit.
+        confirms: whether this channel alone can prove that the actuator is active.
+        bit_instead: whether a bit may replace this pressure and mean "present", as a vacuum switch does.
     """
 
     key: str
@@ -27,27 +27,27 @@ class ChannelKey(NamedTuple):
 
     @property
     def meaning(self) -> str:
-        """What a bit says, such as ``extended`` of ``extended_bit``."""
+        """Meaning of a bit, such as ``extended`` for the key ``extended_bit``."""
         return self.key.removesuffix("_bit")
 
 
 class Detector(Protocol):
-    """The evidence of one actuator; its ``MEMORY`` is that of `end_effector_hal.signals.memory_of`."""
+    """Judges the evidence of one actuator; `end_effector_hal.signals.memory_of` describes its ``MEMORY``."""
 
     MEMORY: ClassVar[dict[str, Any]]
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """The evidence at ``at`` µs: after a frame, and also when time alone has made readings stale."""
+        """Return the evidence at ``at`` µs, after a frame or after readings became stale by time alone."""
         ...
 
 
 class HoldFinding(NamedTuple):
-    """An alarm about a held part that begins or stands; ``over``: it has ended.
+    """An alarm about a held part that begins, continues or has ended.
 
     Attributes:
         id: `end_effector_hal.vocabulary.WEAK` or ``LEAK``.
-        values: of its text in the table of alarms; ``text`` alone: a sentence of its own.
-        over: it has ended.
+        values: the values for its text in the table of alarms; ``text`` alone: a complete sentence.
+        over: whether it has ended.
     """
 
     id: str
@@ -56,52 +56,52 @@ class HoldFinding(NamedTuple):
 
 
 class HoldWatch(Protocol):
-    """The watch over one actuator while a part is held."""
+    """Watches one actuator while a part is held."""
 
     MEMORY: ClassVar[dict[str, Any]]
     secure: bool
-    """Whether the grip is more than confirmed."""
+    """Whether the grip is secure, which is more than confirmed."""
 
     def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
-        """Look at the newest readings, at ``at`` µs."""
+        """Process the newest readings, at ``at`` µs."""
         ...
 
     def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """The findings about the actuator, which is held since ``since`` µs and confirmed."""
+        """Yield the findings about the actuator, which is confirmed and has been held since ``since`` µs."""
         ...
 
     def dropped(self) -> None:
-        """Nothing is held any more."""
+        """Handle a Drop: nothing is held any more."""
         ...
 
 
 @runtime_checkable
 class LeakWatch(HoldWatch, Protocol):
-    """One that follows a pressure as well."""
+    """A watch that also follows a pressure."""
 
     @property
     def leak_kpa_s(self) -> float | None:
-        """By how much it falls in a second; 0: it does not. None: not known."""
+        """Fall of the vacuum, kPa/s; 0: it does not fall; None: not known."""
 
     @property
     def lost_in_s(self) -> float | None:
-        """Until the part would be lost; None: never, as it goes now."""
+        """Time until the part would be lost, s; None: never, if the present trend goes on."""
 
 
 @dataclass(frozen=True, slots=True)
 class PressureRange:
-    """Gauge kPa from ``low`` to ``high``; ``what`` is measured, for a sentence."""
+    """A range of gauge pressures, kPa; ``what`` names the measured circuit in a sentence."""
 
     low: float
     high: float
     what: str
 
     def has(self, pascal: int) -> bool:
-        """Whether the circuit can have this pressure."""
+        """Return whether the circuit can have this pressure."""
         return self.low * 1000 <= pascal <= self.high * 1000
 
     def fault(self, channel: str, pascal: int) -> str:
-        """Why a value is none."""
+        """Return a sentence that explains why a value of the channel is invalid."""
         limits = f"{self.low:g} to {self.high:g} kPa"
         return (
             f"The channel {channel} shows {pascal / 1000:.0f} kPa, which {self.what} cannot have ({limits}): "
@@ -110,18 +110,18 @@ class PressureRange:
 
 
 def below_ambient_kpa(value: int | bool) -> float:
-    """The vacuum that a reading shows; a switch shows all or nothing."""
+    """Return the vacuum that a reading shows, kPa below ambient; a switch counts as 100 kPa if on, else 0."""
     if isinstance(value, bool):
         return 100.0 if value else 0.0
     return -value / 1000
 
 
 class Travel(NamedTuple):
-    """How an actuator moves a joint: from 0, where it is released, to ``upper``, where it is confirmed.
+    """The joint that an actuator moves: from 0, where it is released, to ``upper``, where it is confirmed.
 
     Attributes:
-        joint: its type in a URDF.
-        upper: m, or rad of one that turns; more than 0.
+        joint: type of the joint in a URDF.
+        upper: m, or rad for a revolute joint; more than 0.
     """
 
     joint: Literal["prismatic", "revolute"]
@@ -129,23 +129,23 @@ class Travel(NamedTuple):
 
 
 COMPRESSED_AIR = PressureRange(-10.0, 2000.0, "compressed air")
-"""A transmitter may be a few kPa off."""
+"""Range of compressed air; slightly below 0 because a transmitter may be a few kPa off."""
 
 
 Pair = tuple[str, str, str]
-"""``("gone_kpa", "<", "lost_kpa")``: two keys, and ``<`` or ``<=``."""
+"""An order of two keys, such as ``("gone_kpa", "<", "lost_kpa")``; the relation is ``<`` or ``<=``."""
 
 Quote = Callable[[str], str]
-"""From a key to ``gone_kpa = 10 (default)``."""
+"""Formats a key with its value, such as ``gone_kpa = 10 (default)``."""
 
 
 class JointRule(NamedTuple):
-    """Several numbers that only make sense together.
+    """A rule for several numbers that only make sense together.
 
     Attributes:
-        keys: of the stanza, or ``supply.refuse_kpa``: of that of the supply.
-        fault: takes the name of the actuator, the number of each key, and a `Quote`; returns what is wrong and
-            what is expected, or None.
+        keys: keys of the stanza, or of the supply's stanza (``supply.refuse_kpa``).
+        fault: receives the name of the actuator, the number of each key, and a `Quote`; returns the fault and the
+            expected value, or None.
     """
 
     keys: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Kinds of devices by name: our own, and those that other distributions add; what they declare is checked."""
+"""Finds kinds of devices by name, built-in ones and plug-ins, and checks their declarations."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 def checked(kind: Any) -> DeviceKind[Any]:
-    """The kind itself; raises UsageError for a declaration that is not what `DeviceKind` says."""
+    """Return the kind itself; raises UsageError if its declaration breaks a rule of `DeviceKind`."""
     if wrong := next(_wrong(kind), ""):
         raise UsageError(
             f"the kind declares {wrong}.",
@@ -77,18 +77,18 @@ OWN = {
 
 
 def kind_names() -> tuple[str, ...]:
-    """All that `get_kind` knows, our own first."""
+    """Return all names that `get_kind` accepts, those of this product first."""
     return _KINDS.names
 
 
 @cache
 def get_kind(name: str) -> DeviceKind[Any]:
-    """The kind of that name.
+    """Return the kind of this name.
 
-    Another distribution adds one by an entry point, a class or an object, in ``end_effector_hal.kinds``.
+    Another distribution adds a kind, as a class or an object, by an entry point in ``end_effector_hal.kinds``.
 
     Raises:
-        UsageError: there is none of that name (with those that there are), or it cannot be loaded.
+        UsageError: no kind has this name (the error lists the known names), or it cannot be loaded.
     """
     kind = _KINDS.get(name)
     if kind.name != name:
@@ -100,24 +100,24 @@ def get_kind(name: str) -> DeviceKind[Any]:
 
 
 def kind_of(part: Actuator) -> DeviceKind[Any]:
-    """The kind of an actuator."""
+    """Return the kind of an actuator."""
     return get_kind(part.kind)
 
 
 def detector_of(part: Actuator, supply: Supply) -> Detector:
-    """A new detector of an actuator: by the evidence that it declares, else as its kind does."""
+    """Return a new detector of an actuator: by the evidence that it declares, else that of its kind."""
     return ConditionDetector(part.evidence) if part.evidence else kind_of(part).detector(part, supply)
 
 
 def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
-    """What the sensors show of an actuator that was lost; after ``… was lost:``."""
+    """Return the readings of a lost actuator, as a phrase that follows ``… was lost:``."""
     if part.evidence:
         return shown(part.evidence.channels, readings, at)
     return kind_of(part).lost(part, readings, at)
 
 
 def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
-    """Which readings stand against it that an actuator is gone, what would prove it, and what to do."""
+    """Return the readings that contradict a release, the values that would prove it, and the remedy."""
     kind = kind_of(part)
     conditions = kind.conditions(part)
     if conditions:
@@ -141,9 +141,9 @@ def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at:
 
 
 def usable_kinds(names: Iterable[str] = ()) -> Mapping[str, DeviceKind[Any]]:
-    """Our own kinds, these, and those that were asked for by name before; what cannot be loaded is left out.
+    """Return the built-in kinds, the named ones and all requested before, except those that cannot be loaded.
 
-    One that no description names is not loaded: whatever its import does disturbs nobody.
+    A kind that no description names is not loaded, so the side effects of its import disturb nobody.
     """
     found = {}
     for name in dict.fromkeys((*OWN, *_WANTED, *names)):
@@ -155,10 +155,10 @@ def usable_kinds(names: Iterable[str] = ()) -> Mapping[str, DeviceKind[Any]]:
 
 
 def recorded_kind(name: str, kinds: Mapping[str, str]) -> DeviceKind[Any]:
-    """The kind of an actuator in a recording, from what its run.json says.
+    """Return the kind of an actuator in a recording, as its run.json names it.
 
-    A recording without run.json has names only: the kind whose name is part of the actuator's, else the first one,
-    whose OFF and ON fit anything.
+    A recording without run.json has only names. Then the kind is the one whose name is part of the actuator's name,
+    else the first one, whose OFF and ON fit any device.
 
     Raises:
         UsageError: run.json names a kind that is not installed.
@@ -169,5 +169,5 @@ def recorded_kind(name: str, kinds: Mapping[str, str]) -> DeviceKind[Any]:
 
 
 _WANTED: dict[str, None] = {}
-"""What was asked for by name, and could be loaded."""
+"""Names of the kinds that were requested and could be loaded."""
 _KINDS: Plugins[DeviceKind[Any]] = Plugins(GROUP, "kind of actuator", OWN, checked)

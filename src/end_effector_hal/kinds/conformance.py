@@ -1,5 +1,5 @@
 # ruff: noqa: D102 the name of a test says what must hold
-"""What every kind of device must do; inherit `KindConformance` in your tests (needs pytest).
+"""Tests that every kind of device must pass; inherit `KindConformance` in your tests (needs pytest).
 
 class TestJaw(KindConformance):
     kind = Jaw()
@@ -23,11 +23,11 @@ from .stanza import NO_CHANNEL, Actuator, Hold, Supply
 
 PERIOD_US = 20_000
 LONGEST_US = 60_000_000
-"""What shows the same for a minute is judged."""
+"""Longest wait for an evidence while the readings do not change, µs."""
 
 
 class FixedReadings:
-    """The channels of one actuator and the supply, as one frame has brought them."""
+    """Constant readings of one actuator's channels and the supply, as if one frame had delivered them."""
 
     def __init__(self, values: Mapping[str, Value]) -> None:
         self.values = values
@@ -45,7 +45,11 @@ class FixedReadings:
 
 
 class KindConformance:
-    """Set ``kind``; ``stanza``: the keys that it requires; ``active``, ``inactive``: what its channels then show."""
+    """The tests of a kind.
+
+    A subclass sets ``kind``; ``stanza``: the required keys; ``active`` and ``inactive``: the values of its channels in
+    these states.
+    """
 
     kind: ClassVar[DeviceKind[Any]]
     stanza: ClassVar[Mapping[str, object]]
@@ -63,7 +67,7 @@ class KindConformance:
     def judged(
         self, detector: Any, values: Mapping[str, Value], expected: Evidence, at: int = 0
     ) -> tuple[Evidence, int]:
-        """The evidence as soon as it is what is expected, else after a minute; and when that was."""
+        """Return the evidence and its time: as soon as it is the expected one, else after a minute."""
         readings, level = self.readings(values), Evidence.UNKNOWN
         for at in range(at + PERIOD_US, at + LONGEST_US, PERIOD_US):  # noqa: B020 goes on from there
             level = detector.sample(readings, at)

@@ -1,6 +1,6 @@
-"""What the sensors prove: rules of the link, predicates, the watch over a held part; sans-IO.
+"""The judgement of the sensors: rules of the link, predicates, the watch over a held part; sans-IO.
 
-In ``detectors`` stands what belongs to no kind of device; how an actuator is judged stands with its kind.
+``detectors`` contains the detectors that belong to no kind of device; those of an actuator belong to its kind.
 """
 
 from ._frame_judge import FrameJudge

@@ -1,4 +1,4 @@
-"""The alarms that stay until an operator has had the chance to read them."""
+"""The log of alarms, which keeps every alarm until an operator could read it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ DEVICE_ALARMS = ("device.error", "device.warning")
 
 
 class AlarmLog:
-    """Alarms in the order in which they began; each is kept until it is over *and* acknowledged."""
+    """Alarms in the order in which they began; each stays until it is over *and* acknowledged."""
 
     MEMORY: ClassVar = {"listed": tuple[Alarm, ...]}
 
@@ -20,15 +20,15 @@ class AlarmLog:
         self.listed: tuple[Alarm, ...] = ()
 
     def of_id(self, *ids: str) -> dict[str, Alarm]:
-        """Those with one of some ids, by what each is about."""
+        """Return the alarms with one of these ids, by the thing they are about."""
         return {each.about: each for each in self.listed if each.id in ids}
 
     def active(self, id_: str) -> bool:
-        """Whether there is one with an id that is not over."""
+        """Return whether an alarm with this id is listed and not over."""
         return any(each.id == id_ and not each.over for each in self.listed)
 
     def raise_(self, alarm: Alarm) -> bool:
-        """Begin an alarm; False when it stands already: its values stay those of its beginning."""
+        """Begin an alarm; return False if it is active already: it keeps the values of its beginning."""
         known = self._known(alarm.id, alarm.about)
         if known is None:
             self.listed = (*self.listed, alarm)
@@ -37,9 +37,9 @@ class AlarmLog:
         return known is None or known.over
 
     def end(self, id_: str, about: str, values: Mapping[str, str | int | float] | None = None) -> bool:
-        """End an alarm, which is shown as over from now on; False when it does not stand.
+        """Mark an alarm as over; return False if it is not active.
 
-        ``values`` are those of the text that it is over; None: they stay as they are.
+        ``values`` are the values for the text of the ended alarm; None: its values stay as they are.
         """
         known = self._known(id_, about)
         if known is None or known.over:
@@ -48,15 +48,15 @@ class AlarmLog:
         return True
 
     def forget(self, id_: str, about: str) -> None:
-        """End an alarm that nobody needs to acknowledge."""
+        """Remove an alarm that nobody needs to acknowledge."""
         self._keep(each for each in self.listed if each.key != (id_, about))
 
     def acknowledge(self) -> None:
-        """Remove what is over."""
+        """Remove all alarms that are over."""
         self._keep(each for each in self.listed if not each.over)
 
     def clear(self) -> None:
-        """Remove what was about a held part: nothing is held now. The faults of devices stay."""
+        """Remove the alarms about the part, because nothing is held now. The faults of devices stay."""
         self._keep(each for each in self.listed if each.id in DEVICE_ALARMS)
 
     def _known(self, id_: str, about: str) -> Alarm | None:

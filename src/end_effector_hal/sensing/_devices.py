@@ -1,4 +1,4 @@
-"""The devices that send the frames: whether one restarted."""
+"""The devices that send the frames: detects whether one of them restarted."""
 
 from __future__ import annotations
 
@@ -11,18 +11,21 @@ from end_effector_hal.signals import PART, Frame
 from end_effector_hal.vocabulary import Alarm
 
 SAID_US = 10_000_000
-"""So long a reboot of a device is told."""
+"""Time for which the restart of a device is reported, µs."""
 AGAIN_US, MIXED = 1_000_000, 3
-"""So many restarts, each so soon after the one before, are those of no device: another one sends on the same wire."""
+"""MIXED restarts, each less than AGAIN_US µs after the one before, mean two devices on one wire.
+
+After so many, a second device sends on the same wire.
+"""
 
 
 class SendingDevice:
-    """The only one, or that of one link.
+    """Detects restarts of the only device, or of the device on one link.
 
     Args:
-        channels: what it sends.
-        sequence: bits of its sequence number, and of its clock.
-        name: for a sentence.
+        channels: the channels that it sends.
+        sequence: number of bits of its sequence number, and of its clock.
+        name: the device in a sentence.
     """
 
     MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None, "_quick": int}
@@ -35,11 +38,11 @@ class SendingDevice:
 
     @property
     def reboots(self) -> int:
-        """How often it restarted."""
+        """Number of restarts."""
         return self._sequence.reboots
 
     def rebooted(self, frame: Frame) -> frozenset[str]:
-        """Its channels where a frame shows that it restarted; else none."""
+        """Return the device's channels if a frame shows that it restarted; else none."""
         if frame.seq is None or frame.device_ms is None:
             return frozenset()
         before = self._sequence.reboots
@@ -52,12 +55,12 @@ class SendingDevice:
         return self._channels
 
     def mixed(self, at: int) -> frozenset[str]:
-        """Its channels while two devices send on the link, so that no reading is known to be whose; else none."""
+        """Return its channels while two devices send on the link, so that readings have no known origin."""
         recent = self._rebooted_at is not None and at - self._rebooted_at < AGAIN_US
         return self._channels if recent and self._quick >= MIXED else frozenset()
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
-        """The alarm that it has restarted lately."""
+        """Return the alarm about a recent restart, if any."""
         if self._rebooted_at is None or at - self._rebooted_at >= SAID_US:
             return ()
         if self._quick >= MIXED:
@@ -65,17 +68,17 @@ class SendingDevice:
         return (Alarm("link.restarted", self._name, {"again": " again" * (self.reboots > 1)}),)
 
     def deadline(self, at: int) -> int | None:
-        """µs at which a notice ends by itself."""
+        """Return the time at which the alarm ends by itself, µs; None: there is none."""
         end = None if self._rebooted_at is None else self._rebooted_at + SAID_US
         return end if end is not None and end > at else None
 
 
 class SendingDevices:
-    """Those of several links; a frame is of the one that sends its channels.
+    """The devices of several links; a frame belongs to the device that sends its channels.
 
     Args:
-        devices: by the names of their links.
-        links: and these by their channels.
+        devices: devices by the names of their links.
+        links: names of the links by their channels.
     """
 
     MEMORY: ClassVar = {"_devices": PART}
@@ -85,30 +88,30 @@ class SendingDevices:
 
     @property
     def reboots(self) -> int:
-        """How often one of them restarted."""
+        """Number of restarts of all devices."""
         return sum(device.reboots for device in self._devices.values())
 
     def rebooted(self, frame: Frame) -> frozenset[str]:
-        """The channels of the one that restarted; else none."""
+        """Return the channels of the device whose restart the frame shows; else none."""
         link = self._links.get(next(iter(frame.values), ""))
         return self._devices[link].rebooted(frame) if link else frozenset()
 
     def mixed(self, at: int) -> frozenset[str]:
-        """The channels of links on which two devices send."""
+        """Return the channels of links on which two devices send."""
         return frozenset().union(*(device.mixed(at) for device in self._devices.values()))
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
-        """The alarms of the devices that restarted recently."""
+        """Return the alarms of the devices that restarted recently."""
         return tuple(said for device in self._devices.values() for said in device.notices(at))
 
     def deadline(self, at: int) -> int | None:
-        """µs at which the next notice ends by itself."""
+        """Return the time at which the next alarm ends by itself, µs; None: there is none."""
         ends = (device.deadline(at) for device in self._devices.values())
         return min((end for end in ends if end is not None), default=None)
 
 
 def devices_of(description: Description, carrier: Carrier) -> SendingDevice | SendingDevices:
-    """New ones."""
+    """Return new objects for the devices of a tool."""
     sources = [source for source in sources_of(carrier) if source.link]
     if not sources:
         (first, *_) = sources_of(carrier)

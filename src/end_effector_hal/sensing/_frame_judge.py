@@ -1,4 +1,4 @@
-"""A frame is judged once in a process, however many look at it."""
+"""Judges every frame only once per process, however many objects need the result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._sensor_state import SensorState
 
 
 class _Judged(NamedTuple):
-    """What a frame has led to."""
+    """A frame, the state before it, and the states that it led to."""
 
     before: SensorState
     frame: Frame
@@ -20,22 +20,22 @@ class _Judged(NamedTuple):
 
 
 class FrameJudge:
-    """Remembers what the newest frame has led to: from the same state it leads to the same.
+    """Stores the result of the newest frame: the same frame leads from the same state to the same result.
 
-    Those who share one are in the same state as long as all of them see the same frames. Between two frames each of
-    them also looks at the sensors when something is due for itself, and so at times of its own; what that shows is its
-    own, too. The next frame leads them together again, once their states are equal: after a silence of the link at
-    once; where one has refused a frame for its age and another has not, when what they count since then has ended. So
-    nobody waits for anybody, and each decides as if it were alone: as a replay of its recording does.
+    The users of one judge have the same state as long as they receive the same frames. Between two frames a user also
+    looks at the sensors at its own deadlines, and that result is its own. The next frame gives users with equal states
+    one state again: after a silence of the link at once; if only one of them has refused a frame for its age, when the
+    counts since then have ended. So no user waits for another, and each decides as if it were alone, as a replay of
+    its recording does.
 
-    Thread-safe. All who share one have the same description and codec.
+    Thread-safe. All users of one judge have the same description and codec.
     """
 
     def __init__(self) -> None:
         self._newest: tuple[_Judged, ...] = ()
 
     def after(self, state: SensorState, frame: Frame) -> tuple[SensorState, ...]:
-        """What `SensorState.after` returns."""
+        """Return the states after a frame, as `SensorState.after` does."""
         newest = self._newest
         if not newest or newest[0].frame is not frame:
             states = state.after(frame)
@@ -54,7 +54,7 @@ class FrameJudge:
 
     @property
     def released(self) -> bool:
-        """Whether the newest frame has proven that nothing is gripped by any actuator."""
+        """Whether the newest frame has proven that no actuator grips anything."""
         return all(
             level is Evidence.GONE
             for judged in self._newest
@@ -63,11 +63,11 @@ class FrameJudge:
         )
 
     def pass_over(self, samples: int, at: int | None = None) -> None:
-        """So many frames as in `stays` have come and were left out: what counts samples counts them.
+        """Account for frames that `stays` allowed to leave out, as if their samples had been counted.
 
         Args:
-            samples: how many.
-            at: µs of the last of them; what the sensors prove is as fresh as that. None: a frame that counts follows.
+            samples: number of these frames.
+            at: time of the last one, µs: the present evidence is as fresh as that. None: a frame that counts follows.
         """
         for judged in self._newest:
             lengthen(streaks_of(judged.states[-1]), samples)
@@ -75,16 +75,19 @@ class FrameJudge:
                 judged.states[-1].readings.renew(at)
 
     def stays(self, corners: Sequence[Mapping[str, Value]], first: int, period: int, samples: int) -> bool:
-        """Whether frames that are yet to come leave all as it is that the newest one has shown; nothing is changed.
+        """Return whether coming frames will change nothing that the newest one has shown.
 
-        Two things are asked. A frame of each corner proves what the newest one does, and has no detector begin or cease
-        to count: so no order of them does. After so many samples, and so long, nothing else is proven: fed with the
-        same, no detector comes back to what it left.
+        This call does not change the state.
+
+        Two conditions are checked. First, a frame of each corner proves the same as the newest frame, and starts or
+        stops no count of a detector, so that their order does not matter. Second, after this number of samples and
+        this time nothing else is proven; with constant values no detector returns to an earlier state.
 
         Args:
-            corners: values of a frame; those that come lie between them.
-            first: µs of the first of the frames, and ``period`` from one to the next.
-            samples: how many there are.
+            corners: values of a frame; the coming values lie between them.
+            first: time of the first frame, µs.
+            period: time from one frame to the next, µs.
+            samples: number of frames.
         """
         last = first + (samples - 1) * period
         # one for all, or some who have not yet counted as much as the others

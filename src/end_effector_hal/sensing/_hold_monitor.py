@@ -1,4 +1,4 @@
-"""Watch a held part: a weak grip, a leak, lost readings, the supply. It never releases."""
+"""Watches a held part: a weak grip, a leak, lost readings, the supply. It never releases the part."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ _SECURE = attrgetter("secure")
 
 
 class HoldMonitor:
-    """Alarms about what is held; they stay until a Drop, or until they are over and acknowledged.
+    """Collects alarms about a held part; they stay until a Drop, or until they are over and acknowledged.
 
-    Every actuator is watched for its readings; its kind says what else there is to watch. What a device says is wrong
-    with it is an alarm whether anything is held or not, and no Drop ends it.
+    The readings of every actuator are watched; its kind defines what else is watched. A fault reported by a device is
+    an alarm whether a part is held or not, and no Drop ends it.
 
     Args:
         description: the tool.
-        senses: its detectors, which have taken each sample before it is shown here.
-        carrier: of its channels.
-        devices: whether the alarms of devices are kept here.
+        senses: its detectors, which must have processed a sample before this monitor does.
+        carrier: carries its channels.
+        devices: whether this monitor keeps the alarms of devices.
     """
 
     MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
@@ -53,7 +53,7 @@ class HoldMonitor:
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
-        """All of them; a watch of a plug-in that has failed stays one."""
+        """All alarms; a plug-in watch that has failed remains an alarm."""
         return (*self._log.listed, *self._faults()) if self._guarded else self._log.listed
 
     def _faults(self) -> Iterator[Alarm]:
@@ -63,11 +63,11 @@ class HoldMonitor:
 
     @property
     def secure(self) -> bool:
-        """Whether everything is confirmed by a fresh reading, and secure where its kind knows more than that."""
+        """Whether every actuator is confirmed by a fresh reading, and secure where its kind has a watch."""
         return self._senses.now.confirmed and self._watched_secure
 
     def watch_over(self, index: int) -> HoldWatch | None:
-        """What watches an actuator, by its place in the sequence; None: its evidence is enough."""
+        """Return the watch over an actuator, by its position in the sequence; None: it has none."""
         return self._watches.get(index)
 
     @property
@@ -76,16 +76,16 @@ class HoldMonitor:
 
     @property
     def allows_lift(self) -> bool:
-        """Whether nothing that is watched speaks against lifting what is held and confirmed."""
+        """Whether no watch prevents lifting the held and confirmed part."""
         return not self._log.active(LEAK) and (self._hold.lift_needs == "confirmed" or self.secure)
 
     def sample(self, at: int, *, held: bool, readings: ChannelReadings | None = None) -> bool:
-        """Look at the newest sample, at ``at`` µs; True when there is something new to tell.
+        """Process the newest sample, at ``at`` µs; return True if there is something new to report.
 
         Args:
-            at: of the sample.
-            held: whether a part is.
-            readings: of a sample that the detectors need not take, as it changes nothing that they show.
+            at: time of the sample, µs.
+            held: whether a part is held.
+            readings: readings of a sample that the detectors skip because it changes nothing for them.
         """
         now, was_secure, told = self._senses.now, self._watched_secure, self.alarms
         for watch in self._watches.values():
@@ -107,16 +107,16 @@ class HoldMonitor:
         return newly_secure or self.alarms != told
 
     def tool(self, loose: str, at: int) -> bool:
-        """Take why the tool of a held part is not proven to be locked (IL-05), a clause; empty: it is.
+        """Update why the tool of a held part is not proven locked (IL-05), a clause; empty: it is.
 
-        Returns whether that is new.
+        Return whether this is new.
         """
         if loose:
             return self._log.raise_(Alarm("changer.loose", "", {"interlock": "IL-05", "why": loose}, at))
         return self._log.end("changer.loose", "")
 
     def fault(self, at: int) -> str:
-        """Why no grip begins: what a device says is wrong, or has said since the last reset; empty: nothing is."""
+        """Return why no grip may begin: a device's fault that is present or latched; empty: none."""
         faults, readings = self._senses.now.faults, self._senses.now.readings
         logged = self._log.of_id(*DEVICE_ALARMS) if self._devices else {}
         for name, alarm in logged.items():
@@ -129,11 +129,11 @@ class HoldMonitor:
         return ""
 
     def acknowledge(self) -> None:
-        """An operator has seen it: what is over is forgotten, what is not stays."""
+        """Remove the alarms that are over, because an operator has seen them; active ones stay."""
         self._log.acknowledge()
 
     def dropped(self) -> None:
-        """A Drop was accepted: nothing is held any more."""
+        """Remove the alarms about the part, because a Drop was accepted and nothing is held any more."""
         self._log.clear()
         for watch in self._watches.values():
             watch.dropped()
@@ -146,7 +146,7 @@ class HoldMonitor:
                 self._log.raise_(Alarm(finding.id, name, finding.values, at))
 
     def _device_faults(self, at: int) -> None:
-        """What stands begins; of what has a fresh reading without it, it is over."""
+        """Begin the alarms of present faults; end those whose channel has a fresh reading without it."""
         faults, readings = self._senses.now.faults, self._senses.now.readings
         standing = {each.name: each for each in faults.standing(readings, at)}
         for each in standing.values():

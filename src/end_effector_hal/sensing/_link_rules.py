@@ -1,4 +1,4 @@
-"""What a frame is worth: impossible values, frozen sensors, a device that restarted."""
+"""Judges how far a frame can be trusted: impossible values, frozen sensors, a device that restarted."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .detectors import FrozenDetector
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A frame as far as it is believed.
+    """A frame after its judgement.
 
     Attributes:
-        frame: what is impossible or frozen is invalid in it.
-        doubted: channels whose reading proves nothing from now on; they are invalid in it.
-        rebooted: channels of a device that restarted: what was read before is nothing any more.
+        frame: the frame; its impossible or frozen values are invalid.
+        doubted: channels whose reading proves nothing from now on; they are invalid in the frame.
+        rebooted: channels of a device that restarted: their earlier readings are discarded.
     """
 
     frame: Frame
@@ -32,12 +32,12 @@ class Judged:
 
 
 class LinkRules:
-    """Judges every frame before its values count; sans-IO, with a memory of what it has doubted.
+    """Judges every frame before its values count; sans-IO, with a memory of doubted channels.
 
     Args:
-        description: the tool; it says what its channels can show.
-        carrier: of its channels.
-        gap_us: a sensor starts again after a silence of this length.
+        description: the tool; it defines the possible values of its channels.
+        carrier: carries its channels.
+        gap_us: length of a silence after which a sensor is judged from the beginning, µs.
     """
 
     MEMORY: ClassVar = {
@@ -62,11 +62,11 @@ class LinkRules:
 
     @property
     def reboots(self) -> int:
-        """How often a device restarted."""
+        """Number of restarts of devices."""
         return self._devices.reboots
 
     def judge(self, frame: Frame) -> Judged:
-        """The frame as far as it is believed."""
+        """Return the frame with its doubted values marked as invalid."""
         rebooted = self._devices.rebooted(frame)
         if mixed := self._devices.mixed(frame.at) & frame.values.keys():
             return Judged(replace(frame, values=dict.fromkeys(frame.values)), frozenset(mixed), rebooted)
@@ -88,16 +88,16 @@ class LinkRules:
         return Judged(replace(frame, values=values), frozenset(doubts), rebooted)
 
     def mixed(self, at: int) -> frozenset[str]:
-        """The channels of links on which two devices send."""
+        """Return the channels of links on which two devices send."""
         return self._devices.mixed(at)
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
-        """The alarms of what is doubted now."""
+        """Return the alarms about channels and devices that are doubted now."""
         doubts = [Alarm("channel.doubted", name, {"text": why}) for name, why in self._doubts.items()]
         return (*doubts, *self._devices.notices(at))
 
     def deadline(self, at: int) -> int | None:
-        """µs at which a notice ends by itself."""
+        """Return the time at which an alarm ends by itself, µs; None: there is none."""
         return self._devices.deadline(at)
 
     def _impossible(self, channel: str, value: int) -> str:
@@ -111,7 +111,10 @@ class LinkRules:
 
 
 def frozen_after(description: Description, carrier: Carrier) -> dict[str, float]:
-    """Seconds by channel, of those that are watched: a pressure, carried finely, with ``frozen_s``."""
+    """Return by channel the seconds after which a constant value counts as frozen.
+
+    Only pressures with ``frozen_s`` that are carried finely enough are included.
+    """
     if not shows_noise(carrier):
         return {}
     declared = {part.channel: part.frozen_s for _, part in description.ordered}

@@ -1,4 +1,4 @@
-"""What the line arbiter must know of the sensors (section 6 of the contract): predicates, from frames and time."""
+"""The predicates that the line arbiter needs (section 6 of the contract), from frames and time."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ LOCKED = "locked"
 PRESENT = "present"
 """The tool is present, where no other sensor of the tool changer is fitted (IL-05)."""
 NOTHING_GRIPPED = "nothing_gripped"
-"""Everything is released, and what is left of a vacuum is vented for a while: by what is fitted (IL-01)."""
+"""Everything with sensors is released, and the rest of a vacuum has been vented for a while (IL-01)."""
 PARKED = "parked"
-"""The tool is in its stand, or there is none (IL-02)."""
+"""The tool is in its stand, or there is no tool (IL-02)."""
 E_STOP_CLOSED = "e_stop_closed"
-"""The e-stop input is closed (IL-13); without a valid reading it is not said."""
+"""The e-stop input is closed (IL-13); without a valid reading the predicate is left out."""
 
 
 NO_FAULT, NO_LATCHED_FAULT = "no_fault:", "no_latching_fault:"
-"""In front of the name of a channel: a fresh reading shows no fault of its device that refuses a grip (IL-07)."""
+"""Prefixes of a channel's name: a fresh reading shows no fault of its device that prevents a grip (IL-07)."""
 
 
 def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[str]:
-    """Those whose channels the carrier carries; the others are off, as are the interlocks that need them."""
+    """Return the predicates whose channels are carried; others are off, with their interlocks."""
     carried, changer, e_stop = carrier.channels, description.tool_changer, description.e_stop
     fitted = set()
     if changer and changer.locked_bit in carried and changer.unlocked_bit in carried:
@@ -50,7 +50,7 @@ def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[s
 
 
 def proven_by_arbiter(description: Description, carrier: Carrier) -> frozenset[str]:
-    """Those of the fitted ones for which the line arbiter needs nobody: it reads all of their channels itself."""
+    """Return the fitted predicates that the line arbiter proves alone, as it reads all their channels."""
     changer, e_stop, own = description.tool_changer, description.e_stop, description.arbiter_inputs
     needs: dict[str, tuple[str, ...]] = {E_STOP_CLOSED: (e_stop.channel,)} if e_stop else {}
     if changer:
@@ -66,14 +66,15 @@ def proven_by_arbiter(description: Description, carrier: Carrier) -> frozenset[s
 
 
 class Predicates:
-    """Sans-IO: frames and time in, what is proven out; without a fresh reading nothing is.
+    """Computes predicates from frames and time; sans-IO. Without a fresh reading nothing is proven.
 
-    It does not depend on the programs whose lines it guards: it gets each frame before they do, and looks at it itself.
+    It does not depend on the programs whose lines it guards: it receives each frame before they do, and judges it
+    itself.
 
     Args:
         description: the tool.
-        carrier: of its channels.
-        judge: shared with those in this process who get the same frames.
+        carrier: carries its channels.
+        judge: judges frames; shared with all objects in this process that receive the same frames.
     """
 
     def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
@@ -83,13 +84,13 @@ class Predicates:
         self._present = description.tool_changer.present_bit if description.tool_changer else None
 
     def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:
-        """What holds after a frame, by name; only what is fitted.
+        """Return the fitted predicates after a frame, by name, and whether each holds.
 
-        If its stamp does not count, it proves nothing; what it objects to is said all the same.
+        A frame with a refused stamp proves nothing, but the objections in it are returned all the same.
 
         Args:
-            frame: of the link.
-            now: µs; default: when the frame came, in virtual time.
+            frame: a frame of the link.
+            now: the time now, µs; default: the arrival of the frame, in virtual time.
         """
         now = frame.at if now is None else now
         if not self._senses.accepts(frame, now):
@@ -103,21 +104,21 @@ class Predicates:
 
     @property
     def holding(self) -> dict[str, bool]:
-        """What holds after the newest frame that counted."""
+        """The predicates after the newest valid frame, by name."""
         return self._said(self.at)
 
     @property
     def at(self) -> int:
-        """µs, of the newest frame that counted."""
+        """Time of the newest valid frame, µs."""
         return self._senses.at
 
     def advance(self, at: int) -> dict[str, bool]:
-        """What holds at ``at`` µs, if nothing came since the last frame."""
+        """Return the predicates at ``at`` µs, if no frame came since the last one."""
         self._senses.advance(at)
         return self._said(at)
 
     def _objections(self, frame: Frame) -> dict[str, bool]:
-        """What was wrong when a frame was sent that came too late: it may be over now, and is latched."""
+        """Return the predicates disproved by a frame that came too late: such a fault is latched."""
         objections = {E_STOP_CLOSED} if self._e_stop and frame.values.get(self._e_stop) is False else set()
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)):
             objections |= {

@@ -1,4 +1,4 @@
-"""The newest reading of each channel, for as long as it is fresh."""
+"""The newest reading of each channel, as long as it is fresh."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from end_effector_hal.vocabulary import to_us
 
 
 class Readings:
-    """Values by channel; a value that is stale or invalid is absent, never the last one.
+    """Values by channel; a stale or invalid value is absent, and the last value is never used instead.
 
-    Stale after 150 ms or three periods of what brings it, down after 1 s or seven, whichever is longer; or as the link
-    says that brings it.
+    A reading is stale after 150 ms or three periods of its source, and the source is down after 1 s or seven periods,
+    whichever is longer, unless the link declares other values.
 
     Args:
         description: the tool.
-        carrier: of its channels.
+        carrier: carries its channels.
     """
 
     MEMORY: ClassVar = {
@@ -35,7 +35,7 @@ class Readings:
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.carried = carrier.channels
         self.measures = measures_of(description)
-        """How each is shown."""
+        """Display format of each channel."""
         self._sources = sources_of(carrier)
         fresh = [description.freshness_of(source.link) for source in self._sources]
         spans = [
@@ -48,7 +48,7 @@ class Readings:
             for channel in source.channels
         }
         self.stale_us = max(spans)
-        """Of the slowest source."""
+        """Time after which a reading of the slowest source is stale, µs."""
         # a link and inputs without names are down together, by the slower of them
         self._down_us = [
             max(
@@ -58,7 +58,7 @@ class Readings:
             for each, source in zip(fresh, self._sources, strict=True)
         ]
         self.down_us = max(self._down_us)
-        """Of the slowest source."""
+        """Time after which the slowest source is down, µs."""
         self._values: dict[str, int | bool] = {}
         self._at: dict[str, int] = {}
         self._numbers = {
@@ -68,20 +68,20 @@ class Readings:
         own = {name for name, each in description.channels.items() if each.on_board}
         self._on_board = tuple([bool(source.channels) and source.channels <= own for source in self._sources])
         self._invalid: dict[str, int] = {}
-        """When a frame last brought a channel without a value, by channels of which no valid value has come since."""
+        """Time of the last frame with an invalid value, by channels that have had no valid value since."""
         self._heard: dict[str, int] = {}
-        """When a frame last came, by the numbers of several sources."""
+        """Time of the last frame, by the numbers of several sources."""
         self._last_frame: int | None = None
         self._arrived: frozenset[str] = frozenset()
         self._ends: tuple[dict[str, int] | None, list[int]] = None, []
-        """Of which readings it is known when each turns stale or a source goes down, and these times in order."""
+        """Cache: the reading times it belongs to, and the sorted times at which a reading or source ends."""
 
     def take(self, frame: Frame, doubted: Collection[str] = ()) -> None:
-        """Remember what a frame carries; an invalid value refreshes nothing.
+        """Store the values of a frame; an invalid value refreshes nothing.
 
         Args:
-            frame: as far as it is believed.
-            doubted: channels that came with a value which is not believed; they are invalid in the frame.
+            frame: the frame after its judgement.
+            doubted: channels whose value was sent but is not trusted; they are invalid in the frame.
         """
         self._last_frame = max(frame.at, self.last_frame)
         if len(self._sources) > 1 and (number := self._number_of(frame)):
@@ -96,49 +96,49 @@ class Readings:
             self._invalid = before | dict.fromkeys(now, frame.at)
 
     def renew(self, at: int) -> None:
-        """Frames as the newest one have come until ``at`` µs."""
+        """Account for frames equal to the newest one that came until ``at`` µs."""
         self._last_frame = at
         self._at = self._at | dict.fromkeys(self._arrived, at)
         self._invalid = dict.fromkeys(self._invalid, at)
 
     def forget(self, channel: str) -> None:
-        """What was read is nothing any more."""
+        """Discard the reading of a channel."""
         if channel in self._values:
             del self._values[channel]
             self._at = {name: at for name, at in self._at.items() if name != channel}
 
     def idle(self) -> None:
-        """Time has passed and nothing came: what is remembered is no new sample."""
+        """Mark that time has passed without a frame: the stored values are no new samples."""
         self._arrived = frozenset()
 
     def arrived(self, channel: str) -> bool:
-        """Whether the newest frame brought a valid value: only that is a sample to count."""
+        """Return whether the newest frame has a valid value of the channel: only that is a sample."""
         return channel in self._arrived
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        """The value of a channel at a time in µs, or None: not carried, never read, or stale."""
+        """Return the value of a channel at a time in µs; None: not carried, never read, or stale."""
         if channel is None or (then := self._at.get(channel)) is None:
             return None
         # without another call: each frame is asked for a dozen of them
         return self._values[channel] if at - then < self._stale_us.get(channel, self.stale_us) else None
 
     def sent_invalid(self, channel: str, at: int) -> bool:
-        """Whether frames with a channel come, and bring no valid value: its device lives, and has no reading of it."""
+        """Return whether frames with the channel arrive, but without a valid value: its device works."""
         then = self._invalid.get(channel)
         return then is not None and at - then < self.stale_after_us(channel)
 
     def stale_after_us(self, channel: str) -> int:
-        """How long a reading of a channel counts."""
+        """Return the time for which a reading of a channel is valid, µs."""
         return self._stale_us.get(channel, self.stale_us)
 
     def stale_after(self, frame: Frame) -> int:
-        """How long what a frame carries counts; of several sources together, by the quickest."""
+        """Return how long the values of a frame are valid, µs; of several sources the shortest time."""
         if len(self._sources) == 1:
             return self.stale_us
         return min([self.stale_after_us(channel) for channel in frame.values], default=self.stale_us)
 
     def stale(self, at: int) -> tuple[str, ...]:
-        """Channels that are carried and that have no valid reading now."""
+        """Return the carried channels without a valid reading now."""
         read_at, spans = self._at, self._stale_us
         of, ends = self._ends
         if of is read_at and ends and ends[0] > at and len(read_at) == len(spans):
@@ -153,33 +153,33 @@ class Readings:
 
     @property
     def read_at(self) -> Mapping[str, int]:
-        """When each channel was read last, µs; a new object whenever one of these times has changed."""
+        """Time of the last reading by channel, µs; a new object whenever one of these times has changed."""
         return self._at
 
     @property
     def last_frame(self) -> int:
-        """µs, the latest stamp of a frame; 0: none has come."""
+        """Latest stamp of a frame, µs; 0: none has come."""
         return self._last_frame or 0
 
     def source_of(self, frame: Frame) -> str:
-        """Who brings a frame, by its channels: one of the sources whose stamps are in order."""
+        """Return the source of a frame, by its channels: the stamps of one source must be in order."""
         number, first = self._number_of(frame), next(iter(frame.values), "")
         # input lines that the line arbiter reads come by another way than those of this process
         return f"{number} relay" if first in self._relayed else number
 
     def fresh(self, at: int) -> bool:
-        """Whether a frame has come so lately that what it carries is not stale."""
+        """Return whether the last frame is so recent that its values are not stale."""
         return self._last_frame is not None and at - self._last_frame < self.stale_us
 
     def link_up(self, at: int) -> bool:
-        """Whether each source has sent a frame within the time after which the link is down.
+        """Return whether every source has sent a frame within the time after which it is down.
 
-        Of several sources, the inputs of the board are down as well while none of them can be read.
+        If there are several sources, the inputs of the board are also down while none of them can be read.
         """
         return not self.down(at)
 
     def down(self, at: int) -> tuple[FrameSource, ...]:
-        """The sources that are not up."""
+        """Return the sources that are not up."""
         if self._last_frame is None or at - self._last_frame >= self.down_us:
             return self._sources
         if len(self._sources) == 1:
@@ -188,7 +188,7 @@ class Readings:
         return tuple([source for source, last, down_us in seen if at - last >= down_us])
 
     def deadline(self, at: int) -> int | None:
-        """µs when the next reading turns stale or a source goes down, if nothing comes."""
+        """Return when the next reading turns stale or a source goes down without a new frame, µs."""
         of, ends = self._ends
         if of is not self._at:
             spans = self._stale_us
@@ -205,9 +205,12 @@ class Readings:
         return None
 
     def _last_of_sources(self) -> list[int]:
-        """µs of the last frame of each link, and of the last valid value of the board; before the first: long gone.
+        """Return the time of the last frame of each link, and of the last valid value of the board, µs.
 
-        A frame of a link was sent by a device, whatever it says; one of the board is made here.
+        Before the first one the time lies far in the past.
+
+        A frame of a link was sent by a device, even if its values are invalid; a frame of the board is made in this
+        process.
         """
         last = []
         for number, source in enumerate(self._sources):
@@ -225,7 +228,7 @@ class Readings:
 
 
 class ToolPlace(IntEnum):
-    """Where the tool is; ``ToolStandPosition`` of the ROS messages."""
+    """Place of the tool; ``ToolStandPosition`` of the ROS messages."""
 
     UNKNOWN = 0
     """A bit is stale, invalid, or not carried."""
@@ -237,7 +240,7 @@ class ToolPlace(IntEnum):
 
 
 def tool_place(changer: ToolChanger, readings: Readings, at: int) -> ToolPlace:
-    """Where the tool is at ``at`` µs, as far as fresh readings prove it."""
+    """Return the place of the tool at ``at`` µs, as far as fresh readings prove it."""
     present, in_stand = readings.get(changer.present_bit, at), readings.get(changer.stand_bit, at)
     if present is not None and not present:
         return ToolPlace.ABSENT

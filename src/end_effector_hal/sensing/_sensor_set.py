@@ -1,4 +1,4 @@
-"""Frames and time in, events of the model out."""
+"""Turns frames and time into events of the model."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ _RANK = {Evidence.UNKNOWN: 0, Evidence.PARTIAL: 1, Evidence.GONE: 2, Evidence.CO
 
 
 SENT_INVALID = "frames come, and say that the value is invalid or beyond its range"
-"""The link is well; see to the sensor."""
+"""Reason why a channel has no value although the link works: the sensor must be checked."""
 
 
 def why_invalid(description: Description, channel: str) -> str:
-    """Why a channel that is read has no value, as far as its source can know it."""
+    """Return why a channel that is read has no value, as far as its source shows it."""
     each = description.channels.get(channel)
     if each and (place := each.modbus):
         register = " register" if place.register_type in ("holding", "input") else ""
@@ -43,16 +43,17 @@ def why_invalid(description: Description, channel: str) -> str:
 
 
 _Proven = tuple[tuple[Evidence, ...], ToolEvidence, tuple[int, ...]]
-"""Evidence, of the tool as well, and what has gripped nothing."""
+"""Evidence of the actuators, of the tool, and the actuators that have gripped nothing."""
 
 
 class SensorSet:
-    """Stands between samples and events: a level each, and an event at each change of one.
+    """Turns samples into levels, and each change of a level into an event.
 
     Args:
         description: the tool.
-        carrier: of its channels.
-        judge: shared with all others in this process who get the same frames; None: there are no others.
+        carrier: carries its channels.
+        judge: judges frames; shared with all objects in this process that receive the same frames; None: there are
+            none.
     """
 
     MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[Alarm, ...], "revision": int}
@@ -64,7 +65,7 @@ class SensorSet:
         judge: FrameJudge | None = None,
     ) -> None:
         self.now = SensorState(description, carrier)
-        """What the sensors prove."""
+        """The present evidence of the sensors."""
         self._description, self._judge = description, judge
         self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
@@ -75,7 +76,7 @@ class SensorSet:
         self._noticed: tuple[Alarm, ...] = ()
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
-        """How often something may have changed."""
+        """Counter that grows whenever something may have changed."""
         self._evidence_events = tuple(
             {
                 level: Event(f"{channel}[{index}]", {f"evidence[{index}]": int(level)})
@@ -90,13 +91,13 @@ class SensorSet:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """Every event that a frame or its absence can lead to."""
+        """Every event that a frame or a silence can lead to."""
         evidence = (event for of_level in self._evidence_events for event in of_level.values())
         return (*evidence, *self._empty_events, *self._tool_events.values())
 
     @property
     def levels(self) -> dict[str, int]:
-        """Levels of the model that have no event: they are asked for when a command comes."""
+        """Levels of the model without an event; they are read when a command comes."""
         now = self.now
         return {
             "supply_ok": int(now.supply.ok),
@@ -106,25 +107,28 @@ class SensorSet:
 
     @property
     def conclusive(self) -> bool:
-        """Whether every actuator is proven to be there or gone: enough to adopt."""
+        """Whether every actuator is proven to be confirmed or gone, which is enough to adopt."""
         return self.now.conclusive
 
     @property
     def at(self) -> int:
-        """µs, of the newest frame that counted: what a late one of another source shows is seen then, not before."""
+        """Time of the newest valid frame, µs.
+
+        An older frame of another source that arrives later takes effect at this time.
+        """
         return self.now.readings.last_frame
 
     @property
     def refused(self) -> int:
-        """Frames that did not count because of their stamp, since the start."""
+        """Number of frames refused because of their stamp, since the start."""
         return self._stamps.refused
 
     def refusals(self, at: int) -> tuple[Alarm, ...]:
-        """The alarm of frames that were refused lately; a part of the notices."""
+        """Return the alarm about frames that were refused recently; it is a part of the notices."""
         return self._stamps.notices(at)
 
     def accepts(self, frame: Frame, now: int) -> bool:
-        """Whether a frame that is here at ``now`` counts, by its stamp; one that does not is told, no more."""
+        """Return whether the stamp of a frame received at ``now`` is valid; a refusal is reported."""
         readings = self.now.readings
         passes = self._stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
         if not passes:
@@ -133,8 +137,10 @@ class SensorSet:
         return passes
 
     def frame(self, frame: Frame) -> list[Event]:
-        """The events of one frame that was accepted: what is lost before what is gone before what is confirmed,
-        then by the sequence; then what has gripped nothing.
+        """Return the events of one accepted frame.
+
+        Their order is: losses, then GONE, then CONFIRMED, within these the sequence; then actuators that have gripped
+        nothing.
         """
         events: list[Event] = []
         before = self._proven
@@ -150,7 +156,7 @@ class SensorSet:
         return events
 
     def advance(self, at: int) -> list[Event]:
-        """The events of readings that turned stale; call it at :meth:`deadline`."""
+        """Return the events of readings that turned stale; call this method at :meth:`deadline`."""
         before = self._proven
         if self._judge is None:
             self.now.wait(at)
@@ -159,7 +165,7 @@ class SensorSet:
         return self._changed_from(before)
 
     def deadline(self, at: int) -> int | None:
-        """µs of the next change without any frame."""
+        """Return the time of the next change without a frame, µs; None: there is none."""
         read_at = self.now.readings.read_at
         of, asked_at, due = self._due
         if of is read_at and asked_at <= at and (due is None or at < due):
@@ -170,9 +176,9 @@ class SensorSet:
         return due
 
     def notices(self, at: int, *, held: bool) -> tuple[Alarm, ...]:
-        """The alarms about the readings at ``at`` µs.
+        """Return the alarms about the readings at ``at`` µs.
 
-        Those of a link that is down, and of an actuator of a held part without evidence, are made elsewhere.
+        Alarms for a link that is down, and for an actuator of a held part without evidence, are made elsewhere.
         """
         said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
         down = readings.down(at)
@@ -207,12 +213,12 @@ class SensorSet:
         return tuple(said)
 
     def noticed(self, at: int, *, held: bool) -> bool:
-        """Whether the notices are others than at the last call."""
+        """Return whether the notices have changed since the last call."""
         before, self._noticed = self._noticed, self.notices(at, held=held)
         return self._noticed != before
 
     def _findings(self, at: int) -> Iterator[Alarm]:
-        """The alarms of detectors with conditions."""
+        """Yield the alarms of detectors with conditions."""
         for index, detector in self.now.by_conditions:
             name, carried = self._parts[index][0], self.now.readings.carried
             if detector.broken:
@@ -223,7 +229,7 @@ class SensorSet:
                 yield Alarm(EMPTY, name, {"empty": empty})
 
     def _unknown(self) -> list[str]:
-        """Actuators without evidence."""
+        """Return the actuators without evidence."""
         pairs = zip(self._channels, self.now.evidence, strict=True)
         return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
@@ -232,7 +238,7 @@ class SensorSet:
         return self.now.evidence, self.now.tool, self.now.emptied
 
     def _changed_from(self, before: _Proven) -> list[Event]:
-        """The events that say what is otherwise than it was."""
+        """Return the events for all differences from the earlier evidence."""
         now, events = self.now, list[Event]()
         evidence, tool, emptied = before
         self.revision += 1

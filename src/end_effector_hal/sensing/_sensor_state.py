@@ -1,4 +1,4 @@
-"""What the sensors prove at one time; a frame, or its absence, leads to another state."""
+"""The evidence of the sensors at one time; a frame, or a silence, leads to a new state."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from .detectors import ReleaseDetector, SupplyDetector, ToolDetector
 
 
 class SensorState:
-    """The newest readings, all detectors, and the level of each; nobody changes it once it is passed on.
+    """The newest readings, all detectors, and their results; a state is never changed once it is shared.
 
-    So all who have seen the same frames may share it: the next frame makes a new one.
+    So all users that have received the same frames may share one state: the next frame creates a new one.
 
     Attributes:
-        readings: of each channel.
-        faults: which of them are alarms of a device.
+        readings: readings of all channels.
+        faults: the channels that are alarms of a device.
         supply: whether a grip may start (IL-06).
-        evidence: of each actuator, in sequence order.
-        tool: what the bits of the tool changer prove.
-        nothing_gripped: as IL-01 asks it.
-        in_stand: the tool is in its stand, or there is none (IL-02).
+        evidence: evidence of each actuator, in sequence order.
+        tool: evidence of the tool changer's bits.
+        nothing_gripped: whether nothing is gripped, as IL-01 requires.
+        in_stand: whether the tool is in its stand, or there is no tool (IL-02).
     """
 
     MEMORY: ClassVar = {
@@ -78,20 +78,20 @@ class SensorState:
         self.nothing_gripped, self.in_stand = False, False
 
     def after(self, frame: Frame) -> tuple[Self, ...]:
-        """The states that a frame leads to: one, and before it another where the device restarted."""
+        """Return the states that a frame leads to: one, preceded by another one if the device restarted."""
         state = clone(self)
         return tuple([state if last else clone(state) for last in state.take(frame)])
 
     def idle(self, at: int) -> Self:
-        """The state that the absence of frames until ``at`` µs leads to; call it at :meth:`deadline`."""
+        """Return the state after a silence until ``at`` µs; call this method at :meth:`deadline`."""
         state = clone(self)
         state.wait(at)
         return state
 
     def take(self, frame: Frame) -> Iterator[bool]:
-        """Become what a frame leads to, for a state that nobody shares.
+        """Change this state, which must not be shared, to the one that a frame leads to.
 
-        Each item is one change, done when it is asked for; True: it was the last one.
+        Each item stands for one change, which is made when the item is requested; True: it was the last change.
         """
         judged = self._rules.judge(frame)
         at = max(frame.at, self.readings.last_frame)
@@ -108,38 +108,38 @@ class SensorState:
         yield True
 
     def wait(self, at: int) -> None:
-        """Become what the absence of frames until ``at`` µs leads to, for a state that nobody shares."""
+        """Change this state, which must not be shared, to the one after a silence until ``at`` µs."""
         self.readings.idle()
         self._sample(at)
 
     def deadline(self, at: int) -> int | None:
-        """µs of the next change without any frame, after ``at``."""
+        """Return the time of the next change without a frame, after ``at``, µs; None: there is none."""
         due, ends = self.readings.deadline(at), self._rules.deadline(at)
         return due if ends is None else ends if due is None else min(due, ends)
 
     def mixed(self, at: int) -> frozenset[str]:
-        """The channels of links on which two devices send; a part of the doubts."""
+        """Return the channels of links on which two devices send; they are a part of the doubts."""
         return self._rules.mixed(at)
 
     def doubts(self, at: int) -> tuple[Alarm, ...]:
-        """Alarms at ``at`` µs: impossible or frozen readings, a detector that fails, a device that restarted."""
+        """Return alarms at ``at`` µs: impossible or frozen readings, failed detectors, restarted devices."""
         said = self._rules.notices(at)
         return (*said, *self._faults()) if self._guarded else said
 
     def verdict(self, at: int) -> object:
-        """Equal where all is proven and told alike."""
+        """Return a value that is equal for states with the same evidence and the same alarms."""
         found = [(each.level, each.empty, each.broken, each.settles(at)) for _, each in self.by_conditions]
         supply, proven = self.supply, (self.nothing_gripped, self.in_stand)
         return self.evidence, self.tool, supply.ok, supply.low, *proven, self.doubts(at), found
 
     @property
     def is_guarded(self) -> bool:
-        """Whether a detector is somebody else's, who may count what nobody here knows of."""
+        """Whether a detector comes from a plug-in, which may count in ways that are not known here."""
         return bool(self._guarded)
 
     @property
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
-        """Detectors of the actuators that conditions prove, by their place in the sequence."""
+        """Detectors that judge by conditions, with the position of their actuator in the sequence."""
         return tuple(
             [
                 (i, each)
@@ -149,13 +149,13 @@ class SensorState:
         )
 
     def empty(self, index: int) -> str:
-        """A clause, the words of the kind, if an actuator has gripped nothing; empty: that is not proven."""
+        """Return the kind's clause if an actuator has gripped nothing; empty: that is not proven."""
         found = any(i == index and each.empty for i, each in self.by_conditions)
         return kind_of(self._parts[index][1]).empty if found else ""
 
     @property
     def emptied(self) -> tuple[int, ...]:
-        """Actuators that have gripped nothing, by their place in the sequence; what is confirmed has something."""
+        """Positions in the sequence of actuators that gripped nothing and are not confirmed."""
         if not self._conditional:
             return ()
         return tuple(
@@ -169,7 +169,7 @@ class SensorState:
 
     @property
     def conclusive(self) -> bool:
-        """Whether every actuator is proven to be there or gone: enough to adopt."""
+        """Whether every actuator is proven to be confirmed or gone, which is enough to adopt."""
         return all(level in (Evidence.GONE, Evidence.CONFIRMED) for level in self.evidence) and (
             self._tool is None or self.tool is not ToolEvidence.UNCLEAR
         )
@@ -197,13 +197,13 @@ class SensorState:
         self.in_stand = self._is_in_stand(at)
 
     def _lock_is_read(self, at: int) -> bool:
-        """Whether there are fresh readings of what IL-05 asks."""
+        """Return whether all channels that IL-05 needs have fresh readings."""
         return bool(self._lock_bits) and all(
             self.readings.get(bit, at) is not None for bit in self._lock_bits
         )
 
     def _is_in_stand(self, at: int) -> bool:
-        """IL-02: in its stand, or there is none; without a fresh reading, neither."""
+        """Return whether the tool is in its stand or absent (IL-02); False without a fresh reading."""
         if self._stand is None:
             return False
         stand_bit, present_bit = self._stand

@@ -1,4 +1,4 @@
-"""What comes in from the wires, before anybody judges it: frames, streaks, trends, stamps; pure."""
+"""Input from the sensor links before any judgement: frames, streaks, trends and time stamps; no I/O."""
 
 from ._frame import Frame, Kind, Value
 from ._measure import GAUGE_PRESSURE, Measure, MeasuredReadings

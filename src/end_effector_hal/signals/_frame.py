@@ -1,4 +1,4 @@
-"""What a sensor link delivers: frames of channels."""
+"""Frames of channels, as a sensor link delivers them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ Value = int | bool | None
 
 
 class Kind(Enum):
-    """What a channel carries."""
+    """The type of a channel's values."""
 
     PRESSURE = "pressure"
     """Gauge pressure, integer Pa; a vacuum is negative."""
     QUANTITY = "quantity"
-    """What else is measured (mm, %, V …), integer thousandths of the channel's unit."""
+    """Another measured quantity (mm, %, V …), integer thousandths of the channel's unit."""
     BIT = "bit"
-    """A boolean: a position bit, or "present" where the channel has the name of a pressure."""
+    """A boolean: a position bit, or a switch in place of a pressure, which means "present"."""
     CODE = "code"
-    """A whole number with which a device says what is wrong with it; 0: nothing."""
+    """A whole number with which a device reports a fault; 0: no fault."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +28,11 @@ class Frame:
     """One frame of a link.
 
     Attributes:
-        at: µs of its last byte, on the monotonic clock of the reader; 0 in a frame that is to be encoded.
-        seq: sequence number, or None where the codec carries none.
-        device_ms: the device's own clock in ms, or None.
-        values: channel to gauge pressure in Pa, thousandths of another unit, bit, code, or None: carried, but invalid.
+        at: time of its last byte, µs on the monotonic clock of the reader; 0 in a frame that is to be encoded.
+        seq: sequence number; None if the codec carries none.
+        device_ms: the device's own clock, ms; None if the codec carries none.
+        values: by channel, a gauge pressure in Pa, thousandths of another unit, a bit or a code; None: carried, but
+            invalid.
     """
 
     at: int

@@ -1,4 +1,4 @@
-"""How the values of a channel are shown: its unit, and as many decimals as its thresholds have."""
+"""How the values of a channel are displayed: with its unit, and as many decimals as its thresholds have."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 
 class Measure(NamedTuple):
-    """Of a pressure, or of another quantity; a value is in thousandths of the unit (Pa of kPa).
+    """The display format of a quantity; values are in thousandths of its unit (Pa for kPa).
 
     Attributes:
-        unit: for people, such as kPa or mm.
-        decimals: that are shown.
+        unit: the unit for people, such as kPa or mm.
+        decimals: number of decimals shown.
     """
 
     unit: str = "kPa"
     decimals: int = 1
 
     def text(self, value: int) -> str:
-        """``-12.3 kPa``, of thousandths."""
+        """Return a value, given in thousandths of the unit, as text such as ``-12.3 kPa``."""
         return f"{value / 1000:.{self.decimals}f} {self.unit}"
 
 
@@ -27,9 +27,9 @@ GAUGE_PRESSURE = Measure()
 
 @runtime_checkable
 class MeasuredReadings(Protocol):
-    """Readings that know how their channels are shown."""
+    """Readings that include the display format of their channels."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
-        """By channel; one that is not listed is a gauge pressure."""
+        """Display format by channel; a channel that is not listed is a gauge pressure."""
         ...

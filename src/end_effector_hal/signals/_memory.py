@@ -1,9 +1,9 @@
-"""Write the state of an object as plain data, and give a new object that state.
+"""Write the state of an object as plain data, and restore it in a new object.
 
-A recording that begins in the middle needs it. Each class names in ``MEMORY`` the attributes that change while it
-works, with their types; everything else follows from the description. `PART` marks objects that have a memory of
-their own: one, None, or a list, tuple or dict of them that is the same for the same description. The memory of an
-`INLINE` part stands among that of its object.
+A recording that begins in the middle of a run needs this. Each class lists in ``MEMORY`` the attributes that change
+during its work, with their types; everything else follows from the description. `PART` marks attributes that hold
+objects with a memory of their own: one object, None, or a list, tuple or dict whose structure is the same for the same
+description. The memory of an `INLINE` part is merged into that of its object.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _CHANGED_IN_PLACE = (list, dict, deque, set)
 
 
 class Remembers(Protocol):
-    """An object with a memory."""
+    """An object with a ``MEMORY``."""
 
     MEMORY: ClassVar[dict[str, Any]]
 
@@ -34,7 +34,7 @@ T = TypeVar("T", bound=Remembers)
 
 
 def memory_of(thing: Remembers) -> dict[str, Any]:
-    """Plain data, the same for the same memory."""
+    """Return the state of an object as plain data; equal states give equal data."""
     return {
         name: _plain_part(getattr(holder, name)) if kind is PART else _plain(kind, getattr(holder, name))
         for holder, name, kind in _remembered(thing)
@@ -42,9 +42,9 @@ def memory_of(thing: Remembers) -> dict[str, Any]:
 
 
 def clone(thing: T) -> T:
-    """Another object that remembers the same: what one of the two goes through, the other does not.
+    """Return an independent copy of an object with the same state.
 
-    What is in no memory is shared by both.
+    Attributes that are not in ``MEMORY`` are shared by both.
     """
     kind = type(thing)
     new = kind.__new__(kind)
@@ -75,7 +75,7 @@ def clone(thing: T) -> T:
 
 
 class _Plan(NamedTuple):
-    """What is to be done for the objects of a class: its parts, and what may be changed in place."""
+    """The steps of `clone` for one class: its parts, and attributes that can be changed in place."""
 
     parts: tuple[str, ...]
     changing: tuple[str, ...]
@@ -83,7 +83,7 @@ class _Plan(NamedTuple):
 
 _PLANS: dict[type, _Plan] = {}
 _LEAVES: set[type] = set()
-"""Those of which nothing is to be done: what they have is shared."""
+"""Classes without parts and without attributes that change in place: a shallow copy is enough."""
 
 
 def _plan(thing: Remembers) -> _Plan:
@@ -92,7 +92,7 @@ def _plan(thing: Remembers) -> _Plan:
 
 
 def _stays(kind: Any, is_part: bool) -> bool:
-    """Whether nothing that is declared so can be changed in place."""
+    """Return whether values of this declared type cannot be changed in place."""
     if is_part or kind in (int, bool, float, str, type(None)):
         return True
     if isinstance(kind, UnionType):
@@ -101,7 +101,7 @@ def _stays(kind: Any, is_part: bool) -> bool:
 
 
 def parts_of(thing: Remembers) -> Iterator[Remembers]:
-    """The objects with a memory that an object has."""
+    """Yield the parts of an object that have a memory."""
     plan = _PLANS.get(type(thing)) or _plan(thing)
     for name in plan.parts:
         value = getattr(thing, name)
@@ -114,7 +114,7 @@ def parts_of(thing: Remembers) -> Iterator[Remembers]:
 
 
 def same_memory(one: Remembers, other: Remembers) -> bool:
-    """Whether two objects of the same description remember the same."""
+    """Return whether two objects of the same description have the same state."""
     return all(
         _same(getattr(one, name), getattr(other, name)) if kind is PART or kind is INLINE
         else getattr(one, name) == getattr(other, name)
@@ -123,10 +123,10 @@ def same_memory(one: Remembers, other: Remembers) -> bool:
 
 
 def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
-    """Let a new object remember what another one of the same description did.
+    """Restore the state of another object of the same description in a new object.
 
     Raises:
-        UsageError: that is no memory of such an object; it may remember a part of it.
+        UsageError: the data is not the state of such an object; a part of it may already be restored.
     """
     remembered = list(_remembered(thing))
     found = _same_keys(memory, [name for _, name, _ in remembered], where)
@@ -145,7 +145,7 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
 
 
 def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
-    """The attributes that are remembered: the object that has it, its name, its type."""
+    """Yield the attributes in the memory: the object that has the attribute, its name, its type."""
     for name, kind in thing.MEMORY.items():
         if kind is INLINE:
             yield from _remembered(getattr(thing, name))

@@ -1,4 +1,4 @@
-"""What a detector sees of the channels."""
+"""The readings of the channels as a detector receives them."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ class ChannelReadings(Protocol):
 
     @property
     def carried(self) -> Mapping[str, Kind]:
-        """The channels of the codec."""
+        """The channels of the codec with their types."""
         ...
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        """Gauge Pa (vacuum negative) or a bit at ``at`` µs; None: not carried, never read, stale, or invalid."""
+        """Return gauge Pa (vacuum negative) or a bit at ``at`` µs; None: no fresh, valid reading."""
         ...
 
     def arrived(self, channel: str) -> bool:
-        """Whether the newest frame brought a valid value: only that is a sample to count."""
+        """Return whether the newest frame has a valid value of the channel: only that is a sample."""
         ...
 
 
 class PassingReadings:
-    """What a frame shows that nobody remembers, and what is remembered of the other channels.
+    """Readings of one frame that is not stored; other channels come from the stored readings.
 
     Args:
-        remembered: the newest readings before it.
-        frame: of the same source, soon after.
+        remembered: the newest readings before the frame.
+        frame: a frame of the same source, soon after them.
     """
 
     def __init__(self, remembered: ChannelReadings, frame: Frame) -> None:

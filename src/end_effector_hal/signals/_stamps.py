@@ -1,4 +1,4 @@
-"""Which time stamps count: not ahead of now, not too old, and not before the last of their source that counted."""
+"""The rules for time stamps: not in the future, not too old, not before the last one of their source."""
 
 from __future__ import annotations
 
@@ -7,20 +7,25 @@ from typing import ClassVar
 from end_effector_hal.vocabulary import Alarm
 
 SAID_US, LATE_SAID_US = 10_000_000, 1_000_000
-"""So long after the last refusal it is told; what came late is told otherwise as well: the readings are stale."""
+"""Time for which a refusal is reported, µs.
+
+It is shorter for a message that is only late, because its readings are reported as stale too.
+"""
 LATE_US = 60_000_000
-"""What is older has not waited so long: its stamp is wrong."""
+"""Age from which a stamp counts as wrong rather than late, µs: no message waits so long."""
 HIGHEST = 2**63 - 1
 _OLD = "too old"
 
 
 class StampGate:
-    """Lets stamps of one kind pass or refuses them; a refusal is counted and told, and moves nothing else.
+    """Accepts or refuses the time stamps of one kind of message.
+
+    A refusal is counted and reported, and has no other effect.
 
     Args:
-        what: that is stamped, for a sentence; plural.
-        old_us: what is so old, or older, is refused; None: age does not matter.
-        in_order: whether what is older than the last of its source that passed is refused.
+        what: the stamped things in a sentence, plural.
+        old_us: age from which a stamp is refused, µs; None: age does not matter.
+        in_order: whether a stamp that is older than the last accepted one of its source is refused.
     """
 
     MEMORY: ClassVar = {
@@ -34,19 +39,19 @@ class StampGate:
     def __init__(self, what: str, *, old_us: int | None = None, in_order: bool = False) -> None:
         self._what, self._old_us, self._in_order = what, old_us, in_order
         self.refused = 0
-        """How many, since the start."""
+        """Number of refusals since the start."""
         self._last: dict[str, int] = {}
         self._until: int | None = None
         self._why, self._said_us = "", 0
 
     def passes(self, stamp: object, now: int, old_us: int | None = None, source: str = "") -> bool:
-        """Whether a stamp counts.
+        """Return whether a stamp is accepted.
 
         Args:
-            stamp: µs on the monotonic clock, as it came: whatever it is.
+            stamp: µs on the monotonic clock; as received, so of any type.
             now: µs on the same clock.
-            old_us: what is so old is refused; default: of the gate.
-            source: whose order it is a part of: others may be later, or have been delivered before.
+            old_us: age from which the stamp is refused, µs; default: that of the gate.
+            source: the source whose order counts; stamps of other sources may be later, or may have arrived earlier.
         """
         why = self._why_not(stamp, now, self._old_us if old_us is None else old_us, source)
         if not why and type(stamp) is int:
@@ -63,7 +68,7 @@ class StampGate:
         return False
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
-        """The alarm of what was refused lately."""
+        """Return the alarm about recent refusals, if any."""
         if self.deadline(at) is None:
             return ()
         late = self._said_us == LATE_SAID_US
@@ -75,7 +80,7 @@ class StampGate:
         return (Alarm("stamps.refused", self._what, {"why": self._why, "doubt": doubt}),)
 
     def deadline(self, at: int) -> int | None:
-        """µs at which the notice ends by itself."""
+        """Return the time at which the alarm ends by itself, µs; None: there is no alarm."""
         return self._until if self._until is not None and self._until > at else None
 
     def _why_not(self, stamp: object, now: int, old_us: int | None, source: str) -> str:

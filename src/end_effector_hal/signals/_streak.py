@@ -1,4 +1,4 @@
-"""How long, and for how many samples, something has been so: the memory that every detector needs."""
+"""Measures how long, and for how many samples, a condition has held: every detector needs this memory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._memory import Remembers, parts_of
 
 
 class Streak:
-    """Counts consecutive samples for which a condition holds, and since when."""
+    """Counts consecutive samples for which a condition holds, and stores the time of the first one."""
 
     MEMORY: ClassVar = {"samples": int, "_since": int}
 
@@ -18,7 +18,7 @@ class Streak:
         self._since = 0
 
     def take(self, holds: bool, at: int) -> None:
-        """One more sample, at a time in µs."""
+        """Count one more sample, at ``at`` µs."""
         if not holds:
             self.samples = 0
         else:
@@ -27,16 +27,16 @@ class Streak:
             self.samples += 1
 
     def began_within(self, at: int, us: int) -> bool:
-        """Whether the last one, that which runs or one that has ended, began less than so many µs ago."""
+        """Return whether the last streak, running or ended, began less than this many µs ago."""
         return at - self._since < us
 
     def lasted(self, at: int, us: int) -> bool:
-        """Whether it has held without a break for at least so many µs."""
+        """Return whether the condition has held without a break for at least this many µs."""
         return self.samples > 0 and at - self._since >= us
 
 
 def streaks_of(thing: Remembers) -> Iterator[Streak]:
-    """All that an object counts with."""
+    """Yield all streaks of an object and of its parts."""
     for part in parts_of(thing):
         if type(part) is Streak:
             yield part
@@ -45,7 +45,7 @@ def streaks_of(thing: Remembers) -> Iterator[Streak]:
 
 
 def lengthen(streaks: Iterable[Streak], samples: int) -> None:
-    """Have each of them that runs count so many samples more."""
+    """Add this number of samples to each streak that is running."""
     for streak in streaks:
         if streak.samples:
             streak.samples += samples

@@ -1,4 +1,4 @@
-"""Where a noisy signal is going: lines by least squares."""
+"""Estimates the trend of a noisy signal with lines by least squares."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from typing import ClassVar
 Point = tuple[float, float]
 BINS = 20
 SURE = 3.0
-"""A slope counts when it is so many of its own standard errors away from zero."""
+"""A slope counts if it is at least this many of its own standard errors away from zero."""
 ALMOST = 0.99
-"""A fall that goes on with this share of its speed, or more, is a straight one."""
+"""A fall that keeps at least this share of its slope from the older to the newer half counts as straight."""
 
 
 class Trend:
-    """A signal over a window of time, as the means of short bins.
+    """The trend of a signal over a window of time, computed from the means of short bins.
 
-    A line is fitted to each half of the window. The signal falls when both halves do: noise does not look like a
-    fall, nor does a step. A fall that slows down is taken to go on slowing down, as a vacuum does on its way to
-    the level at which the ejector keeps up with a leak.
+    A line is fitted to each half of the window. The signal falls if both halves fall: neither noise nor a step looks
+    like that. A fall that slows down is expected to slow down further, like a vacuum that approaches the level at
+    which the ejector compensates a leak.
 
     Args:
-        window_us: how much of the past counts.
-        period_us: of the samples; where they are rare the window is longer, ten samples at least.
+        window_us: length of the window, µs.
+        period_us: period of the samples, µs; the window has at least ten periods.
     """
 
     MEMORY: ClassVar = {
@@ -43,7 +43,7 @@ class Trend:
         self._older = self._newer = 0.0
 
     def take(self, value: float, at: int) -> bool:
-        """One more sample at ``at`` µs; True when a bin is full and the trend was computed again."""
+        """Add one more sample at ``at`` µs; return True if a bin is full and the trend was computed again."""
         self._samples.append((at, value))
         if at - self._samples[0][0] < self._full_us:
             return False
@@ -58,20 +58,20 @@ class Trend:
         return True
 
     def clear(self) -> None:
-        """Start again, after a gap."""
+        """Discard all samples, after a gap."""
         self._points.clear()
         self._samples.clear()
         self._older = self._newer = 0.0
 
     @property
     def falls(self) -> float | None:
-        """By how much it falls in a second; 0: it does not. None: not known yet, or only its newer half falls."""
+        """Fall of the signal per second; 0: none. None: not known yet, or only the newer half falls."""
         if self._halves() is None or self._newer < 0 <= self._older:
             return None
         return max(0.0, -self._newer)
 
     def falls_by(self, distance: float) -> float | None:
-        """Seconds until it has fallen so far from where it is, or None: it does not."""
+        """Return the time until the signal has fallen by this distance, s; None: it never does."""
         falls = self.falls
         if not falls:
             return None
@@ -86,7 +86,7 @@ class Trend:
         return -log(left) / decay * half_s if left > 0 else None
 
     def _halves(self) -> tuple[list[Point], list[Point]] | None:
-        """The older and the newer half of the window; None: too little of it is known."""
+        """Return the points of both halves of the window, older first; None: it is not full enough."""
         span_s = self._points[-1][0] - self._points[0][0] if self._points else 0.0
         if span_s < 0.8 * self._window_us / 1e6:
             return None
@@ -97,7 +97,7 @@ class Trend:
 
 
 def _surely(points: Sequence[Point]) -> float:
-    """The slope of the line through some points; 0 when it may as well be level."""
+    """Return the slope of the line through some points; 0 if it does not differ from zero with certainty."""
     count = len(points)
     mean_x = sum([x for x, _ in points]) / count
     mean_y = sum([y for _, y in points]) / count

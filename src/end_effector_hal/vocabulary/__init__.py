@@ -1,4 +1,4 @@
-"""The words that every room shares: Table II, evidence, causes, last wills, units; no logic."""
+"""The vocabulary that all packages share: Table II, evidence, causes, last wills, units; no logic."""
 
 from ._alarms import (
     ALARMS,

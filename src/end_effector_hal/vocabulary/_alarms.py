@@ -1,4 +1,4 @@
-"""Alarms: what an operator must know. An alarm has an identity; its text is made from one table."""
+"""Alarms: conditions that an operator must know. An alarm has an identity; its text comes from one table."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from ._text import LONGEST_SENTENCE, printable
 
 _KEPT = "outputs stay as they are, only a Drop releases"
 OVER = "Over: "
-"""The text of an alarm that has ended and waits for an acknowledgement begins with this."""
+"""Prefix of the text of an alarm that has ended and waits for an acknowledgement."""
 ARBITER_LOST, STOPPED, E_STOPPED = "arbiter.lost", "arbiter.stopped", "arbiter.e_stopped"
 WEAK, LEAK, EMPTY = "grip.weak", "grip.leak", "grip.empty"
 LATCHED_ERRORS = ("grip.error", "release.error")
 UNKNOWN_ALARM = "unknown"
-"""An alarm from outside whose id is not in the table."""
+"""Id for a received alarm whose id is not in the table."""
 LONGEST_ABOUT, MOST_ALARMS = 200, 256
 
 
 class AlarmText(NamedTuple):
-    """What an alarm says.
+    """The texts and the severity of an alarm.
 
     Attributes:
-        severity: ``error``: something does not work, or may be wrong with what is held; ``warning``: it works.
-        texts: the first one whose values are all there is used; ``who`` is the display name of what it is about.
-        over: once it has ended and is not acknowledged; empty: the same text.
+        severity: ``error``: something does not work, or a held part may be at risk; ``warning``: everything works.
+        texts: templates; the first one whose values are all present is used. ``who`` is the display name of ``about``.
+        over: text once the alarm has ended and is not acknowledged; empty: the same text.
     """
 
     severity: Literal["error", "warning"]
@@ -123,14 +123,15 @@ ALARMS: Mapping[str, AlarmText] = {
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """One alarm; it is the same one as long as ``id`` and ``about`` are the same, whatever its numbers are.
+    """One alarm; two alarms are the same if ``id`` and ``about`` are equal, whatever their numbers are.
 
     Attributes:
-        id: in the table `ALARMS`.
-        about: the actuator, link, channel or node; empty: the whole tool.
-        values: what its text needs.
-        since: µs on the monotonic clock; -1: not known, as in a status that no program has published.
-        over: it has ended, and is shown until it is acknowledged.
+        id: id in the table `ALARMS`.
+        about: the actuator, link, channel or node concerned; empty: the whole tool.
+        values: values for the placeholders of its text.
+        since: time of its beginning, µs on the monotonic clock; -1: not known, as in a status that no program has
+            published.
+        over: whether it has ended, and is shown until it is acknowledged.
     """
 
     id: str
@@ -144,22 +145,22 @@ class Alarm:
 
     @property
     def key(self) -> tuple[str, str]:
-        """Its identity."""
+        """Identity of the alarm: its id and the thing concerned."""
         return self.id, self.about
 
     @property
     def name(self) -> str:
-        """Its identity as one word of a message: ``over:grip.leak:top_vacuum``."""
+        """Identity of the alarm as one word of a message, such as ``over:grip.leak:top_vacuum``."""
         return ("over:" if self.over else "") + self.id + (f":{self.about}" if self.about else "")
 
     @property
     def severity(self) -> str:
-        """``error`` or ``warning``."""
+        """Severity of the alarm, ``error`` or ``warning``."""
         return self._kind.severity
 
     @property
     def text(self) -> str:
-        """A sentence, without the word that it is over."""
+        """Text of the alarm as a sentence, without the prefix `OVER`."""
         fields: dict[str, object] = {"about": self.about, "who": display_name(self.about), **self.values}
         over = (self._kind.over,) if self.over and self._kind.over else ()
         for template in ("{text}", *over, *self._kind.texts):
@@ -174,7 +175,7 @@ class Alarm:
         return ALARMS.get(self.id, ALARMS[UNKNOWN_ALARM])
 
     def as_json(self) -> dict[str, object]:
-        """The alarm as JSON."""
+        """Return the alarm as JSON."""
         names = {"id": self.id, "about": self.about, "severity": self.severity}
         return names | {"text": self.text, "over": self.over}
 
@@ -196,7 +197,7 @@ def alarm_changes(before: Iterable[Alarm], now: Iterable[Alarm]) -> Iterator[tup
 
 
 def distinct(alarms: Iterable[Alarm]) -> tuple[Alarm, ...]:
-    """Return every alarm once: the first report of it, or the first that is not over."""
+    """Return every alarm once: the first one with its identity, or the first that is not over."""
     found: dict[tuple[str, str], Alarm] = {}
     for each in alarms:
         known = found.setdefault(each.key, each)
@@ -206,7 +207,7 @@ def distinct(alarms: Iterable[Alarm]) -> tuple[Alarm, ...]:
 
 
 def with_since(alarms: Iterable[Alarm], before: Sequence[Alarm], at: int) -> tuple[Alarm, ...]:
-    """Give alarms the time of their beginning: that of the same alarm before, else ``at`` µs."""
+    """Return the alarms with the time of their beginning: as in ``before``, else ``at`` µs."""
     since = {each.key: each.since for each in before}
     return tuple(
         [each if each.since >= 0 else replace(each, since=since.get(each.key, at)) for each in alarms]
@@ -214,7 +215,7 @@ def with_since(alarms: Iterable[Alarm], before: Sequence[Alarm], at: int) -> tup
 
 
 def received_alarms(texts: Sequence[str], names: Sequence[str] = ()) -> tuple[Alarm, ...]:
-    """Read the alarms of a message with their sentences; lengths, numbers and ids are bounded."""
+    """Build alarms from the sentences and names of a message; lengths, numbers and ids are bounded."""
     return tuple(
         [
             _received(text or "", name or "")

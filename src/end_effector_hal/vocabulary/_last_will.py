@@ -9,31 +9,37 @@ from typing import Any, NamedTuple
 from end_effector_hal.errors import UsageError
 
 MOST_ACTUATORS = 64
-"""Of a tool; and as many plain outputs."""
+"""Largest number of actuators of a tool; also the limit for plain outputs."""
 MOST_LINES = 2 * MOST_ACTUATORS
-"""That one program writes, in one message: each actuator, and what blows its part off."""
+"""Largest number of lines that one program writes in one message: each actuator, and its blow-off."""
 MOST_CHANNELS = 4 * MOST_ACTUATORS + 6
-"""Of a tool: three switches and an alarm for each actuator, four bits of the tool changer, supply and e-stop."""
+"""Largest number of channels of a tool.
+
+Each actuator has three switches and an alarm; the tool changer has four bits; then supply and e-stop.
+"""
 MOST_PREDICATES = 2 * MOST_CHANNELS + 4
-"""In one message: two for each channel with alarms, and four of the tool changer and the e-stop."""
+"""Largest number of predicates in a message: two per channel with alarms, four of changer and e-stop."""
 LONGEST_MESSAGE = 1 << 18
-"""Bytes: a ``set`` of MOST_LINES names of 64 characters with its last will, each character escaped, is shorter."""
+"""Longest message, bytes.
+
+It is enough for a ``set`` of MOST_LINES names of 64 characters with its last will, all escaped.
+"""
 
 
 LONGEST_US = 600_000_000
 LEASE_US = 1_000_000
-"""A client that does not renew its lease for so long is declared dead."""
+"""Time after which a client that has not renewed its lease is declared dead, µs."""
 SETTLE_US = 50_000
-"""A line stays as it is for at least so long (IL-10)."""
+"""Shortest time between two changes of a line, µs (IL-10)."""
 
 
 class LastWillStep(NamedTuple):
-    """One deactivation.
+    """One deactivation of a last will.
 
     Attributes:
-        line: which.
+        line: name of the line.
         level: False; a last will activates nothing (IL-11).
-        after_us: after the death, not after the step before; the steps stand in this order.
+        after_us: time after the death, not after the previous step, µs; the steps are sorted by it.
     """
 
     line: str
@@ -41,19 +47,19 @@ class LastWillStep(NamedTuple):
     after_us: int = 0
 
     def as_json(self) -> dict[str, object]:
-        """As it stands in a message."""
+        """Return the step as it is written in a message."""
         return {"line": self.line, "level": self.level, "after_us": self.after_us}
 
 
 LastWill = tuple[LastWillStep, ...]
-"""In order; empty: hold, everything stays as it is."""
+"""Steps in order; empty: hold, every line stays as it is."""
 
 
 def read_last_will(steps: object) -> LastWill:
-    """A last will from a message, or from any list of steps.
+    """Return a last will from a message, or from any other list of steps.
 
     Raises:
-        UsageError: it is not valid; says which step and why.
+        UsageError: it is not valid; the error names the step and the reason.
     """
     if not isinstance(steps, list | tuple):
         if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):

@@ -1,4 +1,4 @@
-"""What the sensors say, in the words of the UPPAAL file's interface."""
+"""The evidence of the sensors and the states of the tool changer, numbered as in the UPPAAL file."""
 
 from __future__ import annotations
 
@@ -8,30 +8,30 @@ from ._tables import TableState
 
 
 class Evidence(IntEnum):
-    """What the sensors say of one actuator; ``evidence[i]`` of the model."""
+    """Evidence of the sensors about one actuator; ``evidence[i]`` of the model."""
 
     UNKNOWN = 0
-    """Not read yet, stale, or invalid: never the last value."""
+    """Not read yet, stale, or invalid; the last value is never kept."""
     GONE = 1
     PARTIAL = 2
-    """Something is there, but it proves nothing."""
+    """There is a signal, but it proves nothing."""
     CONFIRMED = 3
 
 
 class ToolEvidence(IntEnum):
-    """What the sensors say of the tool changer; ``tool`` of the model."""
+    """Evidence of the sensors about the tool changer; ``tool`` of the model."""
 
     UNCLEAR = 0
     LOCKED = 1
     UNLOCKED = 2
     FAULTY = 3
-    """Both bits or neither, for too long (IL-04)."""
+    """Both bits on or both off, for too long (IL-04)."""
     ABSENT = 4
-    """Not unlocked, and a sensor shows that there is no tool (IL-05)."""
+    """Not unlocked, and a sensor shows that no tool is there (IL-05)."""
 
 
 class ChangerState(TableState):
-    """Where the tool changer is; ``changer`` of the model. Its words are those of figures too."""
+    """State of the tool changer; ``changer`` of the model. Figures use the same names."""
 
     UNKNOWN = 0
     LOCKED = 1
@@ -42,7 +42,7 @@ class ChangerState(TableState):
 
 
 class Cause(IntEnum):
-    """Why a grip or a release ended as it did; ``cause`` of the model."""
+    """Reason why a grip or a release ended; ``cause`` of the model."""
 
     NONE = 0
     TIMED_OUT = 1
@@ -56,16 +56,16 @@ class Cause(IntEnum):
     RELEASED_AT_START = 8
     """Outputs were found active and are deactivated, as declared."""
     KEPT = 9
-    """An unwinding has left outputs active, as declared; why it began was told before."""
+    """An unwinding has left outputs active, as declared; its reason was reported before."""
     EMPTY = 10
-    """Each attempt was over, the last one because it had gripped nothing."""
+    """All attempts failed, the last one because the actuator had gripped nothing."""
 
 
 class ChangerFault(IntEnum):
-    """Why the tool changer is FAULT; ``changer_fault`` of the model."""
+    """Reason why the tool changer is in FAULT; ``changer_fault`` of the model."""
 
     NONE = 0
     UNPROVEN = 1
-    """Its sensors did not prove in time, or any longer, what it should be."""
+    """Its sensors did not prove the expected state in time, or no longer prove it."""
     SENSOR = 2
-    """Both bits or neither (IL-04): latched until a reset."""
+    """Both bits on or both off (IL-04); latched until a reset."""

@@ -1,4 +1,4 @@
-"""Table II of the paper: the integers that are logged. Their values never change meaning."""
+"""The integers of Table II of the paper, as they are logged. Their values never change meaning."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ _LABELS = {"STAND_BY": "STAND-BY"}
 
 
 class TableState(IntEnum):
-    """A state of the tables: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
+    """A state of Table II: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
 
     @property
     def label(self) -> str:
-        """As the paper prints it, for figures and sentences."""
+        """The state's name as the paper prints it, for figures and sentences."""
         return _LABELS.get(self.name, self.name.replace("_", " "))
 
     @classmethod
     def named(cls, name: str) -> Self:
-        """The state of that name or label, in any case; raises UsageError for an unknown one."""
+        """Return the state with this name or label, in any case; raises UsageError for an unknown one."""
         key = name.strip().upper().replace("-", "_").replace(" ", "_")
         if key not in cls.__members__:
             known = ", ".join(cls.__members__)
@@ -29,7 +29,7 @@ class TableState(IntEnum):
 
 
 class EndEffectorState(TableState):
-    """The end-effector as a whole; OFF means not yet adopted, or shut down."""
+    """State of the whole end-effector; OFF: its outputs are not adopted yet, or it is shut down."""
 
     OFF = 0
     GRIPPING = 1
@@ -41,7 +41,7 @@ class EndEffectorState(TableState):
 
 
 class Command(TableState):
-    """What the hardware abstraction layer is executing."""
+    """The command that the hardware abstraction layer is executing."""
 
     NONE = -1
     LOCK = 0
@@ -53,7 +53,7 @@ class Command(TableState):
 
 
 class ActuatorState(TableState):
-    """What the actuator columns have in common; each kind of device has its own words for the three."""
+    """The states that all actuators have in common; each kind of device has its own names for the three."""
 
     INACTIVE = 0
     PENDING = 1
@@ -64,6 +64,6 @@ INACTIVE, PENDING, ACTIVE = 0, 1, 2
 
 
 def display_name(name: str) -> str:
-    """``bottom_vacuum`` -> ``Bottom vacuum``."""
+    """Return a name as people read it: ``bottom_vacuum`` -> ``Bottom vacuum``."""
     words = name.replace("_", " ").strip()
     return words[:1].upper() + words[1:]

@@ -201,5 +201,5 @@ def test_a_grip_whose_program_ends_says_so(world: World) -> None:
         asking.join(60)
         assert not outcomes[0].succeeded
         assert outcomes[0].reason.startswith(
-            "The grip program has gone: what became of the command is unknown"
+            "The grip program has gone: it is unknown whether the command was executed"
         )

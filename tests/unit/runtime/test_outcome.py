@@ -50,7 +50,9 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
     assert not outcome.succeeded
     assert outcome.state == State.RELEASING
     assert outcome.outcome is Outcome.UNREACHABLE
-    assert outcome.reason.startswith(f"The {program} program has gone: what became of the command is unknown")
+    assert outcome.reason.startswith(
+        f"The {program} program has gone: it is unknown whether the command was executed"
+    )
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""Goals: accepted or refused and why, over or not, their outcome; the status of the tool that two programs drive."""
+"""Goals: acceptance or refusal, end and outcome, and the joint status of the tool's two programs."""
 
 from ._goal import CHANNELS, GOAL_COMMANDS, PROGRAM_COMMANDS, Effect, Ending, Goal, GoalEffect, Outcome, Phase
 from ._goals import ANSWER_US, NOT_BEGUN, REACHED, Goals, is_over, judge

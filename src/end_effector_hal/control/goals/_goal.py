@@ -1,4 +1,4 @@
-"""One goal: what is asked for, how far it is, and how it ended."""
+"""A goal: its command, its progress, and its ending."""
 
 from __future__ import annotations
 
@@ -15,42 +15,42 @@ CHANNELS = {
     Command.RELEASE: "drop",
     Command.CANCEL: "cancel",
 }
-"""The channel of the automata that each command is sent on."""
+"""The channel of the automata to which each command is sent."""
 PROGRAM_COMMANDS = {
     "grip": (Command.GRIP, Command.RELEASE, Command.CANCEL),
     "tool_change": (Command.LOCK, Command.UNLOCK),
 }
 """The commands that each program executes."""
 GOAL_COMMANDS = (Command.GRIP, Command.RELEASE, Command.LOCK, Command.UNLOCK)
-"""The commands that have an end."""
+"""The commands that take time until they end, so that they can be goals."""
 _PROGRAM = {command: name for name, commands in PROGRAM_COMMANDS.items() for command in commands}
 
 
 class Outcome(IntEnum):
-    """How a goal ended. Zero, the default of any message, claims nothing."""
+    """The outcome of a goal. Zero, the default of any message, claims nothing."""
 
     NOT_EXECUTED = 0
-    """It was cancelled before it was begun."""
+    """The goal was cancelled before it was begun."""
     REJECTED = 1
-    """It was refused, and not begun."""
+    """The goal was refused, and not begun."""
     CANCELLED = 2
-    """It was begun and cancelled; its outputs were released or kept, as the description declares."""
+    """The goal was begun and cancelled; its outputs were released or kept, as the description declares."""
     FAILED = 3
-    """It was begun, and ended in a defined failure."""
+    """The goal was begun, and ended in a defined failure."""
     UNREACHABLE = 4
-    """Its end is not known; where it was never accepted, not even whether it was begun."""
+    """The end of the goal is not known; if it was never accepted, not even whether it was begun."""
     SUCCEEDED = 5
-    """The sensors prove it."""
+    """The sensors prove the result."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a goal ended.
+    """The ending of a goal.
 
     Attributes:
-        outcome: in one word.
-        reason: in words; empty for a success only.
-        seconds: from when the goal came to its end; None: it was not begun, as far as that is known.
+        outcome: the outcome.
+        reason: the reason as a sentence; empty only for a success.
+        seconds: time from the arrival of the goal to its end, s; None: it was not begun, as far as is known.
     """
 
     outcome: Outcome
@@ -59,12 +59,12 @@ class Ending:
 
 
 class Phase(Enum):
-    """How far a goal is."""
+    """The progress of a goal."""
 
     WAITING = auto()
-    """Another goal is to be decided before."""
+    """Another goal must be decided first."""
     ASKED = auto()
-    """Its program was asked to begin it, and has not answered yet."""
+    """The program was asked to begin the goal, and has not answered yet."""
     RUNNING = auto()
     ENDED = auto()
 
@@ -75,8 +75,8 @@ class Goal:
 
     Attributes:
         command: GRIP, RELEASE, LOCK or UNLOCK.
-        name: what its client calls it, for sentences.
-        is_target: it asks for a position, which may be reached already.
+        name: the client's name for the goal, for sentences.
+        is_target: whether the goal is a position, which may be reached already.
     """
 
     command: Command
@@ -88,29 +88,29 @@ class Goal:
     came_us: int = 0
     asked_us: int = 0
     session: int = 0
-    """The start of its program when it was asked; 0: not known."""
+    """Start of its program as known when the goal was sent to it, µs; 0: not known."""
     count: int = 0
-    """The number of the first status that is certain to follow the acceptance."""
+    """Number of the first status that is certain to follow the acceptance."""
 
     @property
     def program(self) -> str:
-        """The program that executes it: ``grip`` or ``tool_change``."""
+        """Name of the program that executes the goal: ``grip`` or ``tool_change``."""
         return _PROGRAM[self.command]
 
 
 class Effect(Enum):
-    """What the caller has to do after a decision."""
+    """An action that the caller must do after a decision."""
 
     ASK = auto()
-    """Ask the program of the goal to begin it, then call `Goals.answer`."""
+    """Ask the program of the goal to begin the goal, then call `Goals.answer`."""
     GIVE_UP = auto()
-    """The program did not answer in time: an answer that comes later does not count."""
+    """Ignore a later answer: the program did not answer in time."""
     REPORT_BEGIN = auto()
     CANCEL = auto()
-    """Ask the program to cancel what it executes; whether it does is its decision."""
+    """Ask the program to cancel its command; the program decides whether it does."""
     REPORT_PROGRESS = auto()
     REPORT_END = auto()
-    """Give the client ``goal.ending``."""
+    """Send ``goal.ending`` to the client."""
 
 
 GoalT = TypeVar("GoalT", bound=Goal)

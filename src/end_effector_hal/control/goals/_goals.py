@@ -1,21 +1,29 @@
-"""Goals of a tool: decided one after the other, begun by a program, followed to their end. Sans-IO.
+"""The goals of a tool: decided one after the other, begun by a program, and followed to their end. Sans-IO.
 
-Rule 1. Goals are decided in the order in which they came. A goal that waits for its decision delays no answer but
-        those of the goals behind it.
+Rule 1. Goals are decided in the order of their arrival. A goal that waits for its decision delays only the answers to
+the goals behind it.
+
 Rule 2. One goal runs at a time. A second one is refused with a reason; it never ends the first.
-Rule 3. Only the automata of its program accept a goal or refuse it. A program that does not answer in time may have
-        begun it: the outcome is UNREACHABLE, and so it is for each goal that waited for the same program meanwhile.
-        So it is while the line arbiter is lost: nothing is begun then.
-Rule 4. A goal that was accepted follows the statuses of its program that come after the acceptance. It is over when
-        the program does not execute a command any more; it has succeeded only when that status proves it.
-Rule 5. A program that has gone, or was started again, or is not seen any more because we end, leaves a goal whose
-        end is not known: UNREACHABLE.
-Rule 6. A cancel that comes before the decision: the goal is not begun (NOT_EXECUTED); one that comes while the
-        program is asked is passed on after the acceptance. Of goals that run, a grip is cancelled, if its program
-        accepts that; a release completes, and so does the tool changer.
-Rule 7. Every goal gets exactly one ending, in words unless it has succeeded; after our end no goal is begun.
-Rule 8. Its program refuses a goal for a position that is reached already. If the newest status proves the position
-        with all evidence while no command is executed, that goal has succeeded.
+
+Rule 3. Only the automata of its program accept or refuse a goal. A program that does not answer in time may have begun
+the goal: the outcome is UNREACHABLE, also for each goal that waited for the same program meanwhile. The same holds
+while the line arbiter is lost: no goal is begun then.
+
+Rule 4. An accepted goal follows the statuses of its program after the acceptance. It is over when the program no
+longer executes a command; it has succeeded only if that status proves it.
+
+Rule 5. If the program has gone, was restarted, or can no longer be observed because this process ends, the end of its
+goal is not known: UNREACHABLE.
+
+Rule 6. A goal that is cancelled before its decision is not begun (NOT_EXECUTED). A cancel during the decision is
+passed on after the acceptance. Of running goals, a grip is cancelled if its program accepts that; a release and a tool
+change are completed.
+
+Rule 7. Every goal gets exactly one ending, with a reason unless it has succeeded; no goal is begun after
+`Goals.close`.
+
+Rule 8. A program refuses a goal for a position that is reached already. If the newest status proves the position with
+all evidence while no command is executed, that goal has succeeded.
 """
 
 from __future__ import annotations
@@ -35,20 +43,20 @@ _WANTED_EVIDENCE = {Command.GRIP: Evidence.CONFIRMED, Command.RELEASE: Evidence.
 
 
 def is_over(status: Status) -> bool:
-    """Whether a program that had accepted a command does not execute it any more."""
+    """Return whether a program that had accepted a command no longer executes it."""
     return status.command == Command.NONE
 
 
 def is_reached(command: Command, status: Status) -> bool:
-    """Whether a grip or a release asks for what every sensor proves already, while nothing else is executed."""
+    """Return whether every sensor proves the result of a grip or a release, and no command is executed."""
     wanted = all(evidence is _WANTED_EVIDENCE[command] for evidence in status.evidence)
     return wanted and is_over(status) and status.ee == _WANTED_STATES[command]
 
 
 def judge(command: Command, status: Status) -> tuple[Outcome, str]:
-    """The outcome of a command that is over, and the reason in words; the sensors have decided it.
+    """Return the outcome of a finished command and the reason as a sentence; the sensors decide it.
 
-    While the line arbiter is lost only what the sensors prove is known.
+    While the line arbiter is lost, only what the sensors prove is known.
     """
     if command in _WANTED_POSITIONS:
         reached, position = status.changer, _WANTED_POSITIONS[command]
@@ -68,18 +76,19 @@ def judge(command: Command, status: Status) -> tuple[Outcome, str]:
 
 
 ANSWER_US = 4_000_000
-"""How long the answer of a program is waited for: longer than an unlock waits for its proof and a program for its
-turn."""
+"""Longest wait for a program's answer, µs; longer than an unlock's proof and a program's turn take."""
 REACHED = "It was reached already: nothing was commanded."
 NOT_BEGUN = "The goal was cancelled before it was begun: it was not executed."
-_UNKNOWN = "what became of the command is unknown. Read the state before the next one."
+_UNKNOWN = "it is unknown whether the command was executed. Read the state before the next one."
 
 
 class Goals(Generic[GoalT]):
-    """The rules above. Each method returns what is to be done, in this order; times are µs on the monotonic clock.
+    """Applies the rules of this module. Each method returns the actions for the caller, in order.
+
+    Times are µs on the monotonic clock.
 
     Args:
-        programs: what each program is called at the beginning of a sentence.
+        programs: the name of each program at the beginning of a sentence.
     """
 
     def __init__(self, programs: Mapping[str, str]) -> None:
@@ -91,11 +100,11 @@ class Goals(Generic[GoalT]):
 
     @property
     def open(self) -> tuple[GoalT, ...]:
-        """The goals that have no ending yet."""
+        """The goals without an ending."""
         return (*self._undecided, *((self._running,) if self._running else ()))
 
     def begin(self, goal: GoalT, at: int) -> list[GoalEffect[GoalT]]:
-        """A goal came."""
+        """Add a goal that arrived."""
         goal.came_us = at
         if self._closing:
             return [self._end(goal, Outcome.REJECTED, self._closing, at)]
@@ -103,7 +112,7 @@ class Goals(Generic[GoalT]):
         return self._decide(at)
 
     def answer(self, goal: GoalT, answer: Answer, at: int) -> list[GoalEffect[GoalT]]:
-        """The program of a goal has answered whether it begins it."""
+        """Process the answer of a goal's program."""
         if goal.phase is not Phase.ASKED:
             return []  # it was given up
         self._undecided.remove(goal)
@@ -118,19 +127,27 @@ class Goals(Generic[GoalT]):
         return [*effects, *(self.cancel(goal) if goal.cancelled else []), *self._decide(at)]
 
     def cancel(self, goal: GoalT) -> list[GoalEffect[GoalT]]:
-        """The client does not want a goal any more."""
+        """Cancel a goal on request of its client."""
         goal.cancelled = True
         return [(Effect.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
 
     def see(
         self, program: str, status: Status, at: int, *, session: int = 0, count: int = 0
     ) -> list[GoalEffect[GoalT]]:
-        """A program has a new status: its number ``count`` since its start, ``session`` (µs; 0: it starts once)."""
+        """Process a new status of a program.
+
+        Args:
+            program: ``grip`` or ``tool_change``.
+            status: the status.
+            at: the time now, µs.
+            session: start of the program, µs; 0: the program starts only once.
+            count: number of the status since that start.
+        """
         self._newest[program] = status, session, count
         return self._follow(at) if self._running and self._running.program == program else []
 
     def tick(self, at: int, gone: Collection[str] = ()) -> list[GoalEffect[GoalT]]:
-        """Time has passed; ``gone`` are the programs that are not there any more."""
+        """Process the passing of time; ``gone`` are the programs that no longer run."""
         effects: list[GoalEffect[GoalT]] = []
         for goal in self._undecided[:1]:
             if goal.phase is Phase.ASKED and at - goal.asked_us > ANSWER_US:
@@ -145,7 +162,13 @@ class Goals(Generic[GoalT]):
         return [*effects, self._end(running, Outcome.UNREACHABLE, why, at)]
 
     def close(self, who: str, todo: str, at: int) -> list[GoalEffect[GoalT]]:
-        """We end, ``who`` in a sentence: every goal gets its ending; ``todo`` tells the client of one that runs."""
+        """End every goal, because this process ends.
+
+        Args:
+            who: this process in a sentence.
+            todo: a hint for the client of a running goal.
+            at: the time now, µs.
+        """
         self._closing = f"{who} is ending: the goal was not begun."
         undecided, self._undecided = self._undecided, []
         effects: list[GoalEffect[GoalT]] = []
@@ -161,7 +184,7 @@ class Goals(Generic[GoalT]):
         return effects
 
     def _decide(self, at: int) -> list[GoalEffect[GoalT]]:
-        """Decide about the goals that wait, until a program is asked."""
+        """Decide about the waiting goals until a program must be asked."""
         effects: list[GoalEffect[GoalT]] = []
         while self._undecided and self._undecided[0].phase is Phase.WAITING:
             goal, running = self._undecided[0], self._running

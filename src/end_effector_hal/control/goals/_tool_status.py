@@ -1,4 +1,4 @@
-"""Two programs, one tool: its status, and what a reset of it has come to."""
+"""The joint status of a tool's two programs, and the joint answer to a reset."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ def tool_status(
     notices: Iterable[Alarm] = (),
     events: tuple[ToolEvent, ...] = (),
 ) -> Status:
-    """The status of the whole tool at ``at`` µs.
+    """Return the status of the whole tool at ``at`` µs.
 
-    A program that has gone says nothing any more: the state is OFF, its evidence UNKNOWN, nothing may be lifted. Its
-    outputs and ``held`` stay as they were last known: the line arbiter holds what was held.
+    For a program that has gone, the state is OFF, its evidence UNKNOWN, and lifting is not allowed. Its outputs and
+    ``held`` keep their last known values: the line arbiter goes on holding the part.
 
     Args:
         grip, change: the newest statuses of both programs.
-        at: the time of the one that has changed; the other one may be a little ahead.
-        gone: the programs that are not there any more.
-        notices: alarms of the tool beside those of its programs.
-        events: of the program that has changed.
+        at: time of the status that has changed; the other one may be a little ahead.
+        gone: the programs that no longer run.
+        notices: alarms of the tool that do not come from its programs.
+        events: events of the program that has changed.
     """
     if "grip" in gone:
         grip = replace(
@@ -62,7 +62,7 @@ def tool_status(
 
 
 def reset_answer(answers: Iterable[Answer]) -> Answer:
-    """What a reset has come to, from the answers of all that latch a fault."""
+    """Return the joint answer to a reset from the answers of all programs that latch faults."""
     stays = [answer for answer in answers if not answer.accepted]
     if not stays:
         return Answer(True, NOTHING_LATCHED)

@@ -1,4 +1,4 @@
-"""What was decided, in words. Nothing is decided here."""
+"""Texts that explain decisions. This package makes no decisions."""
 
 from ._changer_reasons import explain_changer, loose
 from ._event_lines import event_lines, event_text, refused, transition, unanswered

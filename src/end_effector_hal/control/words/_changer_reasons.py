@@ -1,4 +1,4 @@
-"""Decisions about the tool changer, in words. Nothing is decided here."""
+"""Texts that explain decisions about the tool changer. This module makes no decisions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
 def explain_changer(description: Description, fault: int) -> str:
-    """Why the tool changer is FAULT, and what to do; empty: it is not."""
+    """Return why the tool changer is in FAULT, and the remedy; empty: it is not."""
     changer = description.tool_changer
     if changer is None or fault == ChangerFault.NONE:
         return ""
@@ -32,13 +32,13 @@ def explain_changer(description: Description, fault: int) -> str:
 
 
 def loose(description: Description, senses: SensorState, *, unlocking: bool, fault: bool) -> str:
-    """What speaks against it that the tool is locked (IL-05), a clause; empty: nothing that is fitted does.
+    """Return a clause why the tool is not proven to be locked (IL-05); empty: no fitted sensor objects.
 
     Args:
         description: the tool.
-        senses: what the sensors prove.
-        unlocking: the unlock output is active.
-        fault: the tool changer is in FAULT.
+        senses: the evidence of the sensors.
+        unlocking: whether the unlock output is active.
+        fault: whether the tool changer is in FAULT.
     """
     changer = description.tool_changer
     if changer is None or not description.interlocks.il_05:
@@ -54,7 +54,7 @@ def loose(description: Description, senses: SensorState, *, unlocking: bool, fau
 
 
 def feedback(description: Description, senses: SensorState, at: int) -> str:
-    """What speaks against it that nothing is gripped at ``at`` µs, and what to do; empty: nothing does."""
+    """Return why it is not proven at ``at`` µs that nothing is gripped, and the remedy; empty: it is."""
     for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
         if level is Evidence.GONE:
             continue
@@ -69,7 +69,7 @@ def feedback(description: Description, senses: SensorState, at: int) -> str:
 
 
 def changer_refusal(description: Description, command: str, status: Status, senses: SensorState) -> str:
-    """Why ``lock``, ``unlock``, ``arm`` or ``reset`` is not accepted now."""
+    """Return why ``lock``, ``unlock``, ``arm`` or ``reset`` is not accepted now."""
     changer, state = description.tool_changer, status.changer
     if changer is None:
         return "The tool has no tool changer."
@@ -113,7 +113,7 @@ def _unlock_refusal(
 def unlock_blocking(
     description: Description, changer: ToolChanger, status: Status, senses: SensorState
 ) -> dict[str, str]:
-    """What IL-01 and IL-02 say against an unlock now, a sentence each; empty: nothing."""
+    """Return the reasons of IL-01 and IL-02 against an unlock now, a sentence each; empty: none."""
     locks, at_rest, said = description.interlocks, status.ee, {"IL-01": "", "IL-02": ""}
     if locks.il_01 and at_rest not in _REST:
         said["IL-01"] = f"IL-01: unlock only in STAND_BY; the end-effector is {at_rest.name}."

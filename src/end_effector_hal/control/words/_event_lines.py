@@ -1,4 +1,4 @@
-"""A line for each transition, time-out and refusal, with its cause: for the log of a node and for a terminal."""
+"""Lines of text about transitions, time-outs and refusals, for the log of a node and for a terminal."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState,
 from ._changer_reasons import explain_changer
 
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
-"""In these states the reason of an earlier end says nothing."""
+"""States in which the reason of an earlier end is no longer of interest."""
 _OF_THE_CHANGER = (Command.LOCK, Command.UNLOCK)
-"""Executed by the tool changer's program; a transition of the other one does not come from it."""
+"""Commands that the tool changer's program executes; they do not cause transitions of the grip program."""
 
 
 def transition(old: str, new: str, command: int, reason: str) -> str:
-    """``STAND_BY -> GRIPPING (GRIP)``, with the reason if there is one."""
+    """Return a transition such as ``STAND_BY -> GRIPPING (GRIP)``, with the reason if there is one."""
     doing = f" ({Command(command).name})" if command != Command.NONE else ""
     return f"{old} -> {new}{doing}{f': {reason}' if reason else ''}"
 
 
 def refused(what: str, why: str) -> str:
-    """``refused: drop. Nothing is held …``"""
+    """Return the text of a refusal, such as ``refused: drop. Nothing is held …``."""
     return f"refused: {what}. {why}"
 
 
 def unanswered(what: str, why: str) -> str:
-    """``unreachable: drop. The line arbiter is lost: …``"""
+    """Return the text of a missing answer, such as ``unreachable: drop. The line arbiter is lost: …``."""
     return f"unreachable: {what}. {why}"
 
 
 def event_lines(description: Description, status: Status) -> Iterator[str]:
-    """The lines for what has led to a status, in the order of what happened."""
+    """Yield the lines for the events that led to a status, in order of time."""
     for event in status.events:
         if (text := event_text(description, event)) or (text := _transition(description, status, event)):
             yield text
 
 
 def event_text(description: Description, event: ToolEvent) -> str:
-    """A sentence for a time-out, an attempt that has gripped nothing, or a blow-off; empty for all other events."""
+    """Return a sentence for a time-out, a grip of nothing, or a blow-off; empty for all other events."""
     return _TEXTS[event.kind](description, event) if event.kind in _TEXTS else ""
 
 
@@ -77,7 +77,7 @@ _TEXTS: Mapping[EventKind, Callable[[Description, ToolEvent], str]] = {
 
 
 def _transition(description: Description, status: Status, event: ToolEvent) -> str:
-    """The line for a change of a state; empty for all other events."""
+    """Return the line for a change of a state; empty for all other events."""
     if event.kind is EventKind.STATE_CHANGED:
         old, new = EndEffectorState(event.old), EndEffectorState(event.new)
         command = Command.NONE if status.command in _OF_THE_CHANGER else status.command

@@ -1,4 +1,4 @@
-"""Decisions of the automata, in words. Nothing is decided here."""
+"""Texts that explain decisions of the automata. This module makes no decisions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._changer_reasons import changer_refusal, feedback, loose, unlock_blocking
 
 
 def explain(description: Description, cause: int, cause_at: int, senses: SensorState, at: int) -> str:
-    """Why a grip or a release ended as it did at ``at`` µs; empty for no cause."""
+    """Return why a grip or a release ended at ``at`` µs; empty: there is no cause."""
     name, actuator = description.ordered[cause_at] if cause_at >= 0 else ("", None)
     who = display_name(name) or "The grip"
     if cause == Cause.TIMED_OUT and actuator:
@@ -40,18 +40,18 @@ def explain(description: Description, cause: int, cause_at: int, senses: SensorS
 
 
 def left_active(description: Description, outputs: tuple[bool, ...]) -> str:
-    """What an unwinding has left active, in words."""
+    """Return a sentence with the actuators that an unwinding has left active."""
     names = [display_name(name) for name, active in zip(description.sequence, outputs, strict=True) if active]
     return f"{', '.join(names)} stay{'s' if len(names) == 1 else ''} active, as declared."
 
 
 def held_words(state: EndEffectorState) -> str:
-    """A clause: only in GRIPPED the sensors prove the part; what was found active, or was lost, may be no part."""
+    """Return a clause about the held part: only in GRIPPED the sensors prove it, else it is possible."""
     return "a part is held" if state is EndEffectorState.GRIPPED else "a part is held, or may be"
 
 
 def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
-    """Why maintenance cannot drive outputs in a state; empty: it can."""
+    """Return why maintenance cannot drive outputs in this state; empty: it can."""
     if held:
         return f"IL-12: {held_words(state)} ({_name(state)}): no maintenance, only a Drop releases it."
     if state is EndEffectorState.STAND_BY:
@@ -60,7 +60,7 @@ def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
 
 
 def _present(description: Description, senses: SensorState, at: int) -> str:
-    """What does not prove that nothing is gripped: of the first actuator with its readings."""
+    """Return why it is not proven that nothing is gripped, with the readings of the first such actuator."""
     pairs = zip(description.ordered, senses.evidence, strict=True)
     left = [(name, part, level) for (name, part), level in pairs if level is not Evidence.GONE]
     if not left:
@@ -89,7 +89,7 @@ def refusal(
     *,
     fault: bool = False,
 ) -> str:
-    """Why a command is not accepted now; ``fault``: the other program says that the tool changer is in FAULT."""
+    """Return why a command is not accepted now; ``fault``: the tool changer is in FAULT."""
     state = status.ee
     if command == "grip":
         if state is not EndEffectorState.STAND_BY:
@@ -113,9 +113,9 @@ def refusal(
 def blocking(
     description: Description, status: Status, senses: SensorState, at: int, *, fault: bool = False
 ) -> dict[str, str]:
-    """What each interlock of the programs says against a grip or an unlock now, a sentence; empty: nothing.
+    """Return the reason of each interlock against a grip or an unlock now, a sentence; empty: none.
 
-    Of those that a description can switch off; the line arbiter has its own.
+    Only interlocks of the programs that a description can switch off are included; the line arbiter has its own.
     """
     locks, said = description.interlocks, dict.fromkeys(("IL-01", "IL-02", "IL-05", "IL-06", "IL-07"), "")
     if locks.il_07 and (down := senses.readings.down(at)):

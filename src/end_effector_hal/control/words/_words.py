@@ -27,7 +27,7 @@ _INDEXED = re.compile(r"(\w+)\[(\d+)\]")
 
 
 def word_of(description: Description, variable: str, value: int) -> str | None:
-    """The word for a value of a variable such as ``ee`` or ``actuator[1]``; None: it is a number."""
+    """Return the name of a value of a variable such as ``ee`` or ``actuator[1]``; None: it has no names."""
     found = _INDEXED.fullmatch(variable)
     name, index = (found[1], int(found[2])) if found else (variable, -1)
     try:
@@ -39,9 +39,9 @@ def word_of(description: Description, variable: str, value: int) -> str | None:
 
 
 def unread_e_stop(description: Description, readings: ChannelReadings, at: int) -> str:
-    """That a fitted e-stop has no valid reading at ``at`` µs, a sentence; empty: it has, or none is fitted.
+    """Return a sentence if a fitted e-stop has no valid reading at ``at`` µs; else an empty text.
 
-    The line arbiter refuses each activation then (IL-13), so that a grip would begin only to fail.
+    The line arbiter then refuses every activation (IL-13), so that a grip would begin only to fail.
     """
     e_stop = description.e_stop
     if e_stop is None or e_stop.channel not in readings.carried:

@@ -1,4 +1,4 @@
-"""What an end-effector is made of: frozen, typed stanzas."""
+"""The frozen, typed stanzas of a description."""
 
 from ._channels import (
     COUNTS,

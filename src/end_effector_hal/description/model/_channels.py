@@ -1,4 +1,4 @@
-"""Channels of the user's own names: what each signal is, and where it comes from.
+"""Channels under names chosen by the user: the meaning of each signal, and its source.
 
 The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``address``, ``register_type``,
 ``value_type``, ``byte_order``, ``bitmask``, ``scale``, ``offset``.
@@ -27,16 +27,19 @@ PASCAL: dict[str, float] = {
     "psi": 6_894.757,
     "inHg": 3_386.389,
 }
-"""Pa of each unit of a pressure."""
+"""Pa per unit of pressure."""
 
 QUANTITIES: tuple[str, ...] = tuple(unit for unit in get_args(Unit) if unit not in PASCAL)
-"""Units of what is no pressure; a value counts thousandths of it."""
+"""Units of quantities other than pressure; their values are counted in thousandths."""
 COUNTS: dict[str, float] = PASCAL | dict.fromkeys(QUANTITIES, 1_000.0)
-"""What a value in a frame counts of each unit: Pa, or thousandths."""
+"""Counts of a frame's value per unit: Pa for a pressure, thousandths for any other unit."""
 
 HIGHEST_PA = 2**31 - 1
 TINY = 1e-9
-"""Of a unit: a number with a fraction that is smaller and not 0 is none that a sensor means (words in wrong order)."""
+"""Smallest value other than 0 that a sensor can mean, in units of a raw number with a fraction.
+
+A smaller one is invalid: the words are in the wrong order.
+"""
 
 ValueType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32", "float32"]
 ByteOrder = Literal["big", "little"]
@@ -51,12 +54,12 @@ Hexadecimal = Annotated[str, Field(pattern=HEXADECIMAL)]
 
 
 def type_bits(value_type: str) -> int:
-    """Width of a value type on the wire."""
+    """Return the width of a value type on the wire, bits."""
     return int(value_type.lstrip("uintfloa"))
 
 
 def raw_limits(value_type: str, bitmask: int | None = None) -> tuple[int, int] | None:
-    """The lowest and the highest raw value of a type, or of some bits of it; None: of a floating one."""
+    """Return the lowest and the highest raw value of a type, or of its masked bits; None for float32."""
     if value_type == "float32":
         return None
     bits = type_bits(value_type) if bitmask is None else mask_width(bitmask)
@@ -65,17 +68,17 @@ def raw_limits(value_type: str, bitmask: int | None = None) -> tuple[int, int] |
 
 
 def mask_width(bitmask: int) -> int:
-    """How many bits a value has that is moved down to bit 0."""
+    """Return the number of bits of a masked value after it is shifted down to bit 0."""
     return (bitmask >> mask_shift(bitmask)).bit_length()
 
 
 def mask_shift(bitmask: int) -> int:
-    """How far down it is moved."""
+    """Return the number of bits by which a masked value is shifted down."""
     return (bitmask & -bitmask).bit_length() - 1
 
 
 class TextValue(Part):
-    """A value in a line of text: by its place among the fields, or by its key."""
+    """A value in a line of text, found by its position among the fields or by its key."""
 
     field: Annotated[int | None, Field(ge=1, le=MOST_CHANNELS)] = Field(
         default=None, description="which of the separated fields, from 1 on"
@@ -128,7 +131,7 @@ class DigitalInput(Part):
         default="as_is", description="resistor of the chip; NPN sensors pull low and take pull_up"
     )
     debounce_ms: Annotated[int, Field(ge=0, le=1000)] = Field(
-        default=0, description="the kernel reports a level that stands so long; 0: each edge"
+        default=0, description="the kernel reports a level that lasts for this long; 0: each edge"
     )
 
 
@@ -144,13 +147,13 @@ class AnalogInput(Part):
 
 
 class CodecValue(Part):
-    """A channel of the codec that a link names; what it means is the codec's."""
+    """A channel of the codec that a link names; the codec defines its meaning."""
 
-    channel: Name = Field(description="its name there; docs/reference/codecs.md lists them")
+    channel: Name = Field(description="its name in the codec; docs/reference/codecs.md lists them")
 
 
 class DeviceAlarm(Part):
-    """What a device says is wrong with it: while a bit is on, or while a channel has a code."""
+    """A fault that a device reports while a bit is on, or while a channel has a code."""
 
     text: Annotated[Word, Field(min_length=1, max_length=200)] = Field(
         description="what an operator reads: what has happened, and what to do"
@@ -164,7 +167,7 @@ class DeviceAlarm(Part):
         description="error: no new grip begins while it stands or is latched (IL-07); warning: it is reported, no more",
     )
     latches: bool = Field(
-        default=True, description="it stays until a reset, also when the device no longer says it"
+        default=True, description="it stays until a reset, even if the device no longer reports it"
     )
     unproven: Names = Field(
         default=(),
@@ -173,7 +176,7 @@ class DeviceAlarm(Part):
 
 
 def _listed(given: Any) -> Any:
-    """A text alone, or one alarm, is a list of it."""
+    """Return a single text or a single alarm as a list."""
     given = {"text": given} if isinstance(given, str) else given
     return [given] if isinstance(given, dict) else given
 
@@ -186,10 +189,10 @@ DeviceAlarms = Annotated[
 
 
 class Channel(Part):
-    """One signal: where it comes from (one of text, record, modbus, codec, digital, analog), and what it means."""
+    """One signal: its source (one of text, record, modbus, codec, digital, analog) and its meaning."""
 
     link: Name | None = Field(
-        default=None, description="name under `links` of the one that it comes over, where there are several"
+        default=None, description="name under `links` of its link, if there are several"
     )
     text: TextValue | None = Field(default=None, description="in a line of text that comes over the link")
     record: RecordValue | None = Field(
@@ -210,14 +213,14 @@ class Channel(Part):
     )
     offset: Factor = Field(default=0.0, description="unit: added to raw * scale")
     range: Span | None = Field(
-        default=None, description="unit: [lowest, highest] that the sensor can mean; beyond: invalid"
+        default=None, description="unit: [lowest, highest] possible value; a value beyond is invalid"
     )
-    invalid: Raws = Field(default=(), description="raw values with which the device says that it has none")
+    invalid: Raws = Field(default=(), description="raw values that mean: there is no valid value")
     on: Raws | None = Field(default=None, description="of a bit: raw values that are on; default: all but 0")
     invert: bool = Field(default=False, description="of a bit: on is off (active low, normally closed)")
     alarm: DeviceAlarms = Field(
         default=(),
-        description="what a device says is wrong: a text, where a bit is on; or a list with a text for each code",
+        description="a fault that the device reports: a text for a bit that is on, or a list with a text for each code",
     )
 
     OVER_LINK: ClassVar = ("text", "record", "modbus", "codec")
@@ -225,17 +228,17 @@ class Channel(Part):
 
     @property
     def source(self) -> str:
-        """Which of `SOURCES` it comes from: the first that is written, empty if none is."""
+        """Source of the channel, one of `SOURCES`: the first that is written; empty if none is."""
         return next((name for name in self.SOURCES if getattr(self, name) is not None), "")
 
     @property
     def on_board(self) -> bool:
-        """Whether it is an input of the board; else it comes over the link."""
+        """Whether the channel is an input of the board; else it comes over the link."""
         return self.source not in ("", *self.OVER_LINK)
 
     @property
     def kind(self) -> Kind:
-        """What it carries; of `codec` its codec knows it."""
+        """Type of the channel's values; for the source `codec` the codec defines it instead."""
         if any(each.code is not None for each in self.alarm):
             return Kind.CODE
         if self.unit is None:
@@ -243,7 +246,7 @@ class Channel(Part):
         return Kind.PRESSURE if self.unit in PASCAL else Kind.QUANTITY
 
     def alarm_of(self, value: Value) -> DeviceAlarm | None:
-        """What is wrong by a value; None: nothing, or nobody knows."""
+        """Return the alarm that a value means; None: no fault, or no alarm is declared for it."""
         if not value:
             return None
         own = (each for each in self.alarm if each.code is not None and each.code == value)
@@ -251,7 +254,7 @@ class Channel(Part):
 
     @property
     def step_pa(self) -> float:
-        """Pa (or thousandths) of the smallest step of a value, as far as it is known; a floating one has none."""
+        """Smallest step of a value as far as known, Pa or thousandths; 1 for a float, which has none."""
         step = abs(self.scale) * COUNTS[self.unit or "Pa"]
         if self.text is not None:
             return step * 10.0 ** -(self.text.decimals or 0)
@@ -259,7 +262,7 @@ class Channel(Part):
         return 1.0 if place is not None and place.value_type == "float32" else step
 
     def value(self, raw: float) -> Value:
-        """What a raw value means: gauge Pa, thousandths of another unit, a bit, a code; None: nothing it can mean."""
+        """Return the meaning of a raw value: Pa, thousandths, a bit or a code; None: it is invalid."""
         if raw != raw or raw in self.invalid or (0 < abs(raw) < 1 and abs(raw * self.scale) < TINY):
             return None
         if self.kind is Kind.CODE:
@@ -274,7 +277,10 @@ class Channel(Part):
         return round(counts) if abs(counts) <= HIGHEST_PA else None
 
     def raw(self, value: int | bool) -> float:
-        """A raw value that means this (Pa, thousandths, bit, code): what a simulated sensor sends."""
+        """Return a raw value with this meaning, for a simulated sensor to send.
+
+        ``value`` is in Pa or thousandths, or a bit or code.
+        """
         if self.kind is Kind.CODE:
             return float(value)
         if self.unit is None:
@@ -288,7 +294,7 @@ class Channel(Part):
 
 
 class TextFrame(Part):
-    """Lines of text, each a frame; they end with a line feed, with or without a carriage return."""
+    """Lines of text, one frame per line; a line ends with a line feed, with or without a carriage return."""
 
     start: Annotated[str, Field(max_length=16)] = Field(default="", description="each line begins with it")
     separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(
@@ -323,7 +329,7 @@ class RecordFrame(Part):
 
 
 class ModbusFrame(Part):
-    """Modbus RTU: the HAL asks, the devices on the bus answer."""
+    """Modbus RTU: the HAL requests values, and the devices on the bus answer."""
 
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
         default=30, description="longest wait for an answer"
@@ -334,7 +340,7 @@ class ModbusFrame(Part):
 
 
 class LinkFrame(Part):
-    """What comes over a link, declared instead of named: one of text, record, modbus."""
+    """The frame format of a link, declared here instead of by a codec's name: one of text, record, modbus."""
 
     text: TextFrame | None = Field(default=None, description="lines of text")
     record: RecordFrame | None = Field(default=None, description="binary records")
@@ -344,21 +350,21 @@ class LinkFrame(Part):
 
     @property
     def format(self) -> str:
-        """Which of `FORMATS`: the first that is written, empty if none is."""
+        """Format of the frame, one of `FORMATS`: the first that is written; empty if none is."""
         return next((name for name in self.FORMATS if getattr(self, name) is not None), "")
 
     @property
     def checked(self) -> bool:
-        """Whether a byte that was changed or lost on the way is noticed."""
+        """Whether a byte that was changed or lost in transmission is detected."""
         declared = self.text or self.record
         return declared is None or declared.checksum != "none"
 
 
 class Inputs(Part):
-    """How the inputs of the board are read, where a channel comes from one."""
+    """How the inputs of the board are read, if a channel comes from one."""
 
     period_ms: Annotated[int, Field(ge=1, le=1000)] = Field(
-        default=20, description="each is read so often, and digital ones at each edge as well"
+        default=20, description="period at which inputs are read; digital inputs are also read at each edge"
     )
     iio: Word = Field(default="/sys/bus/iio/devices", description="folder of the analog devices")
 

@@ -1,4 +1,4 @@
-"""What an end-effector is made of: passive, frozen, typed; the nouns of the YAML file."""
+"""The description of an end-effector as frozen, typed objects: the nouns of the YAML file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from ._stanzas import (
 
 
 class _ByKind:
-    """Kinds are looked up when a stanza is read, since other distributions add some."""
+    """Selects an actuator's stanza by its kind when it is read, since other distributions add kinds."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(_validated)
@@ -75,7 +75,7 @@ AnyActuator = Annotated[Actuator, _ByKind()]
 
 
 class Description(Part):
-    """A whole end-effector."""
+    """The description of a whole end-effector."""
 
     schema_version: Literal[2] = Field(
         default=2, alias="schema", exclude=True, description="version of this schema"
@@ -118,32 +118,32 @@ class Description(Part):
 
     @property
     def source(self) -> Path:
-        """The file that it was loaded from, as an absolute path; ``<description>`` if it was made in code."""
+        """Absolute path of the file; ``<description>`` if the description was made in code."""
         return self._places.file
 
     def where(self, *keys: str | int) -> str:
-        """``file:line:column`` of a value, or of the nearest stanza that is written; for errors elsewhere."""
+        """Return ``file:line:column`` of a value, or of the nearest written stanza, for an error message."""
         return self._places.where(*keys)
 
     def key_place(self, *keys: str | int) -> Place:
-        """Where a key stands."""
+        """Return the place of a key."""
         return self._places.key(*keys)
 
     def place(self, *keys: str | int) -> Place:
-        """The same with the offending text, for a :class:`Fault`."""
+        """Return the place of a value, or of the nearest written stanza, with its text, for a `Fault`."""
         return self._places.value(*keys)
 
     @property
     def links(self) -> Mapping[str, Link]:
-        """The sensor links by name; the one that is declared as `link` has none: its name is empty."""
+        """The sensor links by name; a link declared as `link` has the empty name."""
         return self.named_links or ({} if self.link is None else {"": self.link})
 
     def link_path(self, name: str) -> tuple[str, ...]:
-        """The keys under which a link stands."""
+        """Return the keys that lead to the stanza of a link."""
         return ("links", name) if name else ("link",)
 
     def channels_over(self, name: str) -> dict[str, Channel]:
-        """The declared channels that come over a link."""
+        """Return the declared channels that come over a link."""
         only = next(iter(self.links)) if len(self.links) == 1 else None
         return {
             channel: each
@@ -152,27 +152,27 @@ class Description(Part):
         }
 
     def freshness_of(self, link: str | None) -> Freshness:
-        """How long a reading of a link counts: as it says; of the inputs of the board (None) by default."""
+        """Return how long a reading of a link is valid; the default for inputs of the board (None)."""
         return self.links.get(link or "") or Freshness()
 
     def link_name(self, name: str) -> str:
-        """For a sentence: ``sensor link /dev/ttyUSB0``, or with its name ``sensor link left (/dev/ttyUSB0)``."""
+        """Return a link's words: ``sensor link /dev/ttyUSB0``, or ``sensor link left (/dev/ttyUSB0)``."""
         port = self.links[name].port
         return f"sensor link {name} ({port})" if name else f"sensor link {port}"
 
     @property
     def sensors(self) -> str:
-        """What brings the readings, for a sentence: ``sensor link /dev/ttyUSB0``, or ``inputs of the board``."""
+        """The sources of readings in words: ``sensor link /dev/ttyUSB0``, or ``inputs of the board``."""
         board = ["inputs of the board"] if any(each.on_board for each in self.channels.values()) else []
         said = [*map(self.link_name, self.links), *board] or ["inputs of the board"]
         return " or the ".join(said)
 
     def sensors_are(self, what: str, link: str | None = None) -> str:
-        """``sensor link /dev/ttyUSB0 is down``, or ``inputs of the board are down``.
+        """Return a clause such as ``sensor link /dev/ttyUSB0 is down`` or ``inputs of the board are down``.
 
         Args:
-            what: they are.
-            link: which of several it is; None: the inputs of the board.
+            what: the state, such as ``down``.
+            link: name of the link, if there are several; None: the inputs of the board.
         """
         if not self.named_links:
             return f"{self.sensors} {'is' if self.link else 'are'} {what}"
@@ -180,9 +180,9 @@ class Description(Part):
 
     @property
     def arbiter_inputs(self) -> frozenset[str]:
-        """Channels on which interlocks rest and that are input lines of the board: the line arbiter reads them itself.
+        """Input lines of the board that interlocks need: the line arbiter reads them itself.
 
-        The e-stop, the sensors of the tool changer and of the tool's stand.
+        They are the e-stop, the sensors of the tool changer and those of the tool's stand.
         """
         changer, stop = self.tool_changer, self.e_stop
         asked = {stop.channel} if stop else set()
@@ -191,7 +191,7 @@ class Description(Part):
         return frozenset(name for name in asked & self.channels.keys() if self.channels[name].digital)
 
     def with_inputs(self, names: Collection[str]) -> Description:
-        """The same tool with these channels of its board only, and all that come over links."""
+        """Return the same tool with only these channels of its board, and all channels of its links."""
         kept = {name: each for name, each in self.channels.items() if name in names or not each.on_board}
         return self.model_copy(update={"channels": kept})
 
@@ -207,35 +207,35 @@ class Description(Part):
 
     @property
     def durations(self) -> Durations:
-        """How long a grip, a release and a cancel may take: as ``bounds`` says, or computed where it says nothing."""
+        """Longest time of a grip, a release and a cancel: as in ``bounds``, else computed."""
         return durations([step for _, step in self.ordered], self.bounds)
 
     def endings_of(self, name: str) -> Endings:
-        """What each ending does to one actuator; raises KeyError for an unknown one."""
+        """Return the effect of each ending on one actuator; raises KeyError for an unknown one."""
         return self.actuators[name].endings.over(self.endings)
 
     @property
     def blow_off_lines(self) -> dict[str, str]:
-        """Line of each blow-off valve, by the actuator that it belongs to, in the order of a grip."""
+        """Line of each blow-off valve by its actuator, in the order of a grip."""
         found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
         return {name: output.line for name, output in found if output}
 
     @property
     def blow_offs(self) -> dict[str, BlowOffTimes]:
-        """Those that a release drives, by actuator, in the order of a grip."""
+        """Times of the blow-offs that a release drives by actuator, in the order of a grip."""
         found = ((name, blow_off_of(part, self.bounds)) for name, part in self.ordered)
         return {name: times for name, times in found if times}
 
     @property
     def opposites(self) -> dict[str, Opposite]:
-        """Second coils, by the line of their output."""
+        """Second coils by the line of their output."""
         parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
         parts += [self.tool_changer] if self.tool_changer else []
         return {part.line: part.opposite for part in parts if part.opposite is not None}
 
     @property
     def buses(self) -> dict[str, dict[str, RegisterOutput]]:
-        """Outputs on each bus that is commanded, by the name of its link; a rule holds that each output has one."""
+        """Outputs on each bus that has outputs, by its link; a rule ensures that each output has a link."""
         over = [name for name, link in self.links.items() if link.frame and link.frame.modbus]
         of_each: dict[str, dict[str, RegisterOutput]] = {name: {} for name in over}
         for line, output in self.register_outputs.items():
@@ -245,31 +245,31 @@ class Description(Part):
 
     @property
     def register_outputs(self) -> dict[str, RegisterOutput]:
-        """Outputs on all buses, by the name that stands as `line`, in the order of a grip."""
+        """Outputs on all buses by the name used as their `line`, in the order of a grip."""
         return {part.line: part.modbus for _, part in self.ordered if part.modbus is not None}
 
     @property
     def may_be_unknown(self) -> frozenset[str]:
-        """Outputs of which at a start nobody may know how they stand."""
+        """Outputs whose state may be unknown at a start."""
         return frozenset((*self.opposites, *self.register_outputs))
 
     def service_of(self, name: str) -> str:
-        """ROS service of an actuator (relative name); raises KeyError for an unknown one."""
+        """Return the ROS service of an actuator (relative name); raises KeyError for an unknown one."""
         return self.actuators[name].service or "Set" + camel_case(name)
 
     def output_service_of(self, name: str) -> str:
-        """ROS service of a plain output (relative name); raises KeyError for an unknown one."""
+        """Return the ROS service of a plain output (relative name); raises KeyError for an unknown one."""
         return self.outputs[name].service or "Set" + camel_case(name)
 
     def topic_of(self, name: str) -> str:
-        """ROS topic of an actuator's pressure (relative name); raises KeyError for an unknown one."""
+        """Return the ROS topic of an actuator's pressure (relative); raises KeyError for an unknown one."""
         return self.actuators[name].topic or "Pressure" + camel_case(name)
 
     @property
     def automata_path(self) -> Path:
-        """The UPPAAL file, absolute: beside the description, or the shipped one.
+        """Absolute path of the UPPAAL file: beside the description, or the shipped one.
 
-        The shipped one is taken only if the description names none and none stands beside it.
+        The shipped file is used only if the description names none and none exists beside it.
         """
         beside = self.source.parent / self.automata.file
         named = "file" in self.automata.model_fields_set
@@ -279,18 +279,18 @@ class Description(Part):
 
     @property
     def files(self) -> tuple[Path, Path]:
-        """What it was read from: its own file, and the UPPAAL file."""
+        """Files that the description was read from: its own, and the UPPAAL file."""
         return self.source, self.automata_path
 
     def with_virtual(
         self, lines_path: str | Path, port: str, socket: str | Path | None = None
     ) -> Description:
-        """The same tool on virtual lines, other serial ports, and analog inputs in a folder beside the lines.
+        """Return the same tool on virtual lines, other ports, and analog inputs in a folder beside the lines.
 
         Args:
             lines_path: the file of the virtual chip.
-            port: of the sensor link; of several, each is ``port`` with ``_`` and its name.
-            socket: of the line arbiter; None: the default one.
+            port: port of the sensor link; with several links, each port is ``port`` with ``_`` and the link's name.
+            socket: socket of the line arbiter; None: the default one.
         """
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
         changed: dict[str, object] = {"lines": lines}
@@ -307,15 +307,18 @@ class Description(Part):
         return self.model_copy(update=changed)
 
     def with_automata(self, file: str | Path) -> Description:
-        """The same tool with another UPPAAL file; an absolute path."""
+        """Return the same tool with another UPPAAL file, given as an absolute path."""
         return self.model_copy(update={"automata": self.automata.model_copy(update={"file": str(file)})})
 
     def with_socket(self, socket: str | Path) -> Description:
-        """The same tool with its line arbiter at another socket."""
+        """Return the same tool with another socket for its line arbiter."""
         return self.model_copy(update={"lines": self.lines.model_copy(update={"socket": str(socket)})})
 
     def fingerprint(self) -> str:
-        """Twelve hex digits of the content; layout, order of keys and omitted defaults do not change them."""
+        """Return twelve hex digits of a hash of the content.
+
+        Layout, order of keys and omitted defaults do not change it.
+        """
         content = json.dumps(
             self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
         )
@@ -323,12 +326,12 @@ class Description(Part):
 
 
 def camel_case(name: str) -> str:
-    """``bottom_vacuum`` to ``BottomVacuum``."""
+    """Convert ``bottom_vacuum`` to ``BottomVacuum``."""
     return "".join(word.capitalize() for word in name.split("_"))
 
 
 def socket_path(description: Description) -> Path:
-    """The Unix socket of the line arbiter: the description's, or ``<name>.sock`` in the run directory.
+    """Return the Unix socket of the line arbiter: the description's, or ``<name>.sock`` in the run directory.
 
     Raises:
         WireError: the run directory is not for this user alone.

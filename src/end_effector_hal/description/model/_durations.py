@@ -1,4 +1,4 @@
-"""How long a grip, a release and a cancel may take: as the integrator requires, or what the steps add up to."""
+"""Longest times of a grip, a release and a cancel: as the integrator requires, or as the sum of the steps."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ._stanzas import Bounds
 
 @dataclass(frozen=True, slots=True)
 class Durations:
-    """What the proof holds the automata to, ms.
+    """Time limits that the proof verifies for the automata, ms.
 
     Attributes:
-        grip_ms, release_ms, cancel_ms: every grip is over, every release, every unwinding of a cancelled grip.
-        computed: keys of `bounds` that are not written, and were computed.
+        grip_ms, release_ms, cancel_ms: longest time of a grip, of a release, and of unwinding a cancelled grip.
+        computed: keys of `bounds` that are not written and were computed.
     """
 
     grip_ms: int
@@ -27,22 +27,22 @@ class Durations:
     computed: tuple[str, ...] = ()
 
     def seconds(self, key: str) -> float:
-        """By the key that it has in ``bounds``, such as ``grip_s``."""
+        """Return a limit in seconds by its key in ``bounds``, such as ``grip_s``."""
         found: int = getattr(self, f"{key.removesuffix('_s')}_ms")
         return found / 1000
 
 
 @dataclass(frozen=True, slots=True)
 class BlowOffTimes:
-    """How a release blows a part off, ms.
+    """Times of the blow-off during a release, ms.
 
     Attributes:
-        line: of the blow-off valve.
-        gap_ms: that the line arbiter enforces.
-        rest_ms: before and after, with neither suction nor blowing.
-        blow_ms: at the longest.
-        until_gone: it ends as soon as the feedback is gone.
-        late_ms: each of its three deadlines may be late by.
+        line: line of the blow-off valve.
+        gap_ms: gap that the line arbiter enforces.
+        rest_ms: time before and after blowing, with neither suction nor blowing.
+        blow_ms: longest time of blowing.
+        until_gone: whether blowing ends as soon as the feedback is gone.
+        late_ms: largest delay of each of the three deadlines.
     """
 
     line: str
@@ -54,20 +54,20 @@ class BlowOffTimes:
 
     @property
     def whole_ms(self) -> int:
-        """What it adds to a release at the longest."""
+        """Longest time that the blow-off adds to a release, ms."""
         return 2 * self.rest_ms + self.blow_ms + 3 * self.late_ms
 
     @property
     def most_ms(self) -> int:
-        """After so long the line arbiter ends it, whatever its program does."""
+        """Time after which the line arbiter ends the blow-off, whatever the program does, ms."""
         return self.blow_ms + 2 * self.late_ms
 
 
 def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
-    """How a release of an actuator blows; None: it does not.
+    """Return the times of an actuator's blow-off during a release; None: a release does not blow.
 
-    The line arbiter refuses what comes within the gap and does not wait, so the automata leave more: a write may wait
-    for its line to settle (IL-10), and be late.
+    The line arbiter refuses a write within the gap and does not wait, so the automata leave more time: a write may
+    wait for its line to settle (IL-10), and be late.
     """
     output = kind_of(part).opposing_output(part)
     duration_s: float | None = getattr(output, "duration_s", None)
@@ -82,11 +82,12 @@ def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
 
 
 def durations(steps: Sequence[Actuator], bounds: Bounds) -> Durations:
-    """Those of a tool with these steps (`docs/explanation/verification.md`, worst cases).
+    """Return the time limits of a tool with these steps (`docs/explanation/verification.md`, worst cases).
 
-    A grip takes longest when every attempt but the last of each step times out, is followed by its pause, and the last
-    step fails as well; a release, when each blow-off takes its time and no feedback goes away in time after it. Each
-    deadline is late by D. An ending that holds, or goes on without a pause, only makes it shorter.
+    A grip is longest if every attempt of each step times out and is followed by its pause, except for the last
+    attempt, and the last step fails as well. A release is longest if each blow-off runs for its full time and no
+    feedback disappears in time after it. Each deadline is late by D. An ending that holds, or continues without a
+    pause, only shortens it.
     """
     late = bounds.reaction_ms
     blown = (blow_off_of(step, bounds) for step in steps)

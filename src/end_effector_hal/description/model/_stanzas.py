@@ -26,7 +26,10 @@ from ._channels import LinkFrame
 
 
 class ToolChanger(Part):
-    """The tool changer: its line active unlocks, inactive locks. The words are those of ISO 11593, a vocabulary."""
+    """The tool changer: its line unlocks while active and locks while inactive.
+
+    The terms are those of the vocabulary ISO 11593.
+    """
 
     line: LineName = Field(description="name of the GPIO line; active means unlock")
     pin: Word = Field(default="", description="where it is found on the board; for people")
@@ -41,8 +44,8 @@ class ToolChanger(Part):
     unlock_max_s: Seconds = Field(
         default=3.0, description="IL-03: longest time that the unlock output is active"
     )
-    prove_s: Seconds = Field(default=2.0, description="IL-04: a lock or unlock is proven within")
-    proven_s: Seconds = Field(default=0.1, description="IL-04: bits stand for at least this long")
+    prove_s: Seconds = Field(default=2.0, description="IL-04: time limit to prove a lock or unlock")
+    proven_s: Seconds = Field(default=0.1, description="IL-04: bits must be steady for this long")
     fault_s: Seconds = Field(
         default=0.5, description="IL-04: both bits or neither for this long: sensor fault"
     )
@@ -59,7 +62,7 @@ class ToolChanger(Part):
         description="IL-05: bit: there is a tool (asked by IL-02, too); none: no such sensor",
     )
     arm_s: Seconds = Field(
-        default=10.0, description="IL-02 without a stand bit: an unlock comes within this after `arm`"
+        default=10.0, description="IL-02 without a stand bit: time after `arm` in which an unlock is accepted"
     )
     endings: ChangerEndings = Field(
         default=ChangerEndings(), description="what each ending does to the unlock output"
@@ -76,7 +79,7 @@ class EStop(Part):
 
 
 class Lines(Part):
-    """How the output lines are reached."""
+    """The access to the output lines."""
 
     backend: Literal["gpiod", "virtual"] = Field(
         default="gpiod", description="gpiod: the kernel's character device; virtual: a file, no hardware"
@@ -88,7 +91,7 @@ class Lines(Part):
 
 
 class Freshness(Part):
-    """How long a reading counts."""
+    """How long a reading is valid."""
 
     stale_s: Seconds = Field(
         default=0.15, description="a reading is stale after this or stale_periods, the longer"
@@ -106,7 +109,7 @@ class Link(Freshness):
     """The sensor link."""
 
     def superseded(self) -> tuple[str, ...]:
-        """A declared frame has no codec."""
+        """Return ``codec`` if a frame is declared, because then there is no codec."""
         return ("codec",) if self.frame else ()
 
     port: Word = Field(min_length=1, description="serial device")
@@ -131,26 +134,27 @@ class Link(Freshness):
     )
     period_ms: Annotated[int | None, Field(ge=1, le=10_000)] = Field(
         default=None,
-        description="nominal time between two frames, where `frame` declares them; default: 20, or what one takes",
+        description="nominal time between two frames of a declared `frame`; default: 20, or the time one frame takes",
     )
 
 
 Milliseconds = Annotated[int, Field(ge=1, le=10_000)]
 MaybeDuration = Annotated[float | None, Field(gt=0, le=3600)]
-"""Of a whole grip: a tool may have 64 steps."""
-_COMPUTED = "null: as long as its steps can take"
+"""Limit for a whole grip or release, s; it is large because a tool may have 64 steps."""
+_COMPUTED = "null: computed from the steps"
 
 
 class MaintenanceSettings(Part):
-    """Maintenance: single actuators driven with the `/Set*` services (IL-12)."""
+    """Maintenance: the `/Set*` services drive single actuators (IL-12)."""
 
     lease_s: Seconds = Field(
-        default=30.0, description="so long after the last call what maintenance has activated is deactivated"
+        default=30.0,
+        description="time after the last call until outputs activated by maintenance are deactivated",
     )
 
 
 class Interlocks(Part):
-    """Interlocks that can be switched off, here and nowhere else."""
+    """Interlocks that can be switched off, only here."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, populate_by_name=True)
 
@@ -171,21 +175,21 @@ class Interlocks(Part):
 
 
 class Bounds(Part):
-    """What the environment keeps and what the integrator requires; the proof covers it."""
+    """The limits that the environment keeps and those that the integrator requires; the proof covers both."""
 
     reaction_ms: Milliseconds = Field(default=50, description="D: longest allowed reaction delay")
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
-    message_ms: Milliseconds = Field(default=100, description="the programs hear of each other within")
-    grip_s: MaybeDuration = Field(default=None, description=f"every grip is over within; {_COMPUTED}")
-    release_s: MaybeDuration = Field(default=None, description=f"every release is over within; {_COMPUTED}")
+    message_ms: Milliseconds = Field(default=100, description="longest delay of a message between programs")
+    grip_s: MaybeDuration = Field(default=None, description=f"time limit for a grip; {_COMPUTED}")
+    release_s: MaybeDuration = Field(default=None, description=f"time limit for a release; {_COMPUTED}")
     cancel_s: MaybeDuration = Field(
-        default=None, description=f"every cancelled grip is unwound within; {_COMPUTED}"
+        default=None, description=f"time limit to unwind a cancelled grip; {_COMPUTED}"
     )
 
 
 class Automata(Part):
-    """The UPPAAL file and which of its processes are executed, by the program that executes them."""
+    """The UPPAAL file, and its executed processes by the program that executes them."""
 
     file: str = Field(
         default="end_effector.xml",
@@ -224,7 +228,10 @@ class Automata(Part):
 
 
 class PlainOutput(Part):
-    """Switched whenever somebody asks, but for an open e-stop (IL-13). No step of a grip, never evidence."""
+    """An output that any client may switch, except while the e-stop is open (IL-13).
+
+    It is no step of a grip, and never evidence.
+    """
 
     line: LineName = Field(description="name of the GPIO line; active means on")
     service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")

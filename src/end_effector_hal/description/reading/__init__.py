@@ -1,3 +1,3 @@
-"""From YAML to a description, or to every fault that it has, with its place and in words that help."""
+"""Reads a description from YAML, or finds every fault that it has, with its place and a helpful message."""
 
 from ._examine import examine, examine_text, load

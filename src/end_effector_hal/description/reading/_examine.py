@@ -1,4 +1,4 @@
-"""From a file to a description, or to every fault that it has."""
+"""Reads a file as a description, or finds every fault that it has."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ from ._yaml import Reader
 
 @dataclass(frozen=True)
 class Examination:
-    """What came of reading a file: a description, or faults in the order of the file.
+    """The result of reading a file: a description, or faults in the order of the file.
 
     Attributes:
-        name: as the file was named.
-        description: None where there are faults.
-        faults: in the order of the file.
-        text: what was read; empty where nothing could be.
-        likely: the description, or what it would be with defaults for what is faulty, so that the rest can be judged
-            all the same; None where too little is left.
+        name: the file's name as it was given.
+        description: the description; None if there are faults.
+        faults: the faults, in the order of the file.
+        text: the text that was read; empty if the file could not be read.
+        likely: the description, with defaults in the place of faulty values, so that the rest can be judged all the
+            same; None if too little is left.
     """
 
     name: str
@@ -51,20 +51,20 @@ class Examination:
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """The faults with their file."""
+        """The faults with the name of their file."""
         return tuple(fault.diagnostic(self.name) for fault in self.faults)
 
     def lines(self) -> list[str]:
-        """The faults, ready to print."""
+        """Return the faults as lines, ready to print."""
         return [str(each) for each in self.diagnostics]
 
     def is_broken(self, *path: str | int) -> bool:
-        """Whether a key, its value or a stanza around it has a fault, so that nothing can be said of it."""
+        """Return whether a key, its value or a stanza around it has a fault, so that it cannot be judged."""
         return any(path[:length] in self._broken for length in range(1, len(path) + 1))
 
 
 def examine(path: str | Path) -> Examination:
-    """Read a file; never raises for what stands in it."""
+    """Read a file; its content never makes this function raise."""
     text = read_text(Path(path))
     if isinstance(text, Fault):
         return Examination(str(path), None, (text,))
@@ -72,7 +72,7 @@ def examine(path: str | Path) -> Examination:
 
 
 def examine_text(text: str, path: str | Path) -> Examination:
-    """The same for a text that came from ``path``; files that it names are looked for beside it."""
+    """Examine a text that came from ``path``; files that the text names are looked for beside ``path``."""
     places = Places(Path(path).absolute(), str(path))
     likely, faults, broken = _examine(text, places)
     found = tuple(sorted(set(faults)))
@@ -80,7 +80,7 @@ def examine_text(text: str, path: str | Path) -> Examination:
 
 
 def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault], set[Keys]]:
-    """What the text says or is likely to mean, its faults, and the paths that have one."""
+    """Return the description that the text means or probably means, its faults, and the paths with faults."""
     reader = Reader(text, places)
     tree, faults = reader.read(), reader.faults
     if any(fault.code == "EE-202" for fault in faults):
@@ -116,9 +116,9 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
 
 
 def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:
-    """Faulty kinds of actuators, and actuators whose kind is a guess.
+    """Return faults in kinds of actuators, and the names of actuators whose kind is a guess.
 
-    The likely kind is put in, so that the rest of the stanza is examined too.
+    The likely kind is inserted into the tree, so that the rest of the stanza is examined too.
     """
     faults: list[Fault] = []
     guessed: set[str] = set()
@@ -159,14 +159,14 @@ def _validate(
 
 
 def _plain_outputs(tree: dict[str, Any]) -> set[str]:
-    """Names under actuators that were meant for outputs: they lack what an actuator needs."""
+    """Return the names under ``actuators`` that were meant as outputs: they lack the keys of an actuator."""
     actuators = tree.get("actuators")
     stanzas = actuators.items() if isinstance(actuators, dict) else ()
     return {name for name, each in stanzas if isinstance(each, dict) and each.get("kind") == "output"}
 
 
 def _follows(path: Keys, fault: Fault, refused: set[Keys], guessed: set[str], plain: set[str]) -> bool:
-    """Whether a fault only follows from another that is reported: a value refused before, a kind guessed."""
+    """Return whether a fault is only a consequence of a reported one: a refused value, or a guessed kind."""
     if any(path[: len(each)] == each for each in refused):
         return True
     if path[0] == "actuators" and len(path) > 1:
@@ -190,8 +190,8 @@ def load(path: str | Path) -> Description:
     """Read a description.
 
     Raises:
-        DescriptionError: the file cannot be read, or is not a valid description. ``faults`` has every fault,
-            in the order of the file: ``file:line:column: what (offending text), expected …; hint [code]``.
+        DescriptionError: the file cannot be read, or is not a valid description. ``faults`` contains every fault, in
+            the order of the file: ``file:line:column: what (offending text), expected …; hint [code]``.
     """
     examination = examine(path)
     if examination.description is None:
@@ -204,7 +204,7 @@ NAME = "end_effector.yaml"
 
 
 def read_text(path: Path) -> str | Fault:
-    """The text of a file, or why there is none."""
+    """Return the text of a file, or a fault if it cannot be read."""
     try:
         if path.is_fifo() and not str(path).startswith(
             ("/dev/", "/proc/")

@@ -1,4 +1,4 @@
-"""What pydantic finds in a tree of values, in words that help: keys here, values in ``_values``."""
+"""Turns pydantic's errors into faults with helpful messages: keys here, values in ``_values``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tuple[Keys, Fault]:
-    """The path that is wrong, and the fault; ``kinds``: that of each actuator."""
+    """Return the faulty path and the fault for an error of pydantic; ``kinds``: the kind of each actuator."""
     path: Keys = error["loc"]
     # pydantic's sign for the key of a mapping; an unknown key may be called so, too
     is_key = path[-1] == "[key]" and error["type"] != "extra_forbidden"
@@ -49,7 +49,7 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
 
 
 def meant(path: Keys, fault: Fault) -> Iterator[Keys]:
-    """The key that an unknown one was meant to be: nothing is to be said of its default."""
+    """Yield the path of the key that an unknown key was meant to be: its default must not be judged."""
     pattern = {"EE-205": r"(?:did you mean '|write )(\w+)", "EE-210": r"write (\w+)"}.get(fault.code)
     if pattern and (found := re.match(pattern, fault.hint)):
         yield (*path[:-1], found[1])
@@ -93,7 +93,7 @@ def _missing_key(path: Keys, kind: str, places: Places) -> Fault:
 
 
 def no_kind(name: str, stanza: dict[str, object], places: Places) -> Fault:
-    """An actuator's kind that is missing or unknown; pydantic would stop at it."""
+    """Return a fault for a missing or unknown kind of actuator; pydantic would stop there."""
     names = kind_names()
     kinds = " or ".join(names)
     if "kind" not in stanza:
@@ -110,7 +110,7 @@ def no_kind(name: str, stanza: dict[str, object], places: Places) -> Fault:
 
 
 def why_not(kind: object) -> str:
-    """Why a kind cannot be used, in words; empty: it can."""
+    """Return why a kind cannot be used; empty: it can."""
     if not isinstance(kind, str):
         return "this is no kind"
     try:
@@ -121,7 +121,10 @@ def why_not(kind: object) -> str:
 
 
 def likely_kind(stanza: dict[str, object]) -> tuple[str, bool]:
-    """The kind that a stanza without a good one was meant to have; whether its word says so, not its keys."""
+    """Return the probable kind of a stanza with a faulty kind.
+
+    The second value is True if the word itself shows the kind, False if only the keys do.
+    """
     near = closest(stanza.get("kind"), kind_names())
     why_not(near)  # one that was meant is loaded
     stanzas = actuator_stanzas()

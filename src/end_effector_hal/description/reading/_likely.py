@@ -1,4 +1,4 @@
-"""What a faulty description would be with defaults for what is wrong, so that the rest of it can be judged."""
+"""Builds a faulty description with defaults for its faulty values, so that the rest of it can be judged."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from end_effector_hal.description.model import Channel, Description
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
 
 _UNREAD = "unread"
-"""Stands for a text that must be there and is faulty."""
+"""Placeholder for a required text that is faulty."""
 
 
 def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Description | None:
-    """The description without what is broken; None where no actuator or no link is left."""
+    """Return the description without its faulty values; None if no actuator or no link is left."""
     tree = deepcopy(tree)
     if not isinstance(tree.get("actuators"), dict) or not isinstance(tree.get("link", {}), dict):
         return None
@@ -52,7 +52,7 @@ def likely(tree: dict[str, Any], places: Places, broken: set[Keys]) -> Descripti
 
 
 def _remove(tree: dict[str, Any], path: Keys) -> None:
-    """Take out what is broken; of a list the whole of it, since its elements have no defaults."""
+    """Remove a faulty value; a list is removed as a whole, since its elements have no defaults."""
     at: Any = tree
     for key in path[:-1]:
         at = at.get(key) if isinstance(at, dict) else None
@@ -61,7 +61,7 @@ def _remove(tree: dict[str, Any], path: Keys) -> None:
 
 
 def _fill(stanza: dict[str, Any], path: Keys, kind: str) -> None:
-    """Put something into each key that must be there; a channel that is not known is none."""
+    """Fill in each required key that is missing; an unknown channel becomes ``none``."""
     model: type[Part] | None = stanza_at(path, kind)
     for key, field in fields_of(model).items() if model else ():
         if field.is_required() and key not in stanza and key != "kind":

@@ -1,4 +1,4 @@
-"""What other tools call the same: keys and words of ESPHome, Home Assistant, Telegraf, device trees and manuals."""
+"""Synonyms of keys and words in ESPHome, Home Assistant, Telegraf, device trees and manuals."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ELSEWHERE = {
     "timeout": "write timeout_ms under frame.modbus of the link, in milliseconds",
     "scan_interval": "write period_ms under the link, in milliseconds",
 }
-"""Keys of Home Assistant whose place here is another stanza of the link."""
+"""Keys of Home Assistant that belong to another stanza of the link here."""
 _OF_THE_CHANNEL = ("invert", "on")
 _WORDS = {
     "even": "E",
@@ -35,7 +35,7 @@ _WORDS = {
 
 
 def key_hint(key: str, path: Keys, known: list[str]) -> str:
-    """What an unknown key is called here; empty: nobody knows."""
+    """Return a hint with the name of an unknown key in a description; empty: it is not a known synonym."""
     other = _KEYS.get(key, "")
     if other in known:
         return f"write {other}"
@@ -46,13 +46,13 @@ def key_hint(key: str, path: Keys, known: list[str]) -> str:
 
 
 def word_hint(word: object, choices: list[str]) -> str:
-    """What a word is called here; empty: nobody knows."""
+    """Return a hint with the word that a description uses instead; empty: it is not a known synonym."""
     other = _WORDS.get(str(word).lower(), "")
     return f"write {other}" if other in choices else ""
 
 
 def text_hint(path: Keys, text: str) -> str:
-    """What was meant by a text of the wrong form; empty: nobody knows."""
+    """Return a hint with the probable meaning of a text in the wrong form; empty: there is none."""
     if path[-2:] == ("analog", "channel") and text.isdecimal():
         return f"write voltage{int(text)}"
     if path[-2:] == ("record", "start") and re.fullmatch(r"0[xX](?:[0-9A-Fa-f]{2}){1,8}", text):

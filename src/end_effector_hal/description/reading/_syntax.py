@@ -1,4 +1,4 @@
-"""What the YAML reader says when it stops, in words that help."""
+"""Turns the errors of the YAML reader into faults with helpful messages."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SENTENCES = (
 
 
 def syntax_fault(error: MarkedYAMLError | ReaderError, text: str) -> Fault:
-    """The fault that stopped the reader."""
+    """Return the fault that stopped the reader."""
     if isinstance(error, ReaderError):
         line, column = position(text, error.position)
         found = f"U+{error.character:04X}" if isinstance(error.character, int) else ""
@@ -58,24 +58,24 @@ def syntax_fault(error: MarkedYAMLError | ReaderError, text: str) -> Fault:
 
 
 class LineStarts:
-    """Positions in one text, found without reading it again for each."""
+    """Converts indexes of one text to positions without reading the text again each time."""
 
     def __init__(self, text: str) -> None:
         self._starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def position(self, index: int) -> tuple[int, int]:
-        """Line and column, both counted from 1."""
+        """Return the line and the column of an index, both counted from 1."""
         line = bisect_right(self._starts, index)
         return line, index - self._starts[line - 1] + 1
 
 
 def position(text: str, index: int) -> tuple[int, int]:
-    """Line and column, both counted from 1."""
+    """Return the line and the column of an index, both counted from 1."""
     return text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index)
 
 
 def shorten(text: str, width: int = 40) -> str:
-    """The first line, printable, and not longer than ``width``."""
+    """Return the first line of a text, printable and not longer than ``width``."""
     lines = text.strip().splitlines() or [""]
     line = escaped(lines[0].rstrip())
     return line if len(line) <= width and len(lines) == 1 else line[: width - 1].rstrip() + "…"

@@ -1,4 +1,7 @@
-"""A key at the top that is unknown, or holds what belongs to another: the rest is read with the right word there."""
+"""Corrects wrong top-level keys, so that their values can be examined.
+
+Such a key is unknown, or holds the value of another key.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from end_effector_hal.kinds.stanza import Part
 
 @dataclass(frozen=True)
 class WrongKey:
-    """A key at the top, the one that it was meant to be, and the fault."""
+    """A wrong top-level key, the key that was probably meant, and the fault."""
 
     key: str
     meant: str
@@ -21,9 +24,9 @@ class WrongKey:
 
 
 def read_as_meant(tree: dict[str, Any], places: Places) -> list[Fault]:
-    """Give each wrong key at the top its right name in the tree and in the places; the faults of these keys.
+    """Rename each wrong top-level key in the tree and in the places, and return the faults of these keys.
 
-    A key whose meaning is not clear stays, and is told with everything else that is wrong.
+    A key whose meaning is not clear stays, and is reported with all other faults.
     """
     found = []
     for key in sorted(tree, key=lambda key: isinstance(tree[key], list)):  # a list may name the actuators
@@ -42,7 +45,7 @@ def _move(places: dict[Keys, Place], key: str, meant: str) -> None:
 
 
 def _link_for_links(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None:
-    """Several links by name under ``link``, or the keys of one link under ``links``."""
+    """Return the fault of several named links under ``link``, or of the keys of one link under ``links``."""
     meant = {"link": "links", "links": "link"}.get(key)
     if (
         meant is None
@@ -79,7 +82,7 @@ def _misspelt(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None
 
 
 def _fits(key: str, value: object) -> bool:
-    """Whether a value looks like that of a key at the top, though something in it may be wrong."""
+    """Return whether a value looks like that of a top-level key, though parts of it may be wrong."""
     if mapping := top_mappings().get(key):
         known = set().union(*map(fields_of, mapping))
         inside = value.values() if isinstance(value, dict) else ()
@@ -103,7 +106,7 @@ def _names_actuators(value: object, tree: dict[str, Any]) -> bool:
 
 
 def _is_one(key: str, value: object) -> bool:
-    """Whether each stanza of a value has the keys of a mapping at the top, and no others."""
+    """Return whether each stanza of a value has the keys of a top-level mapping, and no others."""
     models = top_mappings()[key]
     inside = [*value.values()] if isinstance(value, dict) else []
     return bool(inside) and all(

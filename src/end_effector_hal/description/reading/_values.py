@@ -1,4 +1,4 @@
-"""What is wrong with a single value: its type, its range, its form."""
+"""Faults of single values: their type, their range, their form."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ ROS_NAME = "a ROS name: letters, digits, '_' and '/', a letter first"
 
 
 def out_of_range(path: Keys, kind: str, error: ErrorDetails, places: Places) -> Fault:
-    """A number that is too small or too large."""
+    """Return the fault of a number that is too small or too large."""
     value, bounds = error["input"], error.get("ctx", {})
     of_element = Limits(bounds.get("gt"), bounds.get("ge"), bounds.get("le"))
     limits = of_element if isinstance(path[-1], int) else limits_of(path, kind)
@@ -48,7 +48,7 @@ def out_of_range(path: Keys, kind: str, error: ErrorDetails, places: Places) -> 
 
 
 def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
-    """A word that is not one of a few."""
+    """Return the fault of a word that is not one of the allowed words."""
     choices = [word.strip("'") for word in re.findall(r"'[^']*'|\d+", error["ctx"]["expected"])]
     what, hint = f"{_label(path)} is not one of its choices", word_hint(error["input"], choices)
     hint = hint or did_you_mean(error["input"], choices)
@@ -63,7 +63,7 @@ def no_choice(path: Keys, error: ErrorDetails, places: Places) -> Fault:
 
 
 def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
-    """A text or a list that is too short or too long, or a name with characters that names do not have."""
+    """Return the fault of a text or list of the wrong length, or of a name with wrong characters."""
     context = error.get("ctx", {})
     if context.get("pattern") == PRINTABLE:
         what = f"{_label(path)} holds a character that is not printed"
@@ -95,7 +95,7 @@ def wrong_form(path: Keys, error: ErrorDetails, place: Place) -> Fault:
 
 
 def wrong_type(path: Keys, error: ErrorDetails, places: Places) -> Fault:
-    """A value of another type than the key's."""
+    """Return the fault of a value that has not the type of its key."""
     expected = TYPES.get(error["type"], "keys with values")
     value, place, label = error["input"], places.value(*path), _label(path)
     if value is None:
@@ -115,7 +115,7 @@ def wrong_type(path: Keys, error: ErrorDetails, places: Places) -> Fault:
 
 
 def _number(key: str, value: Any, expected: str) -> tuple[str, str]:
-    """What is expected instead of ``5 s`` or, in milliseconds, ``0.05``; and how to write it."""
+    """Return the expected value in place of ``5 s`` or, in milliseconds, ``0.05``; and how to write it."""
     unit = split(key)[1]
     if isinstance(value, float) and unit == "ms" and 0 < value < 1:
         return expected, f"seconds? write {key}: {number(value * 1000)}"
@@ -131,7 +131,7 @@ def _number(key: str, value: Any, expected: str) -> tuple[str, str]:
 
 
 def _name(text: str, pattern: str) -> tuple[str, str]:
-    """The form of a name, and one of that form that is near."""
+    """Return the form of a name, and a hint with a similar valid name."""
     ros = "A-Z" in pattern
     near = re.sub(r"[^A-Za-z0-9/]+" if ros else r"[^A-Za-z0-9]+", "_", text).strip("_/").lstrip("_0123456789")
     near = near if ros else near.lower()
@@ -140,6 +140,6 @@ def _name(text: str, pattern: str) -> tuple[str, str]:
 
 
 def _label(path: Keys) -> str:
-    """``'timeout_s'``, or ``'sequence[1]'`` for an element."""
+    """Return the key in quotes, such as ``'timeout_s'``, or ``'sequence[1]'`` for an element."""
     last = next(index for index in reversed(range(len(path))) if not isinstance(path[index], int))
     return f"'{path[last]}{''.join(f'[{index}]' for index in path[last + 1 :])}'"

@@ -1,4 +1,4 @@
-"""YAML 1.2 to plain values with the place of every key and value; all structural faults at once."""
+"""Reads YAML 1.2 as plain values with the place of every key and value; finds all structural faults."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _FLOAT = re.compile(
 
 
 def plain(text: str) -> object:
-    """The value of a scalar that is not quoted."""
+    """Return the value of a scalar that is not quoted."""
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text):
@@ -38,13 +38,13 @@ def plain(text: str) -> object:
 
 
 DEPTH = 20
-"""Levels of lists and mappings."""
+"""Largest number of nested lists and mappings."""
 NODES = 10_000
-"""Keys and values of a file, and of what its aliases unfold to."""
+"""Largest number of keys and values of a file, after its aliases are expanded."""
 
 
 class TooManyValuesError(Exception):
-    """There is one more than `NODES`, at ``index`` of the text."""
+    """The text has more values than `NODES`; the first surplus one is at ``index``."""
 
     def __init__(self, index: int) -> None:
         super().__init__(index)
@@ -52,12 +52,12 @@ class TooManyValuesError(Exception):
 
 
 class CountingComposer(Composer):
-    """Stops reading as soon as there is too much, before the rest is looked at."""
+    """Stops reading as soon as there are too many values, before the rest is parsed."""
 
     count = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """One more key, value or alias."""
+        """Compose one more key, value or alias."""
         self.count += 1
         if self.count > NODES:
             raise TooManyValuesError(self.parser.peek_event().start_mark.index)
@@ -65,7 +65,7 @@ class CountingComposer(Composer):
 
 
 def _composed(text: str) -> Node | None:
-    """The nodes of a text; None: it has none."""
+    """Return the nodes of a text; None: it has none."""
     yaml = YAML(typ="safe", pure=True)
     yaml.max_depth = DEPTH
     yaml.Composer = CountingComposer
@@ -76,13 +76,13 @@ def _composed(text: str) -> Node | None:
 
 TAGS = {f"tag:yaml.org,2002:{name}" for name in ("map", "seq", "str", "int", "float", "bool", "null")}
 SHOWN = 400
-"""Characters of a value that are looked at to show it."""
+"""Largest number of characters of a value that are read to display it."""
 # What the reader resolves by itself although YAML 1.2 does not know it: text here.
 TEXTS = {f"tag:yaml.org,2002:{name}" for name in ("timestamp", "merge", "value", "binary")}
 
 
 class Reader:
-    """Reads one text; ``places`` and ``faults`` fill while it does."""
+    """Reads one text and fills ``places`` and ``faults`` while it does."""
 
     def __init__(self, text: str, places: Places) -> None:
         self.text, self.places = text, places
@@ -93,7 +93,7 @@ class Reader:
         self._count = 0
 
     def read(self) -> object:
-        """The value of the whole text; with ``faults`` it is what could be understood."""
+        """Return the value of the whole text; if there are ``faults``, only the part that could be read."""
         if fault := _version(self.text):
             self.faults.append(fault)
         root = self._compose()
@@ -177,12 +177,12 @@ class Reader:
 
 
 def _is_broken(text: str) -> bool:
-    """Whether escapes left half of a pair of surrogates, which cannot be written anywhere."""
+    """Return whether escapes left half of a surrogate pair, which cannot be written anywhere."""
     return any("\ud800" <= each <= "\udfff" for each in text)
 
 
 def _version(text: str) -> Fault | None:
-    """``%YAML 1.1`` asks for other booleans and numbers than those that are read here."""
+    """Return a fault for a directive such as ``%YAML 1.1``, whose booleans and numbers are different."""
     for number, line in enumerate(text.split("\n"), start=1):
         if line.startswith("%YAML") and not re.fullmatch(r"%YAML\s+1\.2\s*(#.*)?", line):
             return Fault(number, 1, "EE-203", "another version of YAML", shorten(line), "%YAML 1.2")

@@ -1,4 +1,4 @@
-"""What no single value shows: rules between stanzas, and between a description and its codec."""
+"""Rules that no single value can break: between stanzas, and between a description and its codec."""
 
 from ._order import order_faults
 from ._outputs import lost_by_silence, output_faults

@@ -1,4 +1,4 @@
-"""Rules of order: thresholds and times that only make sense one below the other."""
+"""Rules of order: thresholds and times that only make sense if one is below the other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CHANGER: tuple[Pair, ...] = (("proven_s", "<", "prove_s"),)
 
 
 def order_faults(facts: Facts) -> Iterator[Fault]:
-    """Every pair of numbers that stands in the wrong order."""
+    """Yield a fault for every pair of numbers in the wrong order."""
     yield from _pairs(facts, ("supply",), SUPPLY)
     yield from _pairs(facts, ("link",), LINK)
     if isinstance(facts.get("tool_changer"), dict):
@@ -57,7 +57,7 @@ def _joint(facts: Facts, name: str, rule: JointRule) -> Iterator[Fault]:
 
 
 def _supply_returns(facts: Facts) -> Iterator[Fault]:
-    """After a refusal the nominal pressure must be enough to grip again."""
+    """Check that after a refusal the nominal pressure is enough to grip again."""
     keys = ("hysteresis_kpa", "refuse_kpa", "nominal_kpa", "warn_kpa")
     paths = [("supply", key) for key in keys]
     hysteresis, refuse, nominal, warn = (facts.get(*path) for path in paths)
@@ -72,7 +72,7 @@ def _supply_returns(facts: Facts) -> Iterator[Fault]:
 
 
 def _of_several(facts: Facts, paths: Sequence[Keys], what: str, expected: str) -> Fault:
-    """A fault of several numbers together; it stands at the first of them that is written."""
+    """Return a fault of several numbers together, at the place of the first one that is written."""
     path = next((each for each in paths if facts.written(*each)), paths[0])
     place = facts.places.value(*path)
     return Fault.at(place, "EE-222", what, found=f"{path[-1]}: {place.text}", expected=expected)

@@ -1,4 +1,4 @@
-"""Rules for outputs that are registers of a device on the link: what can be written and cannot be meant."""
+"""Rules for outputs that are registers of a device: values that are possible but make no sense."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CODE = "EE-229"
 
 
 def output_faults(facts: Facts) -> Iterator[Fault]:
-    """Every fault of an output on the bus."""
+    """Yield every fault of an output on the bus."""
     taken: dict[tuple[str | None, int, str, int], str] = {}
     for name, _ in facts.actuators():
         path = ("actuators", name, "modbus")
@@ -62,13 +62,13 @@ def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
 
 
 def _buses(facts: Facts) -> list[Keys]:
-    """The keys of each Modbus link."""
+    """Return the keys of each Modbus link."""
     links: list[Keys] = [("links", each) for each in facts.names("links")] or [("link",)]
     return [path for path in links if (facts.get(*path, "frame") or {}).get("modbus") is not None]
 
 
 def _bus_of(facts: Facts, output: Keys) -> Keys | None:
-    """The keys of the link that an output is on; None: that is not known."""
+    """Return the keys of the link that an output is on; None: it is not known."""
     buses, link = _buses(facts), facts.get(*output, "link")
     named = [path for path in buses if link is None or path == ("links", link)]
     return named[0] if len(named) == 1 else None
@@ -120,7 +120,7 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
 
 
 def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
-    """What asks the device and what ends it are two states of the same registers."""
+    """Check that `request` and `end` are two different values of the same registers."""
     keys = (*path, "handshake")
     if not facts.written(*keys) or facts.broken_within(*keys):
         return
@@ -153,7 +153,7 @@ def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
 
 
 def _activation(facts: Facts, name: str) -> Iterator[Fault]:
-    """The attempt is over after the activation and the handshakes; and so is a release."""
+    """Check that an attempt outlasts its activation and handshakes, and a release its handshake."""
     path = ("actuators", name, "modbus", "activation")
     shakes = ("actuators", name, "modbus", "handshake", "within_s")
     limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get("actuators", name, "timeout_s")
@@ -184,7 +184,7 @@ def _activation(facts: Facts, name: str) -> Iterator[Fault]:
 
 
 def _told_twice(facts: Facts, path: Keys) -> Iterator[Fault]:
-    """A device that is active and open has its `ready` set, and its `verify` not."""
+    """Check that `ready` and `verify` differ: an active, open device has `ready` on and `verify` off."""
     ready, verify = (*path, "activation", "ready"), facts.get(*path, "verify")
     if facts.written(*ready) and verify is not None and facts.get(*ready) == verify:
         what, expected = "'ready' and 'verify' are the same", "the bit of an active device, open or closed"
@@ -192,7 +192,7 @@ def _told_twice(facts: Facts, path: Keys) -> Iterator[Fault]:
 
 
 def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
-    """What keeps a device alive is that it is read."""
+    """Check that a device with `keep_alive_ms` is read: the reads keep it alive."""
     unit, bus = facts.get(*path, "unit"), _bus_of(facts, path)
     over = [name for name in facts.names("channels") if bus is None or link_of(facts, name) == bus]
     read = [facts.get("channels", name, "modbus", "unit") for name in over]
@@ -203,7 +203,7 @@ def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
 
 
 def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
-    """A bit that comes over the link: the one who masters the bus reads nothing else."""
+    """Check that a key names a bit that is read over the same bus: its master reads nothing else."""
     channel = facts.get(*path) if facts.written(*path) else None
     if channel is None or path in facts.broken:
         return
@@ -246,9 +246,9 @@ def _shared(facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int
 
 
 def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[str]:
-    """A sentence for each held part that falls, or may fall, without power or when its device hears nothing.
+    """Yield a sentence for each held part that falls, or may fall, without power or messages.
 
-    And for a bus that is too slow to keep a device alive.
+    Also yield one for each bus that is too slow to keep a device alive.
     """
     period_ms = codec.period_us / 1000
     for name, part in description.ordered:

@@ -1,4 +1,4 @@
-"""Rules of ownership: a wire, a sensor and a ROS name belong to one device."""
+"""Rules of ownership: a line, a sensor and a ROS name belong to one device."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from end_effector_hal.signals import Kind
 ROS = {"service": "Set", "topic": "Pressure"}
 _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
 _MAY_BE_ONE = {("tool_changer", "locked_bit"), ("tool_changer", "present_bit")}
-"""One sensor may say both: what is locked is there."""
+"""Two keys that may name the same sensor: a locked tool is present."""
 _READ_BY_ACTUATORS = ("channel", "on", "verify", "ready", "taken")
-"""Keys within an actuator whose channel may have a second reader, for example a sensor that two cups share."""
+"""Keys of an actuator whose channel may have a second reader, such as a sensor that two cups share."""
 
 
 def shared_faults(facts: Facts) -> Iterator[Fault]:
-    """Every second device on a line, channel, bit, service or topic."""
+    """Yield a fault for every second device on a line, channel, bit, service or topic."""
     changer: list[Keys] = [("tool_changer",)] if isinstance(facts.get("tool_changer"), dict) else []
     actuators: list[Keys] = [("actuators", name) for name, _ in facts.actuators()]
     kinds = [(name, get_kind(kind)) for name, kind in facts.actuators()]
@@ -59,12 +59,15 @@ def _called_like_an_actuator(facts: Facts) -> Iterator[Fault]:
 
 
 def _is_asked(facts: Facts, name: str, key: str) -> bool:
-    """Whether a bit counts: what evidence replaces is not asked for by default."""
+    """Return whether a bit is used: a default bit that `evidence` replaces is not."""
     return facts.get("actuators", name, "evidence") is None or facts.written("actuators", name, key)
 
 
 def _reads_the_e_stop(facts: Facts) -> Iterator[Fault]:
-    """The first actuator that reads the input of the e-stop: what it shows would stop the tool, or the reverse."""
+    """Yield a fault for the first actuator that reads the e-stop's input.
+
+    The actuator's signal would stop the tool, or the reverse.
+    """
     e_stop: Keys = ("e_stop", "channel")
     channel = facts.get(*e_stop)
     if channel is None or channel == NO_CHANNEL:
@@ -80,7 +83,7 @@ def _reads_the_e_stop(facts: Facts) -> Iterator[Fault]:
 
 
 def _raw(facts: Facts, path: Keys) -> object:
-    """What stands at a path, which may lead through lists; None where a part of it has a fault."""
+    """Return the value at a path, which may lead through lists; None if a part of the path has a fault."""
     if any(path[:length] in facts.broken for length in range(1, len(path) + 1)):
         return None
     value: Any = facts.tree

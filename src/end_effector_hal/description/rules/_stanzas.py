@@ -16,7 +16,7 @@ SOCKET_BYTES = 107
 
 
 def rule_faults(facts: Facts) -> Iterator[Fault]:
-    """Every fault that lies between stanzas."""
+    """Yield every fault between stanzas."""
     if isinstance(facts.tree.get("actuators"), dict):
         yield from _names(facts, "sequence")
         yield from _unused(facts)
@@ -32,7 +32,7 @@ def rule_faults(facts: Facts) -> Iterator[Fault]:
 
 
 def _unread(facts: Facts) -> Iterator[Fault]:
-    """Nothing brings a reading."""
+    """Check that the description declares a source of readings."""
     if facts.written("link"):
         if facts.get("link") is None and not facts.names("channels") and ("link",) not in facts.broken:
             place = facts.places.value("link")
@@ -45,7 +45,7 @@ def _unread(facts: Facts) -> Iterator[Fault]:
 
 
 def _board_units(facts: Facts) -> Iterator[Fault]:
-    """An analog input measures something, a digital one is a bit."""
+    """Check that an analog input has a unit and a digital input, which is a bit, has none."""
     for name in facts.names("channels"):
         keys = ("channels", name)
         if _given(facts, *keys, "analog") and not facts.written(*keys, "unit"):
@@ -63,7 +63,7 @@ def _given(facts: Facts, *path: str) -> bool:
 
 
 def _pulses(facts: Facts) -> Iterator[Fault]:
-    """A pulse and its pause are over before the output is to change again."""
+    """Check that a pulse and its pause are over before the output is to change again."""
     stanzas: list[tuple[Keys, tuple[str, ...]]] = [(("tool_changer",), ("unlock_max_s", "prove_s"))]
     stanzas += [(("actuators", name), ("timeout_s", "reset_s", "release_s")) for name, _ in facts.actuators()]
     for stanza, keys in stanzas:
@@ -90,7 +90,7 @@ def _pulses(facts: Facts) -> Iterator[Fault]:
 
 
 def _blow_offs(facts: Facts) -> Iterator[Fault]:
-    """What ends a blow-off early is said of one that is driven."""
+    """Check that `until_gone` is only set for a blow-off with `duration_s`, which a release drives."""
     for name, kind in facts.actuators():
         opposing = get_kind(kind).opposing
         path = ("actuators", name, opposing)
@@ -105,7 +105,7 @@ def _blow_offs(facts: Facts) -> Iterator[Fault]:
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:
-    """Names that are no actuator's, or stand twice."""
+    """Yield a fault for each name that is no actuator's, or is repeated."""
     known, seen = facts.names("actuators"), set()
     for index, name in enumerate(facts.names(key)):
         place = facts.places.value(key, index)
@@ -125,7 +125,7 @@ def _names(facts: Facts, key: str) -> Iterator[Fault]:
 
 
 def _absent(facts: Facts, key: str) -> list[str]:
-    """Actuators that a list leaves out, without those that a misspelt name in it means."""
+    """Return the actuators that a list leaves out, except those that a misspelt name in the list means."""
     known, listed = facts.names("actuators"), facts.names(key)
     meant = {closest(name, known) for name in listed if name not in known}
     return [name for name in known if name not in listed and name not in meant]
@@ -156,7 +156,7 @@ def _reserved(facts: Facts) -> Iterator[Fault]:
 
 
 def _endings(facts: Facts) -> Iterator[Fault]:
-    """Of the whole tool and of each actuator: nothing but a Drop releases what is held (IL-09)."""
+    """Check for the whole tool and each actuator that nothing but a Drop releases a held part (IL-09)."""
     if facts.get("interlocks", "IL-09") is not True:
         return
     why = "IL-09 lets only a Drop release a held part; interlocks: {IL-09: false} switches it off"
@@ -173,7 +173,10 @@ def _endings(facts: Facts) -> Iterator[Fault]:
 
 
 def _files(facts: Facts) -> Iterator[Fault]:
-    """A file that is named must be there (the default one may be the shipped one); a socket must fit."""
+    """Check that a named file exists, and that a socket's path is short enough.
+
+    The default file may be the shipped one.
+    """
     named, folder = facts.get("automata", "file"), facts.places.file.parent
     if facts.written("automata", "file") and named and ("\0" in named or not (folder / named).is_file()):
         expected = f"a UPPAAL file, relative to {folder}"
@@ -196,7 +199,7 @@ MOST = {"actuators": MOST_ACTUATORS, "outputs": MOST_ACTUATORS, "channels": MOST
 
 
 def limit_faults(facts: Facts) -> Iterator[Fault]:
-    """Stanzas with more names than a tool may have."""
+    """Yield a fault for each stanza with more names than a tool may have."""
     for stanza, most in MOST.items():
         names = facts.names(stanza) if isinstance(facts.get(stanza), dict) else []
         if len(names) > most:

@@ -1,4 +1,4 @@
-"""Evidence by conditions over channels, three-valued and pure: one detector for every kind that is described so."""
+"""Evidence by conditions over channels, in three-valued logic: one detector for all kinds with conditions."""
 
 from ._detector import ConditionDetector
 from ._judge import ConditionJudge

@@ -1,4 +1,4 @@
-"""From conditions over channels to evidence."""
+"""Computes the evidence of an actuator from conditions over channels."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from end_effector_hal.vocabulary import Evidence
 from ._judge import ConditionJudge
 
 FAULT_US = 500_000
-"""Sensors that contradict each other for so long are broken: as long as those of a tool changer (IL-04)."""
+"""Time after which contradicting sensors count as broken, µs; the same as for a tool changer (IL-04)."""
 
 
 class ConditionDetector:
-    """Confirmed, gone, partial or unknown, as the conditions say.
+    """Judges an actuator as confirmed, gone, partial or unknown, as the conditions define.
 
-    Once confirmed it stays so until ``lost`` holds. What was confirmed before an interruption is confirmed again when
-    it is not lost for as long as ``confirmed`` asks: a short silence must not look like a loss.
+    A confirmed actuator stays confirmed until ``lost`` holds. After an interruption it is confirmed again when it has
+    not been lost for as long as ``confirmed`` requires: a short silence must not look like a loss.
 
     Attributes:
         level: the evidence.
-        empty: it has gripped nothing.
-        contradicts: its sensors contradict each other now: nothing is proven.
-        broken: they have done so for half a second.
+        empty: whether the actuator has gripped nothing.
+        contradicts: whether its sensors contradict each other now, so that nothing is proven.
+        broken: whether they have contradicted each other for half a second.
     """
 
     MEMORY: ClassVar = {
@@ -45,7 +45,7 @@ class ConditionDetector:
         self.empty = self.contradicts = self.broken = False
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """The evidence after one more sample at ``at`` µs."""
+        """Return the evidence after one more sample at ``at`` µs."""
         shown = {name: judge.sample(readings, at) for name, judge in self._judges.items()}
         self.contradicts = shown["contradiction"] is True
         self._contradiction.take(self.contradicts, at)
@@ -61,7 +61,10 @@ class ConditionDetector:
         return self.level
 
     def settles(self, at: int) -> bool:
-        """Whether its sensors contradict each other, or did a moment ago: two switches do not change together."""
+        """Return whether the sensors contradict each other or recently did.
+
+        A short contradiction is normal: two switches do not change at the same time.
+        """
         return self.contradicts or self._contradiction.began_within(at, FAULT_US)
 
     def _level(
@@ -84,7 +87,7 @@ class ConditionDetector:
 
 
 def _conditions(given: EvidenceConditions) -> dict[str, Condition]:
-    """All that a detector asks, the defaults too."""
+    """Return all conditions that a detector evaluates, defaults included."""
     confirmed = given.confirmed.at_once
     lost = given.lost or _not(confirmed)
     asked = {
@@ -110,7 +113,7 @@ def _not(condition: Condition) -> Condition:
 
 
 def _joined(**parts: object) -> Condition:
-    """Of conditions that are read already: it may stand one level deeper than a written one."""
+    """Return a condition of validated parts; it may be nested one level deeper than a written one."""
     return Condition(on="it").model_copy(update={"on": None, **parts})
 
 

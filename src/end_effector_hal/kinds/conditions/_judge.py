@@ -1,4 +1,4 @@
-"""Whether a condition holds: true, false, or unknown (None)."""
+"""Judges whether a condition holds: true, false, or unknown (None)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _Asked = Callable[["_Sample"], bool | None]
 
 
 class _Sample:
-    """What a condition is asked of: readings at a time, and the streaks of those that must last."""
+    """The input of a condition: the readings at one time, and the streaks of the parts that must last."""
 
     __slots__ = ("at", "readings", "seen", "streaks")
 
@@ -23,10 +23,10 @@ class _Sample:
 
 
 class ConditionJudge:
-    """One condition with its memory: how long each part of it that must last has held.
+    """Judges one condition and remembers how long each of its lasting parts has held.
 
-    A sample counts for a part that must last when the newest frame brought a channel of that part. Time alone makes
-    readings stale, and so unknown; it never makes a condition hold.
+    A sample counts for a lasting part if the newest frame contained a channel of that part. Time alone makes readings
+    stale and so unknown; it never makes a condition hold.
     """
 
     MEMORY: ClassVar = {"_streaks": PART, "_seen": list[int]}
@@ -38,17 +38,17 @@ class ConditionJudge:
         self._seen = [0] * len(self._streaks)
 
     def sample(self, readings: ChannelReadings, at: int) -> bool | None:
-        """Whether it holds at ``at`` µs."""
+        """Return whether the condition holds at ``at`` µs; None: unknown."""
         return self._asked(_Sample(readings, at, self._seen, self._streaks))
 
     def forget(self) -> None:
-        """What has held until now counts no longer."""
+        """Reset the duration of every part."""
         for streak, seen_at in zip(self._streaks, self._seen, strict=True):
             streak.take(False, seen_at)
 
 
 def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
-    """A function of a sample: conditions are looked at with each frame, and never change."""
+    """Return a condition as a function of a sample, because it never changes and each frame evaluates it."""
     at_once = _joined(this, [_compiled(each, numbers) for each in this.parts]) if this.parts else _read(this)
     if this.for_ms == 0 and this.samples == 1:
         return at_once
@@ -67,7 +67,10 @@ def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
 
 
 def _joined(this: Condition, parts: list[_Asked]) -> _Asked:
-    """Kleene's three-valued logic. Every part is asked, also where one decides: each has a memory of its own."""
+    """Return a function that combines the parts by Kleene's three-valued logic.
+
+    It evaluates every part, even if one alone decides, because each part has its own memory.
+    """
     if this.not_ is not None:
         (part,) = parts
         return lambda sample: None if (value := part(sample)) is None else not value

@@ -1,4 +1,4 @@
-"""Conditions that several kinds have in common."""
+"""Conditions that several kinds share."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from end_effector_hal.kinds.stanza import EvidenceConditions, named
 
 
 class PartSwitches(Protocol):
-    """A stanza with a switch that a part makes, and maybe one that shows that it is gone.
+    """A stanza with a switch that a part turns on, and optionally a switch that is on when the part is gone.
 
     Attributes:
-        part_bit: makes it confirmed; off, it is lost, and released where nothing else proves that.
-        gone_bit: on, with part_bit off, proves that it is released; both on contradict each other.
-        confirmed_ms, lost_ms, gone_ms: so long each must stand.
+        part_bit: on: confirmed; off: lost, and also released if nothing else proves a release.
+        gone_bit: on, with part_bit off: released; both on: a contradiction.
+        confirmed_ms, lost_ms, gone_ms: how long each state must last.
     """
 
     @property
@@ -33,7 +33,7 @@ class PartSwitches(Protocol):
 
 
 def part_conditions(switches: PartSwitches) -> EvidenceConditions | None:
-    """By its switches; None: it has none that a part makes."""
+    """Return the conditions over the part's switches; None: no switch detects a part."""
     part, gone = named(switches.part_bit), named(switches.gone_bit)
     if part is None:
         return None

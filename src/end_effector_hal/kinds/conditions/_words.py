@@ -1,4 +1,4 @@
-"""What channels show, in words."""
+"""Describes in words what channels show and what conditions require."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from end_effector_hal.signals import GAUGE_PRESSURE, ChannelReadings, Measure, M
 
 
 def shown(channels: Iterable[str], readings: ChannelReadings, at: int) -> str:
-    """``closed is off, cup is at -12.3 kPa``, at ``at`` µs."""
+    """Return the readings at ``at`` µs in words, such as ``closed is off, cup is at -12.3 kPa``."""
     measures = readings.measures if isinstance(readings, MeasuredReadings) else {}
     return ", ".join(
         f"{channel} {_state(readings.get(channel, at), measures.get(channel, GAUGE_PRESSURE))}"
@@ -27,7 +27,7 @@ def _state(value: int | bool | None, measure: Measure) -> str:
 
 
 def asked(condition: Condition) -> str:
-    """``cup less than 10 kPa, and part off``: what has to be so."""
+    """Return what a condition requires, such as ``cup less than 10 kPa, and part off``."""
     if condition.not_ is not None:
         inside = asked(condition.not_)
         return f"{condition.not_.on} off" if condition.not_.on else f"not ({inside})"

@@ -1,4 +1,4 @@
-"""From cylinder pressure and position bits to evidence."""
+"""Computes the evidence of a cylinder from its pressure and its position bits."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from ._stanza import CylinderActuator
 
 
 class CylinderDetector:
-    """Extended (confirmed), retracted (gone), or in between.
+    """Judges a cylinder as extended (CONFIRMED), retracted (GONE), or between the two (PARTIAL).
 
-    Extended: its position bit, or 85 % of the supply pressure for 100 ms. Retracted: under 50 kPa for 200 ms and
-    no extended bit; where no pressure is carried, its position bit, or else the extended bit being off.
+    Extended: its position bit is on, or the pressure is at least 85 % of the supply pressure for 100 ms. Retracted:
+    less than 50 kPa for 200 ms, and the extended bit is not on. Where no pressure is carried, the retracted bit
+    decides, or, without one, the extended bit being off.
     """
 
     MEMORY: ClassVar = {"_held": bool, "_high": PART, "_low": PART, "level": Evidence}
@@ -28,7 +29,7 @@ class CylinderDetector:
         self.level = Evidence.UNKNOWN
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """The evidence after one more sample at ``at`` µs."""
+        """Return the evidence after one more sample at ``at`` µs."""
         part = self._actuator
         pressure = readings.get(part.channel, at)
         extended = readings.get(part.extended_bit, at)
@@ -52,7 +53,7 @@ class CylinderDetector:
         return self.level
 
     def expire(self) -> Evidence:
-        """The evidence without a fresh reading."""
+        """Return UNKNOWN and restart the counts, because no fresh reading is available."""
         self._high, self._low = Streak(), Streak()
         self.level = Evidence.UNKNOWN
         return self.level

@@ -1,4 +1,4 @@
-"""A cylinder as a kind of device."""
+"""The kind of device that is a pneumatic cylinder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._stanza import CylinderActuator
 
 
 class CylinderState(TableState):
-    """A pneumatic cylinder."""
+    """States of a pneumatic cylinder."""
 
     RETRACTED = 0
     PENDING_EXTEND = 1
@@ -22,7 +22,7 @@ class CylinderState(TableState):
 
 
 def _apart(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
-    """At the least supply pressure that is allowed, extended must still lie above retracted."""
+    """Check that the extended threshold is above the retracted one even at the lowest allowed supply."""
     retracted, fraction, refuse = numbers.values()
     if retracted < fraction * refuse:
         return None
@@ -31,7 +31,7 @@ def _apart(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, 
 
 
 class Cylinder(DeviceKind[CylinderActuator]):
-    """Confirmed when it is extended, by a share of the supply pressure or by its position bit."""
+    """Kind of a cylinder: confirmed when extended, by a share of the supply pressure or a position bit."""
 
     name = "cylinder"
     stanza = CylinderActuator
@@ -47,22 +47,22 @@ class Cylinder(DeviceKind[CylinderActuator]):
     moves = True
 
     def detector(self, part: CylinderActuator, supply: Supply) -> CylinderDetector:
-        """From pressure and position bits."""
+        """Return a detector that judges the pressure and the position bits."""
         return CylinderDetector(part, supply)
 
     def margin_pa(self, part: CylinderActuator, gauge_pa: float, supply_pa: float) -> float:
-        """Beyond the threshold of confirmation."""
+        """Return the distance above the threshold of confirmation, Pa."""
         return gauge_pa - part.extended_fraction * supply_pa
 
     def lost(self, part: CylinderActuator, readings: ChannelReadings, at: int) -> str:
-        """The pressure that is left."""
+        """Return the remaining pressure and the required one."""
         value = readings.get(part.channel, at)
         if value is None or isinstance(value, bool):
             return super().lost(part, readings, at)
         return f"{value / 1000:.0f} kPa, {part.extended_fraction:.0%} of the supply pressure required"
 
     def not_fitted(self, part: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """Which sensor proves a position alone, and what is not seen then."""
+        """Yield for each missing sensor which other one proves the position, and what is not detected."""
         if part.channel not in carried:
             proof = f"only {part.extended_bit} confirms that it is extended, thresholds are off"
             yield f"channel: {part.channel}: {proof}: lost air is not detected"
@@ -71,13 +71,13 @@ class Cylinder(DeviceKind[CylinderActuator]):
                 yield f"{key}: {bit or NO_CHANNEL}: {self._instead(part, key.removesuffix('_bit'), carried)}"
 
     def limits(self, part: CylinderActuator, supply: Supply) -> dict[str, float]:
-        """At the nominal pressure of the supply."""
+        """Return the thresholds at the nominal supply pressure, kPa."""
         extended_kpa = part.extended_fraction * supply.nominal_kpa
         lost_kpa = extended_kpa - supply.hysteresis_kpa
         return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa, "lost_kpa": lost_kpa}
 
     def travel(self, part: CylinderActuator) -> Travel | None:
-        """Its stroke."""
+        """Return the stroke as a prismatic joint; None: the stanza does not define it."""
         return None if part.stroke_mm is None else Travel("prismatic", part.stroke_mm / 1000)
 
     def _instead(self, part: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:

@@ -1,4 +1,4 @@
-"""The keys of a cylinder; defaults are those of the paper's tool."""
+"""The keys of a cylinder; the defaults are those of the paper's tool."""
 
 from __future__ import annotations
 

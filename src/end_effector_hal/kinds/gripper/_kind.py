@@ -1,4 +1,4 @@
-"""A gripper as a kind of device."""
+"""The kind of device that is a gripper."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._stanza import GripperActuator
 
 
 class GripperState(TableState):
-    """Fingers."""
+    """States of a gripper's fingers."""
 
     OPEN = 0
     PENDING_CLOSE = 1
@@ -22,7 +22,7 @@ class GripperState(TableState):
 
 
 class Gripper(DeviceKind[GripperActuator]):
-    """Confirmed by a part switch, or by fingers that stand between their end switches."""
+    """Kind of a gripper: confirmed by a part switch, or by fingers that stay between their end switches."""
 
     name = "gripper"
     stanza = GripperActuator
@@ -36,7 +36,7 @@ class Gripper(DeviceKind[GripperActuator]):
     opposing = "blow_off"
 
     def preset(self, part: GripperActuator) -> EvidenceConditions | None:
-        """By its switches; fingers that are open hold nothing, whatever a part switch sees between them."""
+        """Return the conditions over its switches; open fingers hold nothing, even if a part switch is on."""
         opened, closed, held = named(part.open_bit), named(part.closed_bit), named(part.part_bit)
         ends = [{"on": each} for each in (opened, closed) if each]
         if held:
@@ -58,7 +58,7 @@ class Gripper(DeviceKind[GripperActuator]):
         return EvidenceConditions.model_validate(conditions)
 
     def not_fitted(self, part: GripperActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """What is not seen without one of its switches."""
+        """Yield a phrase for each missing switch with what is not detected without it."""
         switches = ((key, getattr(part, key)) for key in ("part_bit", "open_bit", "closed_bit"))
         for key, bit in switches:
             if bit not in carried:
@@ -73,5 +73,5 @@ class Gripper(DeviceKind[GripperActuator]):
         return "that it closed on nothing is not seen: an attempt ends by its time-out"
 
     def travel(self, part: GripperActuator) -> Travel | None:
-        """Its stroke."""
+        """Return the stroke as a prismatic joint; None: the stanza does not define it."""
         return None if part.stroke_mm is None else Travel("prismatic", part.stroke_mm / 1000)

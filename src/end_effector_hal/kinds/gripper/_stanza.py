@@ -20,7 +20,7 @@ from end_effector_hal.kinds.stanza import (
 class GripperActuator(Actuator):
     """Fingers that an active line closes: pneumatic with a mono-stable valve, or electric with one line.
 
-    A part is proven by a switch of its own, or by fingers that are neither open nor closed for `settle_ms`. At least
+    A part is proven by its own switch, or by fingers that are neither open nor closed for `settle_ms`. At least
     `part_bit`, or `open_bit` and `closed_bit`, must be named.
     """
 
@@ -49,7 +49,7 @@ class GripperActuator(Actuator):
         description="without part_bit: neither open nor closed for this long, longer than any stroke: a part is held",
     )
     lost_ms: Settling = Field(
-        default=40, description="once confirmed: for this long no longer as it confirms: lost"
+        default=40, description="once confirmed: not as required for confirmation for this long: lost"
     )
     gone_ms: Settling = Field(
         default=50, description="open_bit for this long, or without it part_bit off: released"

@@ -26,8 +26,8 @@ from end_effector_hal.vocabulary import TableState
 class MagnetActuator(Actuator):
     """A magnet that holds while its line is active.
 
-    That it is switched off proves nothing: what is left of its field may hold a part. A release is proven by the sensor
-    of the part, and by `gone_bit` where there is one.
+    A magnet that is switched off proves nothing: its remaining field may hold a part. A release is proven by the
+    sensor of the part, and by `gone_bit` where it is named.
     """
 
     kind: Literal["magnet"] = Field(description="what it is")
@@ -57,7 +57,7 @@ class MagnetActuator(Actuator):
 
 
 class MagnetState(TableState):
-    """A magnet."""
+    """States of a magnet."""
 
     OFF = 0
     PENDING_ON = 1
@@ -65,7 +65,7 @@ class MagnetState(TableState):
 
 
 class Magnet(DeviceKind[MagnetActuator]):
-    """Confirmed and released by the sensor of its part, never by its line."""
+    """Kind of a magnet: confirmed and released by the sensor of its part, never by its line."""
 
     name = "magnet"
     stanza = MagnetActuator
@@ -74,11 +74,11 @@ class Magnet(DeviceKind[MagnetActuator]):
     opposing = "blow_off"
 
     def preset(self, part: MagnetActuator) -> EvidenceConditions | None:
-        """By the sensor of its part."""
+        """Return the conditions over the sensor of its part."""
         return part_conditions(part)
 
     def not_fitted(self, part: MagnetActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """What proves a release."""
+        """Yield a phrase if only ``part_bit`` confirms a release."""
         if part.gone_bit not in carried:
             proof = f"only {part.part_bit} off confirms a release"
             yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {proof}: a part that only lost its grip is not detected"

@@ -1,4 +1,4 @@
-"""What the stanzas of a description are made of: a frozen base, values with units, endings, the air of a tool."""
+"""The building blocks of stanzas: a frozen base, value types with units, endings, compressed air."""
 
 from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import (

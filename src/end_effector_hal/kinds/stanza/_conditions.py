@@ -1,4 +1,4 @@
-"""What proves an actuator, as conditions over channels: the keys of ``evidence``."""
+"""Conditions over channels that prove an actuator: the keys of ``evidence``."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from pydantic_core import PydanticCustomError
 from ._part import Name, Part
 
 DEEPEST, MOST = 6, 64
-"""Levels of one condition, and conditions of one actuator, each ``all``, ``on`` … counted."""
+"""Limits: levels of one condition, and conditions of one actuator (every ``all``, ``on`` … counts)."""
 
 _Gauge = Annotated[float | None, Field(ge=-110, le=2000)]
 _Quantity = Annotated[float | None, Field(ge=-1e6, le=1e6)]
 
 
 class Leaf(NamedTuple):
-    """A channel that a condition looks at.
+    """A channel that a condition reads.
 
     Attributes:
-        path: of the condition that names it, from the one that was asked.
-        key: that names it.
-        channel: its name.
-        bit: whether it says yes or no; else it is measured.
-        thresholds: key and value of each; gauge kPa, or the unit of the channel.
+        path: path from the outer condition to the one that names the channel.
+        key: the key that names the channel.
+        channel: name of the channel.
+        bit: True if the channel is a bit, False if it is a measured quantity.
+        thresholds: key and value of each threshold, in gauge kPa or the unit of the channel.
     """
 
     path: tuple[str | int, ...]
@@ -37,12 +37,13 @@ class Leaf(NamedTuple):
 
 
 class Condition(Part):
-    """What channels show. Exactly one of `all`, `any`, `not`, `on`, or `channel` with one threshold.
+    """A condition over channels: exactly one of `all`, `any`, `not`, `on`, or `channel` with one threshold.
 
-    The threshold of a pressure has `_kpa` in its key; that of another quantity has the unit of its channel.
+    The threshold of a pressure has `_kpa` in its key; that of another quantity is in the unit of its channel.
 
-    A channel without a fresh, valid reading makes its condition unknown. `any` is true with one that is true, `all` is
-    false with one that is false, whatever the others are; else one that is unknown makes them unknown, and `not` too.
+    A channel without a fresh, valid reading makes its condition unknown. `any` is true if one condition is true, and
+    `all` is false if one is false, even if others are unknown. Otherwise one unknown condition makes `any`, `all` and
+    `not` unknown.
     """
 
     all: Annotated[tuple[Condition, ...] | None, Field(strict=False)] = Field(
@@ -109,22 +110,22 @@ class Condition(Part):
 
     @property
     def parts(self) -> tuple[Condition, ...]:
-        """The conditions in it."""
+        """The conditions directly inside this one."""
         return self.all or self.any or (() if self.not_ is None else (self.not_,))
 
     @property
     def depth(self) -> int:
-        """Levels, itself included."""
+        """Number of nested levels, this condition included."""
         return 1 + max((each.depth for each in self.parts), default=0)
 
     @property
     def size(self) -> int:
-        """Conditions, itself included."""
+        """Number of conditions, this one included."""
         return 1 + sum(each.size for each in self.parts)
 
     @property
     def leaves(self) -> Iterator[Leaf]:
-        """The channels that it looks at, in their order, each as often as it stands there."""
+        """The channels that this condition reads, in order, with repetitions."""
         if self.on is not None:
             yield Leaf((), "on", self.on, True, ())
         elif self.channel is not None:
@@ -144,7 +145,10 @@ class Condition(Part):
 
     @property
     def span(self) -> tuple[float, float]:
-        """What its threshold allows: both ends belong to it where it is a range, else none; kPa, or the unit."""
+        """The limits of its threshold, kPa or the channel's unit.
+
+        Both limits are included for a range (`between`), else excluded.
+        """
         between = self.between_kpa or self.between
         if between is not None:
             return between[0], between[1]
@@ -156,12 +160,12 @@ class Condition(Part):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the channels that it looks at, each once."""
+        """Names of the channels that this condition reads, without repetitions."""
         return tuple(dict.fromkeys(leaf.channel for leaf in self.leaves))
 
     @property
     def at_once(self) -> Condition:
-        """The same without `for_ms` and `samples`: what one sample shows."""
+        """This condition without `for_ms` and `samples`: it judges a single sample."""
         inside: dict[str, Any] = {}
         if self.not_ is not None:
             inside["not_"] = self.not_.at_once
@@ -171,7 +175,10 @@ class Condition(Part):
 
     @property
     def asked(self) -> Condition | None:
-        """What of it is asked to be so, at once, without what is asked not to be; None: nothing is."""
+        """The parts of this condition that require something to hold, judged at once; None: there are none.
+
+        `for_ms`, `samples` and every `not` are left out.
+        """
         if self.not_ is not None:
             return None
         if not self.parts:
@@ -183,12 +190,12 @@ class Condition(Part):
         return self.at_once.model_copy(update={"all" if self.all else "any": found}) if found else None
 
     def lasts_s(self, period_s: float) -> float:
-        """How long it takes at least, with a sample each ``period_s``."""
+        """Return the shortest time in which it can become true, s, with a sample every ``period_s``."""
         own = max(self.for_ms / 1000, (self.samples - 1) * period_s)
         return own + max((each.lasts_s(period_s) for each in self.parts), default=0.0)
 
     def can_be_known(self, carried: Mapping[str, object]) -> bool:
-        """Whether it can be anything but unknown with the channels that are carried."""
+        """Return whether the carried channels can make the condition true or false rather than unknown."""
         if not self.parts:
             return (self.on or self.channel) in carried
         known = [each.can_be_known(carried) for each in self.parts]
@@ -205,23 +212,24 @@ def _wrong(what: str, expected: str, hint: str = "") -> PydanticCustomError:
 
 
 def stanza_fault(code: str, what: str, expected: str, hint: str = "") -> PydanticCustomError:
-    """For a validator: a fault of a description, which stands where the value does.
+    """Return the error to raise in a pydantic validator; it becomes a fault at the place of the value.
 
     Args:
         code: ``EE-2..``.
-        what: is wrong; no full stop.
-        expected: what ought to stand there.
-        hint: how to get there.
+        what: what is wrong, without a full stop.
+        expected: what is allowed at this place.
+        hint: how to correct it.
     """
     told = {"code": code, "what": what, "expected": expected, "hint": hint}
     return PydanticCustomError("stanza_fault", "{what}, expected {expected}", told)
 
 
 class EvidenceConditions(Part):
-    """What proves an actuator. It replaces what its kind would prove by itself.
+    """Conditions that prove an actuator. They replace the evidence of its kind.
 
-    UNKNOWN as long as what decides it is not known, and while its sensors contradict each other: `fault` holds, or
-    `confirmed` and `gone` do at once. That is an alarm when it lasts for half a second.
+    The evidence is UNKNOWN while a channel that decides is not known, and while the sensors contradict each other:
+    `fault` holds, or `confirmed` and `gone` hold at once. A contradiction that lasts for half a second raises an
+    alarm.
     """
 
     confirmed: Condition = Field(description="proves that it grips")
@@ -232,7 +240,7 @@ class EvidenceConditions(Part):
     empty: Condition | None = Field(default=None, description="it has gripped nothing; default: never")
     fault: Condition | None = Field(
         default=None,
-        description="its sensors contradict each other; default: what confirmed and what gone ask to be on is on",
+        description="its sensors contradict each other; default: all bits that confirmed and gone require are on",
     )
 
     @model_validator(mode="after")
@@ -249,17 +257,17 @@ class EvidenceConditions(Part):
 
     @property
     def named(self) -> tuple[tuple[str, Condition], ...]:
-        """Those that are given, by their keys."""
+        """The conditions that are given, with their keys."""
         return tuple((key, value) for key, value in self if value is not None)
 
     @property
     def leaves(self) -> Iterator[Leaf]:
-        """The channels that they look at, each as often as it stands there; the path begins with the key."""
+        """The channels that the conditions read, with repetitions; a path begins with the condition's key."""
         for key, condition in self.named:
             for leaf in condition.leaves:
                 yield leaf._replace(path=(key, *leaf.path))
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the channels that they look at, each once."""
+        """Names of the channels that the conditions read, without repetitions."""
         return tuple(dict.fromkeys(leaf.channel for leaf in self.leaves))

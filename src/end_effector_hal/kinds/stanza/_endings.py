@@ -1,6 +1,8 @@
-"""What an actuator does when something ends: one default for the whole tool, and what an actuator has of its own.
+"""Endings: what an actuator does when a grip or the program ends.
 
-Safe is not "all off": while a part is held, safe is to hold.
+The whole tool has defaults; an actuator may override them.
+
+Safe is not "all off": while a part is held, it is safe to hold.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from ._part import Part
 
 Ending = Literal["hold", "release"]
 ProgramEnding = Literal["hold", "release", "leave"]
-"""Of a program; `leave` moves nothing, as `hold` does, and nobody takes responsibility for the level."""
+"""What a program's end does; `leave` moves nothing, as `hold`, but nobody is responsible for the level."""
 
 _CANCEL = "a grip is cancelled; hold: stays active, latched GRIP_ERROR"
 _TIMEOUT = "between two attempts; hold: stays active"
@@ -25,7 +27,7 @@ _POWER_UP = "found active at the start; hold: stays and is judged; release: deac
 
 
 class GrippingEndings(Part):
-    """What an ending does before GRIPPED, when nothing is held yet (release: in its place of the release order)."""
+    """What an ending does before GRIPPED, when nothing is held yet; a release keeps the release order."""
 
     cancel: Ending = Field(default="release", description=_CANCEL)
     timeout: Ending = Field(default="release", description=_TIMEOUT)
@@ -35,7 +37,7 @@ class GrippingEndings(Part):
 
 
 class HeldEndings(Part):
-    """What an ending does while a part is held; `release` needs IL-09 switched off."""
+    """What an ending does while a part is held; `release` is only allowed if IL-09 is switched off."""
 
     lost: Ending = Field(default="hold", description=_LOST)
     sigterm: ProgramEnding = Field(default="hold", description=_SIGTERM)
@@ -43,7 +45,7 @@ class HeldEndings(Part):
 
 
 class Endings(Part):
-    """What endings do to every actuator that has none of its own. A Drop releases all, whatever is declared."""
+    """The endings of every actuator without its own. A Drop releases all actuators, whatever is declared."""
 
     gripping: GrippingEndings = Field(
         default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
@@ -53,7 +55,7 @@ class Endings(Part):
 
 
 class OwnGrippingEndings(Part):
-    """Before GRIPPED, of this actuator alone; null: as `endings` says for the whole tool."""
+    """The endings of this actuator alone before GRIPPED; null: as in `endings` of the whole tool."""
 
     cancel: Ending | None = Field(default=None, description=_CANCEL)
     timeout: Ending | None = Field(default=None, description=_TIMEOUT)
@@ -63,7 +65,7 @@ class OwnGrippingEndings(Part):
 
 
 class OwnHeldEndings(Part):
-    """While a part is held, of this actuator alone; null: as `endings` says for the whole tool."""
+    """The endings of this actuator alone while a part is held; null: as in `endings` of the whole tool."""
 
     lost: Ending | None = Field(default=None, description=_LOST)
     sigterm: ProgramEnding | None = Field(default=None, description=_SIGTERM)
@@ -71,7 +73,7 @@ class OwnHeldEndings(Part):
 
 
 class OwnEndings(Part):
-    """Endings of one actuator; what is not written is as `endings` says for the whole tool."""
+    """The endings of one actuator; a key that is not written is taken from `endings` of the whole tool."""
 
     gripping: OwnGrippingEndings = Field(
         default=OwnGrippingEndings(), description="before GRIPPED: nothing is held yet"
@@ -80,7 +82,7 @@ class OwnEndings(Part):
     power_up: Ending | None = Field(default=None, description=_POWER_UP)
 
     def over(self, default: Endings) -> Endings:
-        """Those of the tool, with these put over them."""
+        """Return the endings of the tool, with those of this actuator replacing them where given."""
         return Endings(
             gripping=default.gripping.model_copy(update=_written(self.gripping)),
             held=default.held.model_copy(update=_written(self.held)),
@@ -89,7 +91,7 @@ class OwnEndings(Part):
 
 
 class ChangerEndings(Part):
-    """What an ending does to the unlock output; inactive is locked, by a spring."""
+    """What an ending does to the unlock output; if it is inactive, a spring locks the changer."""
 
     sigterm: ProgramEnding = Field(
         default="release", description="the program receives SIGTERM; hold: active until IL-03 ends it"

@@ -1,7 +1,7 @@
-"""What every stanza is made of: a frozen base and the types of its values.
+"""The basis of every stanza: a frozen base class and the types of its values.
 
-Pressures are gauge kPa; a vacuum is given as kPa *below* ambient, a positive number. Times are seconds unless
-the key says otherwise.
+Pressures are gauge kPa; a vacuum is given as kPa *below* ambient, a positive number. Times are seconds unless the key
+contains another unit.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 RosName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*$", max_length=80)]
 PRINTABLE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"
 Word = Annotated[str, Field(pattern=PRINTABLE)]
-"""Text in one line."""
+"""Text on one line."""
 NO_CHANNEL = "none"
-"""Written where there is no such sensor: what it would prove is off, and said to be."""
+"""Value of a channel key for a missing sensor: what it would prove is off, and is reported as off."""
 Settling = Annotated[int, Field(ge=0, le=10_000)]
-"""ms for which a switch must show the same."""
+"""Time for which a switch must not change, ms."""
 LineName = Annotated[str, Field(pattern=PRINTABLE, min_length=1, max_length=64)]
 
 # A YAML sequence is a list; frozen objects hold tuples.
@@ -33,7 +33,7 @@ Texts = Annotated[tuple[str, ...], Field(strict=False)]
 
 
 def named(channel: str | None) -> str | None:
-    """A channel that a key names; None: there is no such sensor."""
+    """Return the channel that a key names; None: there is no such sensor."""
     return None if channel == NO_CHANNEL else channel
 
 
@@ -44,7 +44,10 @@ class Part(BaseModel):
 
     @model_serializer(mode="wrap")
     def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Every key that has a value, defaults included; an absent stanza stays absent: ``link: null`` is no link."""
+        """Return every key that has a value, defaults included.
+
+        An absent stanza stays absent, because ``link: null`` does not mean a link.
+        """
         content: dict[str, Any] = dump(self)
         for key, field in type(self).model_fields.items():
             if field.default in (None, {}) and getattr(self, key) == field.default:
@@ -55,5 +58,5 @@ class Part(BaseModel):
         return content
 
     def superseded(self) -> tuple[str, ...]:
-        """Keys that another key replaces; they are not written, not even with their defaults."""
+        """Return the keys that another key replaces; they are not written, not even with their defaults."""
         return ()

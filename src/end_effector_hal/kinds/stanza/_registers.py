@@ -1,4 +1,4 @@
-"""An output that is a register of a Modbus device: what is written to it, and how it is known what it did."""
+"""An output that is a register of a Modbus device: the values to write, and how the result is verified."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ Steps = Annotated[tuple[Registers, ...], Field(strict=False, max_length=8)]
 
 
 class Activation(Part):
-    """What a device needs before it obeys. It is done only as the first part of a commanded activation, or of a Drop.
+    """The writes that a device needs before it obeys commands.
 
-    So nothing moves at a start, after a loss of power or after a fault; and it is not done while another actuator of
-    the same unit may hold a part. `command_off` follows it, then `command_on`. A command that has a bit which the last
-    row sets would activate the device, too: it is not written while `ready` is off.
+    They are only done as the first part of a commanded activation, or of a Drop.
+
+    So nothing moves at a start, after a loss of power or after a fault. The activation is not done either while
+    another actuator of the same unit may hold a part. `command_off` follows it, then `command_on`. A command with a
+    bit that the last row sets would also activate the device: it is not written while `ready` is off.
     """
 
     address: Annotated[int | None, Field(ge=0, le=0xFFFF)] = Field(
@@ -29,14 +31,15 @@ class Activation(Part):
     )
     ready_within_s: Annotated[float, Field(ge=0.1, le=60)] = Field(
         default=4.0,
-        description="not ready within: the command is given up; less than timeout_s and release_s of the actuator",
+        description="time limit for `ready`, else the command is given up; less than timeout_s and release_s",
     )
 
 
 class Handshake(Part):
-    """How a device is made to take what was written: it shows a bit, and the master shows that it has seen it.
+    """How a device accepts written values: it sets a bit, and the master acknowledges that bit.
 
-    `request` is written, `taken` comes, `end` is written, `taken` goes. The command is done when all of it is.
+    The master writes `request`, the device turns `taken` on, the master writes `end`, the device turns `taken` off.
+    Then the command is done.
     """
 
     address: Annotated[int | None, Field(ge=0, le=0xFFFF)] = Field(
@@ -52,12 +55,12 @@ class Handshake(Part):
     )
     within_s: Annotated[float, Field(ge=0.05, le=60)] = Field(
         default=1.0,
-        description="`taken` comes and goes within; later a grip is given up, and a release begins again",
+        description="time limit for `taken` to turn on and off; then a grip is given up, and a release is repeated",
     )
 
 
 class RegisterOutput(Part):
-    """Registers, or a coil, of a Modbus device on the link, written by the line arbiter, which masters the bus."""
+    """Registers or a coil of a Modbus device on the link, written by the line arbiter as the bus master."""
 
     link: Name | None = Field(
         default=None, description="name under `links` of the bus, where several of them are Modbus"
@@ -92,16 +95,16 @@ class RegisterOutput(Part):
     )
     keep_alive_ms: Annotated[int | None, Field(ge=20, le=60_000)] = Field(
         default=None,
-        description="the device takes the link for lost when it hears nothing for so long; null: it never does",
+        description="time without a message after which the device considers the link lost; null: it never does",
     )
     on_link_loss: Literal["hold", "release", "keep", "undefined"] = Field(
         default="undefined",
-        description="what it does then, by its manual; hold: what is held stays held; keep: it stays as it was",
+        description="effect of a lost link, by its manual; hold: what is held stays held; keep: it stays as it was",
     )
 
     @property
     def activation_bits(self) -> dict[int, int]:
-        """The bits that the last row of its activation sets, and the one before it does not, by their register."""
+        """The bits that the last row of its activation sets and the row before does not, by register."""
         if (activation := self.activation) is None:
             return {}
         before, last = ((0,) * len(activation.write[-1]), *activation.write)[-2:]
@@ -111,24 +114,24 @@ class RegisterOutput(Part):
 
     @property
     def commands_activate(self) -> bool:
-        """Whether a command has an activation bit: it would activate a device that is not active."""
+        """Whether a command has an activation bit, so that it would activate a device that is not active."""
         bits = self.activation_bits
         rows = [*enumerate(self.command_on, self.address), *enumerate(self.command_off, self.address)]
         return any(value & bits.get(at, 0) for at, value in rows)
 
     @property
     def output(self) -> str:
-        """Its name among the outputs of a tool: where it is."""
+        """Name of this output among the outputs of the tool; it contains the address."""
         return output_name(self.unit, self.address, self.link)
 
 
 def output_name(unit: int, address: int, link: str | None = None) -> str:
-    """How an output on a bus is called; ``link``: the bus, where the description says which."""
+    """Return the name of an output on a bus; ``link``: the bus, if the description names it."""
     return f"modbus:{link + ':' if link else ''}{unit}/0x{address:04X}"
 
 
 def with_line(given: Any) -> Any:
-    """The keys of an actuator with the name of its output as `line`, where that is on the bus."""
+    """Return the keys of an actuator; if its output is on the bus, `line` is added with the output's name."""
     if not isinstance(given, dict) or not isinstance(given.get("modbus"), dict):
         return given
     unit, address = given["modbus"].get("unit", 1), given["modbus"].get("address", 0)

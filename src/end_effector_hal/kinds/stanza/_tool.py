@@ -14,7 +14,7 @@ from ._registers import RegisterOutput, with_line
 
 
 class Opposite(Part):
-    """The second coil of a valve: it drives the device back."""
+    """The second coil of a valve, which drives the device back."""
 
     line: LineName = Field(description="name of the GPIO line of that coil")
     pin: Word = Field(default="", description="where it is found on the board; for people")
@@ -31,13 +31,13 @@ class Opposite(Part):
 
 
 class Actuator(Part):
-    """What every actuator has: an output that drives it, a channel that proves it, and its times.
+    """The keys of every actuator: an output that drives it, a channel that proves it, and its times.
 
     The output is a `line`, or registers of a Modbus device (`modbus`).
 
-    The stanza of a kind inherits it, with ``kind: Literal["…"]`` and its own keys. The keys here are also the
-    constants that an actuator gives the automata: ``timeout_s`` is T_CONFIRM, ``reset_s`` T_RESET, ``release_s``
-    T_GONE, ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
+    The stanza of a kind inherits this class, with ``kind: Literal["…"]`` and its own keys. The keys here are also the
+    constants of the automata for this actuator: ``timeout_s`` is T_CONFIRM, ``reset_s`` T_RESET, ``release_s`` T_GONE,
+    ``attempts`` ATTEMPTS, ``endings`` the …_KEEPS.
     """
 
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
@@ -88,7 +88,7 @@ class Actuator(Part):
         return with_line(given)
 
     def superseded(self) -> tuple[str, ...]:
-        """Registers have a name by themselves."""
+        """Return ``line`` if the output is in registers: its name is made from its address."""
         return ("line",) if self.modbus else ()
 
 
@@ -96,7 +96,7 @@ class Supply(Part):
     """The compressed-air supply (IL-06)."""
 
     channel: Name = Field(default="supply", description="its pressure; none: no such sensor")
-    nominal_kpa: Kilopascal = Field(default=600.0, description="taken where its channel is none")
+    nominal_kpa: Kilopascal = Field(default=600.0, description="assumed if there is no sensor")
     warn_kpa: Kilopascal = Field(default=450.0, description="less than this: a warning")
     refuse_kpa: Kilopascal = Field(default=400.0, description="less than this: a new grip is refused")
     hysteresis_kpa: Kilopascal = Field(default=20.0, description="granted again this far above refuse_kpa")
@@ -106,17 +106,17 @@ class Supply(Part):
     )
 
     def pressure_pa(self, reading: float | None) -> float:
-        """What counts as its pressure, gauge Pa: a reading, or the nominal one where none is valid or a bit is all."""
+        """Return the reading, gauge Pa, or the nominal pressure if it is missing, invalid or a bit."""
         if reading is None or isinstance(reading, bool) or isnan(reading):
             return self.nominal_kpa * 1000
         return reading
 
 
 class Hold(Part):
-    """What is watched while a part is held; it warns, and never releases anything."""
+    """The watch over a held part; it warns, and never releases anything."""
 
     secure_within_s: Seconds = Field(
-        default=2.0, description="a vacuum that is not secure so long after GRIPPED: a weak grip"
+        default=2.0, description="a vacuum that is not secure this long after GRIPPED: a weak grip"
     )
     trend_s: Seconds = Field(default=2.0, description="a vacuum is judged over this long for a leak")
     warn_ahead_s: Seconds = Field(
@@ -128,9 +128,9 @@ class Hold(Part):
 
 
 class BlowOff(Part):
-    """Compressed air that pushes a part off, never active together with what holds it (IL-08).
+    """Compressed air that pushes a part off, never active together with the output that holds it (IL-08).
 
-    With `duration_s` a release blows: after the gap for so long, and goes on after another one.
+    With `duration_s` a release blows: after the gap, for this time; the release continues after another gap.
     """
 
     line: LineName = Field(description="name of the GPIO line; active means blowing")

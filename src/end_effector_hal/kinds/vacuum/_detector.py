@@ -1,4 +1,7 @@
-"""From vacuum samples to evidence, and to whether a grip is secure: threshold, hysteresis, consecutive samples."""
+"""Computes from vacuum samples the evidence and whether a grip is secure.
+
+It uses thresholds, hysteresis and consecutive samples.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,10 @@ from ._stanza import VacuumActuator
 
 
 class VacuumDetector:
-    """Confirmed, partial or gone, from the pressure of one vacuum circuit.
+    """Judges one vacuum circuit as confirmed, partial or gone, from its pressure.
 
-    Once confirmed it stays so down to ``lost_kpa``, also over an interruption of the link: what was confirmed
-    before is confirmed again at ``lost_kpa``, or a short silence would look like a loss.
+    A confirmed vacuum stays confirmed down to ``lost_kpa``, also across an interruption of the link: afterwards
+    ``lost_kpa`` is enough to confirm it again, because a short silence must not look like a loss.
     """
 
     MEMORY: ClassVar = {"_held": bool, "_above": PART, "_below": PART, "level": Evidence}
@@ -28,7 +31,7 @@ class VacuumDetector:
         self.level = Evidence.UNKNOWN
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """The evidence after one more sample at ``at`` µs."""
+        """Return the evidence after one more sample at ``at`` µs."""
         value = readings.get(self._actuator.channel, at)
         if value is None:
             return self.expire()
@@ -51,14 +54,17 @@ class VacuumDetector:
         return self.level
 
     def expire(self) -> Evidence:
-        """The evidence without a fresh reading."""
+        """Return UNKNOWN and restart the counts, because no fresh reading is available."""
         self._above, self._below = Streak(), Streak()
         self.level = Evidence.UNKNOWN
         return self.level
 
 
 class SecureDetector:
-    """Secure from ``secure_kpa`` on, no longer when its hysteresis is used up; a single sample decides nothing."""
+    """Judges whether a grip is secure: from ``secure_kpa`` on, until the hysteresis is used up.
+
+    A single sample decides nothing.
+    """
 
     MEMORY: ClassVar = {"_high": PART, "_low": PART, "secure": bool}
 
@@ -69,11 +75,11 @@ class SecureDetector:
 
     @property
     def least_kpa(self) -> float:
-        """Less than this is no longer secure."""
+        """Limit below which a grip is no longer secure, kPa below ambient."""
         return self._part.secure_kpa - self._part.secure_hysteresis_kpa
 
     def sample(self, kpa: float, at: int) -> bool:
-        """Whether it is secure after one more sample, kPa below ambient, at ``at`` µs."""
+        """Return whether the grip is secure after one more sample, kPa below ambient, at ``at`` µs."""
         self._high.take(kpa >= self._part.secure_kpa, at)
         self._low.take(kpa < self.least_kpa, at)
         if self._high.samples >= self._part.confirmed_samples:
@@ -83,5 +89,8 @@ class SecureDetector:
         return self.secure
 
     def expire(self) -> None:
-        """Without a fresh reading nothing is secure; it is again once it is seen above its lower limit."""
+        """Restart the counts, because no fresh reading is available.
+
+        The last judgement stays until new samples change it.
+        """
         self._high, self._low = Streak(), Streak()

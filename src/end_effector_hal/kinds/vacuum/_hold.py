@@ -1,4 +1,4 @@
-"""The watch over one vacuum while a part is held: a weak grip, a leak."""
+"""Watches one vacuum while a part is held, for a weak grip and for a leak."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ._detector import SecureDetector
 from ._stanza import VacuumActuator
 
 LASTS = 0.25
-"""A leak is believed when it has been seen for this share of the window."""
+"""Share of the trend window for which a leak must be seen before it is reported."""
 RELIEF = 1.5
-"""A leak is over when the loss has been this much farther away than what raises the alarm for a whole window."""
+"""A leak is over if for a whole window the loss was at least this factor times ``warn_ahead_s`` away."""
 
 
 class VacuumWatch:
-    """What is known of one vacuum circuit; what reads no pressure (a bit) is secure while it is on."""
+    """Watches one vacuum circuit; one with a bit instead of a pressure is secure while the bit is on."""
 
     MEMORY: ClassVar = {
         "_detector": PART,
@@ -42,7 +42,7 @@ class VacuumWatch:
         self.secure = self.was_secure = self.judged = False
 
     def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
-        """Look at the newest reading, at ``at`` µs."""
+        """Process the newest reading, at ``at`` µs."""
         value = readings.get(self._part.channel, at)
         if value is None or isinstance(value, bool):
             self._expire()
@@ -57,23 +57,23 @@ class VacuumWatch:
                 self.trend.clear()
 
     def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """A weak grip and a leak, each when it is there and when it has ended."""
+        """Yield findings about a weak grip and a leak, both while present and when ended."""
         if self.kpa is not None:
             yield from self._weak(self.kpa, since, at)
             yield from self._leak(self.kpa, at)
 
     @property
     def leak_kpa_s(self) -> float | None:
-        """By how much the vacuum falls in a second; None: not known."""
+        """Fall of the vacuum, kPa/s; None: not known."""
         return self.trend.falls
 
     @property
     def lost_in_s(self) -> float | None:
-        """Until it is under the threshold of loss."""
+        """Time until the vacuum is below the threshold of loss, s; None: never, or not known."""
         return None if self.kpa is None else self.trend.falls_by(self.kpa - self._part.lost_kpa)
 
     def dropped(self) -> None:
-        """What comes next is no trend of what was held."""
+        """Discard the trend, because the next samples belong to another part."""
         self.trend.clear()
 
     def _expire(self) -> None:

@@ -1,4 +1,4 @@
-"""A vacuum as a kind of device."""
+"""The kind of device that is a vacuum generator with its cups."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ._stanza import VacuumActuator
 
 
 class VacuumState(TableState):
-    """A vacuum generator with its cups."""
+    """States of a vacuum generator with its cups."""
 
     OFF = 0
     PENDING_ON = 1
@@ -40,7 +40,7 @@ LOWEST_KPA, HIGHEST_KPA = -110.0, 50.0
 
 
 def _secure(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str, str] | None:
-    """A grip stops being secure before it is lost, so that there is a warning."""
+    """Check that a grip stops being secure before it is lost, so that there is a warning."""
     hysteresis, secure, lost, confirmed = numbers.values()
     # If secure is not the highest anyhow, that is the fault.
     if not lost < confirmed <= secure or secure - hysteresis > lost:
@@ -50,7 +50,7 @@ def _secure(name: str, numbers: Mapping[str, float], quote: Quote) -> tuple[str,
 
 
 class Vacuum(DeviceKind[VacuumActuator]):
-    """Confirmed by a vacuum that is deep enough, held down to ``lost_kpa``, secure from ``secure_kpa`` on."""
+    """Kind of a vacuum: confirmed if deep enough, held down to ``lost_kpa``, secure from ``secure_kpa``."""
 
     name = "vacuum"
     stanza = VacuumActuator
@@ -73,35 +73,35 @@ class Vacuum(DeviceKind[VacuumActuator]):
     below_ambient = True
 
     def preset(self, part: VacuumActuator) -> EvidenceConditions | None:
-        """By its switches, where there are any."""
+        """Return the conditions over its switches; None: it has no part switch."""
         return part_conditions(part)
 
     def detector(self, part: VacuumActuator, supply: Supply) -> Detector:
-        """From samples of one vacuum circuit, or from its switches."""
+        """Return a detector that judges the pressure, or the switches if there is a part switch."""
         return VacuumDetector(part) if self.preset(part) is None else super().detector(part, supply)
 
     def plausible(self, part: VacuumActuator) -> PressureRange:
-        """A blow-off puts compressed air into the circuit."""
+        """Return the range of its pressure, which is wider with a blow-off: it adds compressed air."""
         high = COMPRESSED_AIR.high if part.blow_off is not None else HIGHEST_KPA
         return PressureRange(LOWEST_KPA, high, "a vacuum circuit")
 
     def margin_pa(self, part: VacuumActuator, gauge_pa: float, supply_pa: float) -> float:
-        """Beyond the threshold of loss."""
+        """Return the distance beyond the threshold of loss, Pa."""
         return -gauge_pa - part.lost_kpa * 1000
 
     def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch | None:
-        """Weak grips and leaks, where there is a pressure."""
+        """Return a watch for weak grips and leaks; None: only switches prove the part."""
         return None if self.preset(part) and not named(part.channel) else VacuumWatch(part, hold, period_us)
 
     def lost(self, part: VacuumActuator, readings: ChannelReadings, at: int) -> str:
-        """The vacuum that is left."""
+        """Return the remaining vacuum and the required one."""
         value = readings.get(part.channel, at)
         if value is None or isinstance(value, bool) or self.preset(part):
             return super().lost(part, readings, at)
         return f"{-value / 1000:.1f} kPa below ambient, {part.lost_kpa:g} kPa required"
 
     def not_fitted(self, part: VacuumActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """What a switch does not show."""
+        """Yield a phrase for each thing that a switch without a second sensor does not detect."""
         if self.preset(part) is None:
             return
         if part.channel not in carried:
@@ -111,5 +111,5 @@ class Vacuum(DeviceKind[VacuumActuator]):
             yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off counts as vented: {left}"
 
     def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
-        """Below ambient."""
+        """Return the thresholds, kPa below ambient."""
         return {name: getattr(part, name) for name in _THRESHOLDS}

@@ -1,4 +1,7 @@
-"""The keys of a vacuum; defaults are those of the paper's tool, and of Schmalz's data sheets where it is silent."""
+"""The keys of a vacuum.
+
+The defaults are those of the paper's tool, and of Schmalz's data sheets where the paper has no value.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from end_effector_hal.kinds.stanza import (
 
 
 class VacuumActuator(Actuator):
-    """A vacuum generator with its cups: proven by its pressure, or by one or two switches (`part_bit`, `gone_bit`)."""
+    """A vacuum generator with its cups, proven by pressure or by switches (`part_bit`, `gone_bit`)."""
 
     kind: Literal["vacuum"] = Field(description="what it is")
     blow_off: BlowOff | None = Field(default=None, description="absent: none is fitted")

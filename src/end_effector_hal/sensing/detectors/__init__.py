@@ -1,4 +1,4 @@
-"""What is no matter of a kind: a frozen sensor, the release of everything, the supply, the tool changer."""
+"""Detectors of no single kind: frozen sensors, release of everything, supply, tool changer."""
 
 from ._frozen import FrozenDetector
 from ._release import ReleaseDetector

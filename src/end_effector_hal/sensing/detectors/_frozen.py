@@ -1,4 +1,4 @@
-"""A sensor that still sends and no longer measures: its value does not move by a single count."""
+"""Detects a sensor that still sends but no longer measures: its value does not change by a single count."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import ClassVar
 
 
 class FrozenDetector:
-    """The noise of a living sensor moves its value; one that stands still for long is frozen.
+    """Detects a value that is constant for too long: the noise of a working sensor changes its value.
 
     Args:
-        after_us: so long.
-        gap_us: samples this far apart are not consecutive: the detector starts again.
+        after_us: time after which a constant value counts as frozen, µs.
+        gap_us: time between two samples from which they are not consecutive, µs: the detector then starts again.
     """
 
     MEMORY: ClassVar = {"_value": int | None, "_since": int, "_last": int}
@@ -21,7 +21,7 @@ class FrozenDetector:
         self._since = self._last = 0
 
     def sample(self, value: int, at: int) -> bool:
-        """Whether it is frozen, after one more sample at ``at`` µs."""
+        """Return whether the value is frozen, after one more sample at ``at`` µs."""
         if value != self._value or at - self._last >= self._gap_us:
             self._value, self._since = value, at
         self._last = at

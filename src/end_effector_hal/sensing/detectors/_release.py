@@ -1,4 +1,4 @@
-"""Whether nothing is gripped any more, as IL-01 asks: stricter than what a release asks of one actuator."""
+"""Detects that nothing is gripped any more (IL-01), which is stricter than one actuator's release."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ from end_effector_hal.vocabulary import Evidence, to_us
 
 
 class ReleaseDetector:
-    """Everything that is fitted is GONE; where a vacuum is left, it is under 5 kPa for 0.5 s instead."""
+    """Detects that all actuators with sensors are released.
+
+    An actuator must be GONE; a vacuum with a pressure sensor must instead be below 5 kPa for 0.5 s (the tool changer's
+    defaults).
+    """
 
     MEMORY: ClassVar = {"_low": PART}
 
@@ -31,7 +35,7 @@ class ReleaseDetector:
         self._low = [Streak() for _ in self._below_ambient]
 
     def sample(self, readings: Readings, evidence: Sequence[Evidence], at: int) -> bool:
-        """Whether it is so at ``at`` µs, with the evidence that goes with the same readings."""
+        """Return whether everything is released at ``at`` µs; ``evidence`` belongs to the same readings."""
         if self._changer is None:
             return False
         released = not [index for index in self._others if evidence[index] is not Evidence.GONE]

@@ -1,4 +1,4 @@
-"""From the supply pressure to whether a new grip may start (IL-06)."""
+"""Judges from the supply pressure whether a new grip may start (IL-06)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from end_effector_hal.sensing._readings import Readings
 
 
 class SupplyDetector:
-    """Good enough for a new grip, with hysteresis; without a fresh reading it is not."""
+    """Judges whether the supply suffices for a new grip, with hysteresis; False without a fresh reading."""
 
     MEMORY: ClassVar = {"ok": bool, "low": bool, "kpa": float | None}
 
@@ -20,7 +20,7 @@ class SupplyDetector:
         self.kpa: float | None = None
 
     def sample(self, readings: Readings, at: int) -> bool:
-        """Whether a grip may start, after one more sample at ``at`` µs."""
+        """Return whether a grip may start, after one more sample at ``at`` µs."""
         value = readings.get(self._supply.channel, at)
         if value is None:
             self.ok, self.kpa = False, None

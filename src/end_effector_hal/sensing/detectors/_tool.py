@@ -1,4 +1,4 @@
-"""From the bits of a tool changer to what they prove (IL-04, IL-05)."""
+"""Computes the evidence of a tool changer from its bits (IL-04, IL-05)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from end_effector_hal.vocabulary import ToolEvidence, to_us
 
 
 class ToolDetector:
-    """Locked or unlocked once the bits say so for 100 ms; faulty when both or neither for 0.5 s; unclear when stale.
+    """Judges the tool changer from its bits.
 
-    Where a sensor shows whether there is a tool, locked needs one: without it the tool is absent.
+    It is locked or unlocked once the bits show it for 100 ms, faulty when both bits are on or both off for 0.5 s, and
+    unclear when a bit is stale. Where a sensor shows whether a tool is present, LOCKED needs a present tool; without
+    it the evidence is ABSENT.
     """
 
     MEMORY: ClassVar = {"_streaks": PART, "level": ToolEvidence}
@@ -24,7 +26,7 @@ class ToolDetector:
         self.level = ToolEvidence.UNCLEAR
 
     def sample(self, readings: Readings, at: int) -> ToolEvidence:
-        """The evidence after one more sample at ``at`` µs."""
+        """Return the evidence after one more sample at ``at`` µs."""
         changer = self._changer
         bits = (changer.locked_bit, changer.unlocked_bit, changer.present_bit)
         said = self._shown(readings, at)
@@ -42,7 +44,7 @@ class ToolDetector:
         return self.level
 
     def _shown(self, readings: Readings, at: int) -> ToolEvidence:
-        """What this sample alone shows."""
+        """Return what this sample alone shows."""
         changer, carried = self._changer, readings.carried
         locked, unlocked = readings.get(changer.locked_bit, at), readings.get(changer.unlocked_bit, at)
         present = readings.get(changer.present_bit, at)

@@ -136,15 +136,15 @@ ANOTHER = """\
             "ees1-ascii",
             "vacuum",
             "further",
-            "expected another codec: ees1-ascii carries nothing more for a vacuum",
+            "expected another codec: ees1-ascii has no free channel for a vacuum",
         ),
         (
             "legacy-nibble",
             "vacuum",
             "further",
-            "another codec: legacy-nibble carries nothing more for a vacuum",
+            "another codec: legacy-nibble has no free channel for a vacuum",
         ),
-        ("modbus-rtu-transmitters", "cylinder", "further", "carries nothing more for a cylinder [EE-225]"),
+        ("modbus-rtu-transmitters", "cylinder", "further", "has no free channel for a cylinder [EE-225]"),
     ],
 )
 def test_only_channels_that_such_an_actuator_can_use_are_offered(

@@ -115,7 +115,7 @@ def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
         "cylinder: retracted_bit: none: retracted is assumed to be the opposite of extended: "
         "a rod that stops on its way counts as retracted",
         "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
-        "supply: channel: none: IL-06 is off, 600 kPa is taken for it: a lack of air is not seen",
+        "supply: channel: none: IL-06 is off: 600 kPa is assumed, and low pressure is not detected",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
         NO_E_STOP,
     ]

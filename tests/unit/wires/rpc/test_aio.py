@@ -138,7 +138,7 @@ def test_a_server_that_does_not_answer_or_goes_leaves_the_request_undecided(
     async def play(following: Following) -> None:
         await following.connected()
         silent = await following.client.request(word="x")
-        unknown = "what became of the command is unknown."
+        unknown = "it is unknown whether the command was executed."
         assert silent == Reply(False, f"The program does not answer: {unknown}", decided=False)
         monkeypatch.setattr(aio, "ANSWER_S", PATIENCE_S)
         asked = asyncio.create_task(following.client.request(word="x"))

@@ -1,4 +1,4 @@
-"""Rules for evidence: whether what the codecs carry can prove what the tool needs."""
+"""Rules for evidence: whether the codecs' channels can prove all that the tool needs."""
 
 from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven

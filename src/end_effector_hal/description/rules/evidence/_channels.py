@@ -1,4 +1,4 @@
-"""Which channels of the link a description names, what the link carries, and what cannot be meant."""
+"""The channels that a description names, those that the link carries, and faults in their use."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
 
 @dataclass(frozen=True)
 class Use:
-    """A channel and the key that names it; ``bit``: it says yes or no, else it is a pressure.
+    """A use of a channel by a key; ``bit``: the channel is a bit, else it is a pressure.
 
-    ``condition``: it stands in the evidence that an actuator declares, with these thresholds (key and gauge kPa).
+    ``condition``: the use is in the evidence that an actuator declares, with these thresholds (key and gauge kPa).
     """
 
     stanza: tuple[str | int, ...]
@@ -32,14 +32,18 @@ class Use:
 
 
 def uses(description: Description) -> tuple[Use, ...]:
-    """Every channel that a description asks for, its defaults too, and not what is declared `NO_CHANNEL`."""
+    """Return every channel that a description needs, defaults included, but no `NO_CHANNEL`."""
     return tuple(_uses(description))
 
 
 def used_channels(description: Description) -> tuple[str, ...]:
-    """Their names, each once: of the actuators in sequence order, the other devices, the supply.
+    """Return the names of the channels that a description needs, without repetition.
 
-    What else a link carries does not matter to this tool.
+    The order is: actuators in the sequence, other devices, supply.
+
+    The order is: actuators in the sequence, other devices, supply.
+
+    Other channels of a link do not matter to this tool.
     """
     return tuple(dict.fromkeys(use.channel for use in _uses(description)))
 
@@ -71,7 +75,7 @@ def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> It
 
 
 def bits_by_default() -> frozenset[str]:
-    """Names of bits that mean something, whether this tool has the device or not."""
+    """Return the default names of bits of all devices, whether this tool has the device or not."""
     keyed: list[tuple[type[Part], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
     keyed += [
         (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
@@ -86,16 +90,16 @@ FROZEN_SAMPLES = 5
 
 @dataclass(frozen=True)
 class CodecChannels:
-    """What comes over the links, and from the inputs of the board.
+    """The channels that come over the links and from the inputs of the board.
 
     Attributes:
-        codec: the name of what brings it.
-        channels: what each carries, by name.
-        period_us: nominal time between two frames, of the slowest source.
-        stale_s: how long a reading counts, of the source where that is longest.
-        noise_shows: whether it counts finely enough to tell a frozen sensor from a living one.
-        declared: no codec is named: whatever is missing is to be declared under `channels`.
-        faulty: channels whose declaration has a fault: that they are not carried only follows from it.
+        codec: name of their source, for sentences.
+        channels: type of each channel, by name.
+        period_us: nominal time between two frames of the slowest source, µs.
+        stale_s: time for which a reading is valid, s; that of the source with the longest.
+        noise_shows: whether the values are fine enough to distinguish a frozen sensor from a working one.
+        declared: whether no codec is named, so that a missing channel must be declared under `channels`.
+        faulty: channels whose declaration has a fault; that they are not carried is only a consequence.
     """
 
     codec: str
@@ -107,24 +111,24 @@ class CodecChannels:
     faulty: frozenset[str] = frozenset()
 
     def of(self, kind: Kind) -> tuple[str, ...]:
-        """Channels that carry this, in the order of the codec."""
+        """Return the channels of this type, in the order of the codec."""
         return tuple(name for name, each in self.channels.items() if each is kind)
 
 
 def position_bits(description: Description) -> frozenset[str]:
-    """Bits that mean something else than that an actuator shows feedback."""
+    """Return the bits that have another meaning than the feedback of an actuator."""
     return bits_by_default() | {use.channel for use in uses(description) if use.bit}
 
 
 def can_be_confirmed(actuator: Actuator, codec: CodecChannels) -> bool:
-    """Whether anything that comes over the link could confirm an actuator."""
+    """Return whether any channel of the link could confirm an actuator."""
     return kind_of(actuator).can_confirm(actuator, codec.channels)
 
 
 def provers(description: Description, codec: CodecChannels, name: str) -> str:
-    """For a sentence: what could prove an actuator and belongs to nobody else.
+    """Return for a sentence the channels that could prove an actuator and are free.
 
-    A pressure, where the kind has one; else a bit that says the same; and its position bits.
+    These are a pressure if the kind has one, else a bit with the same meaning; and its position bits.
     """
     others = {use.channel for use in uses(description) if use.stanza[:2] != ("actuators", name)}
     kind, bits, said = kind_of(description.actuators[name]), codec.of(Kind.BIT), []
@@ -139,13 +143,15 @@ def provers(description: Description, codec: CodecChannels, name: str) -> str:
             if free := [channel for channel in channels if channel not in others]:
                 said.append(f"a free channel of {codec.codec}: {', '.join(free)}")
     more = "another one under channels" if codec.declared else "another codec"
-    return " or ".join(said) or f"{more}: {codec.codec} carries nothing more for a {kind.name}"
+    return " or ".join(said) or f"{more}: {codec.codec} has no free channel for a {kind.name}"
 
 
 def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
-    """Channels that are asked for and not carried: without them a proof or an interlock is off in silence.
+    """Yield a fault for each channel that is needed and not carried.
 
-    An actuator that nothing could confirm is told elsewhere, once.
+    Without it a proof or an interlock would be off silently.
+
+    An actuator that nothing could confirm is reported elsewhere, once.
     """
     unproven = {
         ("actuators", name) for name, each in description.ordered if not can_be_confirmed(each, codec)
@@ -181,7 +187,10 @@ def unwired(description: Description, codec: CodecChannels) -> Iterator[Fault]:
 
 
 def no_bits(description: Description, codec: CodecChannels) -> Iterator[Fault]:
-    """Pressures where something that says yes or no is named, and quantities where a pressure is."""
+    """Yield a fault for each bit key that names a measured channel.
+
+    Also yield one for each pressure key that names a quantity.
+    """
     for use in uses(description):
         carries, place = codec.channels.get(use.channel), description.place(*use.stanza, use.key)
         if use.bit and (
@@ -204,7 +213,7 @@ _OF_QUANTITIES = ("below", "above", "between")
 
 
 def _wrong_thresholds(description: Description, use: Use, carries: Kind | None) -> Iterator[Fault]:
-    """The thresholds of a pressure are in kPa, those of another quantity in the unit of its channel."""
+    """Check that thresholds of a pressure are in kPa, and others in the unit of their channel."""
     for key in dict.fromkeys(key for key, _ in use.thresholds):
         place = description.place(*use.stanza, key)
         if carries is Kind.QUANTITY and key not in _OF_QUANTITIES:
@@ -220,7 +229,7 @@ def _wrong_thresholds(description: Description, use: Use, carries: Kind | None) 
 
 
 def impossible_thresholds(description: Description) -> Iterator[Fault]:
-    """Thresholds that the pressure of an actuator can never pass."""
+    """Yield a fault for each threshold that the pressure of an actuator can never pass."""
     for use in uses(description):
         part = description.actuators[str(use.stanza[1])] if use.condition else None
         if part is None or use.channel != part.channel:
@@ -240,7 +249,7 @@ def impossible_thresholds(description: Description) -> Iterator[Fault]:
 
 
 def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:
-    """A living sensor may show the same twice: to be frozen takes some samples."""
+    """Yield a fault for each `frozen_s` that is too short: a working sensor may repeat a value."""
     least_s = FROZEN_SAMPLES * codec.period_us / 1e6
     parts: list[tuple[tuple[str, ...], Actuator | Supply]] = [(("supply",), description.supply)]
     parts += [(("actuators", name), each) for name, each in description.ordered]

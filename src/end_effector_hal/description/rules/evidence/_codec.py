@@ -1,6 +1,6 @@
-"""What a codec carries against what a description needs: what can never be proven.
+"""Compares the channels of a codec with the needs of a description, and finds what can never be proven.
 
-Codecs belong to a higher layer; here one is its period and what it carries.
+Codecs belong to a higher layer; here a codec is only its period and its channels.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from ._evidence import impossible_evidence, overlapping_evidence
 
 
 def unproven(description: Description, codec: CodecChannels) -> list[Fault]:
-    """A fault for each actuator that can never be confirmed over this link, in the order of the file.
+    """Return a fault for each actuator that can never be confirmed over this link, in the order of the file.
 
-    And for each channel that is asked for and not carried: it must not switch off a proof in silence.
+    Also return one for each channel that is needed and not carried: it must not switch off a proof silently.
     """
     found = [
         fault for name, each in description.ordered for fault in _unproven(description, codec, name, each)
@@ -78,7 +78,7 @@ def _unproven(
 def _lasts_too_long(
     description: Description, codec: CodecChannels, name: str, conditions: EvidenceConditions
 ) -> Iterator[Fault]:
-    """What lasts longer than its time-out can never happen."""
+    """Yield a fault for each condition that takes longer than its time-out, so that it is never met."""
     actuator = description.actuators[name]
     for which, key, limit_s in (
         ("confirmed", "timeout_s", actuator.timeout_s), ("gone", "release_s", actuator.release_s)
@@ -94,7 +94,7 @@ def _lasts_too_long(
 
 
 def not_fitted(description: Description, codec: CodecChannels) -> list[str]:
-    """A sentence for each thing that is off because no wire carries what it needs."""
+    """Return a sentence for each function that is off because the channel that it needs is not carried."""
     actuators = (sentence for name, each in description.ordered for sentence in _actuator(name, each, codec))
     return [*actuators, *_supply(description, codec), *_interlocks(description, codec)]
 
@@ -117,8 +117,8 @@ def _supply(description: Description, codec: CodecChannels) -> Iterator[str]:
     if carries is Kind.BIT:
         yield f"supply: {supply.channel} is a switch, on or off, and no pressure: IL-06 has no thresholds"
     elif carries is None:
-        taken = f"{number(supply.nominal_kpa)} kPa is taken for it"
-        yield f"supply: channel: {supply.channel}: IL-06 is off, {taken}: a lack of air is not seen"
+        taken = f"{number(supply.nominal_kpa)} kPa is assumed"
+        yield f"supply: channel: {supply.channel}: IL-06 is off: {taken}, and low pressure is not detected"
 
 
 def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]:
@@ -142,7 +142,10 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
 
 
 def _blow_offs(description: Description) -> Iterator[str]:
-    """Those that nothing drives; and the order of a release decides what is still active while a cup is blown off."""
+    """Yield a sentence for each blow-off that nothing drives.
+
+    Also yield one for each blow-off during which later actuators may still hold.
+    """
     for name, line in description.blow_off_lines.items():
         if name not in description.blow_offs:
             guarded = "is guarded by the line arbiter (IL-08)"
@@ -155,11 +158,11 @@ def _blow_offs(description: Description) -> Iterator[str]:
 
 
 def slow(description: Description, codec: CodecChannels) -> list[str]:
-    """What works otherwise than one may expect: above all each time-out that may end while an old reading still counts.
+    """Return sentences about settings with unexpected effects, such as too short time-outs.
 
-    A reading counts until it is stale, so that a time-out must last longer; what one attempt shows must not be
-    read in the next, so that the pause between them lasts longer than a period. And evidence that contradicts itself,
-    and blow-offs.
+    A reading is valid until it is stale, so a time-out must last longer. The readings of one attempt must not count in
+    the next, so the pause between attempts must last longer than a period. Other sentences concern contradicting
+    evidence, the e-stop's wiring and blow-offs.
     """
     early, twice = _ends_too_early(description, codec), _read_twice(description, codec)
     return [
@@ -172,7 +175,7 @@ def slow(description: Description, codec: CodecChannels) -> list[str]:
 
 
 def _cut_e_stop(description: Description) -> Iterator[str]:
-    """An e-stop input whose resistor pulls it to the level that means closed."""
+    """Yield a sentence if the e-stop input's resistor pulls it to the level that means closed."""
     channel = description.e_stop.channel if description.e_stop else ""
     contact = description.channels.get(channel)
     digital = contact.digital if contact else None
@@ -196,7 +199,7 @@ def _ends_too_early(description: Description, codec: CodecChannels) -> Iterator[
 
 
 def _awaited(description: Description, codec: CodecChannels) -> Iterator[tuple[str, str, float]]:
-    """What the sensors have to show, and within which time."""
+    """Yield each proof that the sensors must show in time: device, key and length of its time-out, s."""
     for name, each in description.ordered:
         yield name, "timeout_s", each.timeout_s
         yield name, "release_s", each.release_s

@@ -1,4 +1,4 @@
-"""Evidence against what its channels can show: what never holds, and what holds at once."""
+"""Compares evidence with the possible values of channels: what never holds, and what holds at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CODE = "EE-227"
 
 
 def impossible_evidence(description: Description, codec: CodecChannels) -> Iterator[Fault]:
-    """What no value of its channels can prove, an actuator each."""
+    """Yield faults of the actuators whose evidence no value of their channels can prove."""
     for name, part in description.ordered:
         if part.evidence is not None:
             yield from _impossible_conditions(description, name, part.evidence)
@@ -27,10 +27,10 @@ def impossible_evidence(description: Description, codec: CodecChannels) -> Itera
 
 
 def overlapping_evidence(description: Description) -> Iterator[str]:
-    """A sentence for each actuator whose channels can show it confirmed and gone at once.
+    """Yield a sentence for each actuator whose channels can confirm it and prove it gone at once.
 
-    Two sensors that contradict each other are a fault of them. One and the same that shows both is one of the
-    description.
+    If two sensors contradict each other, a sensor is faulty. If the same sensors can show both, the description is
+    faulty.
     """
     for name, part in description.ordered:
         asked = part.evidence
@@ -90,7 +90,7 @@ def _by_range(description: Description, channel: str) -> str:
 
 
 def _impossible_limits(description: Description, codec: CodecChannels, name: str) -> Iterator[Fault]:
-    """The thresholds of a kind that judges a pressure itself."""
+    """Yield faults of thresholds out of the channel's range, for a kind that judges a pressure itself."""
     part = description.actuators[name]
     kind = kind_of(part)
     span = range_kpa(description, part.channel)

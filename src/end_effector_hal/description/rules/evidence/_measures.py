@@ -1,4 +1,4 @@
-"""In which unit, and with how many decimals, the values of each channel are shown."""
+"""The unit and the number of decimals with which the values of each channel are displayed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ._channels import used_channels
 from ._span_search import unit_of
 
 LEAST, MOST = 1, 3
-"""Decimals; a value counts thousandths."""
+"""Limits for the number of decimals; a value is in thousandths."""
 
 
 def measures_of(description: Description) -> dict[str, Measure]:
-    """By channel, of those that are declared or used: as many decimals as the finest of its thresholds has."""
+    """Return the display format of each declared or used channel, with the decimals of its thresholds."""
     decimals: dict[str, int] = {}
     for channel, threshold in _thresholds(description):
         decimals[channel] = max(decimals.get(channel, LEAST), _decimals(threshold))

@@ -1,4 +1,4 @@
-"""Which values of channels make conditions true, or false: a bounded search over spans."""
+"""Finds values of channels that make conditions true or false: a bounded search over spans."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ GAUGE_KPA = -100.0, 2000.0
 QUANTITY = -1e6, 1e6
 
 Span = tuple[float, float]
-"""kPa, or the unit of a quantity, from the first to the second; of a bit (0, 0), (1, 1), or (0, 1): either."""
+"""A range in kPa, or in the unit of a quantity; of a bit (0, 0), (1, 1), or (0, 1): either."""
 Spans = Mapping[str, Span]
-"""By channel."""
+"""Spans by channel."""
 Wanted = tuple[Condition, bool]
-"""A condition, and whether it is to hold."""
+"""A condition, and whether it shall hold."""
 BIT: Span = (0.0, 1.0)
 
 
 def range_kpa(description: Description, channel: str) -> Span | None:
-    """What a channel can mean by its ``range``, kPa or the unit of a quantity; None: it has none."""
+    """Return the ``range`` of a channel in kPa or the unit of its quantity; None: it declares none."""
     declared = description.channels.get(channel)
     if declared is None or declared.unit is None or declared.range is None:
         return None
@@ -31,12 +31,12 @@ def range_kpa(description: Description, channel: str) -> Span | None:
 
 
 def widest(description: Description, channel: str) -> Span:
-    """What a channel could show at all, whatever its range."""
+    """Return the widest span that a channel can have, whatever its ``range``."""
     return QUANTITY if _is_quantity(description, channel) else GAUGE_KPA
 
 
 def unit_of(description: Description, channel: str) -> str:
-    """The unit of what is shown of a channel: kPa, or that of its quantity."""
+    """Return the unit in which a channel is displayed: kPa, or that of its quantity."""
     declared = description.channels.get(channel)
     return str(declared.unit) if declared and _is_quantity(description, channel) else "kPa"
 
@@ -47,18 +47,18 @@ def _is_quantity(description: Description, channel: str) -> bool:
 
 
 class SpanSearch:
-    """Looks for spans of the free channels, in a bounded number of steps."""
+    """Searches for spans of the channels that satisfy conditions, in a bounded number of steps."""
 
     def __init__(self) -> None:
         self._left = MOST_STEPS
 
     @property
     def gave_up(self) -> bool:
-        """Whether it ended before everything was looked at."""
+        """Whether the search ended before it was complete."""
         return self._left < 0
 
     def solved(self, wanted: list[Wanted], spans: Spans) -> Spans | None:
-        """Where each condition is what is wanted of it; None: nowhere, or not found."""
+        """Return spans in which each condition holds or fails as wanted; None: none were found."""
         return next(self._all_of(wanted, spans), None)
 
     def _all_of(self, wanted: list[Wanted], spans: Spans) -> Iterator[Spans]:
@@ -70,7 +70,7 @@ class SpanSearch:
             yield from self._all_of(rest, narrowed)
 
     def _where(self, condition: Condition, holds: bool, spans: Spans) -> Iterator[Spans]:
-        """Where one condition holds, or does not; a channel that is not free is no hindrance."""
+        """Yield the spans in which a condition holds or fails; channels without a span are ignored."""
         self._left -= 1
         if self._left < 0:
             return

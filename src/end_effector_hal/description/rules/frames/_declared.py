@@ -1,4 +1,4 @@
-"""Rules for `channels`: one source, what a value means, and over which link it comes."""
+"""Rules for `channels`: each has one source, a valid meaning, and a link that carries it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
 
 
 def channel_faults(facts: Facts) -> Iterator[Fault]:
-    """Every fault of the channels that a description declares."""
+    """Yield every fault of the channels that a description declares."""
     names = facts.names("channels") if isinstance(facts.get("channels"), dict) else []
     for name in names:
         if isinstance(facts.get("channels", name), dict):
@@ -57,7 +57,7 @@ def _channel(facts: Facts, name: str) -> Iterator[Fault]:
 
 
 def _meaning(facts: Facts, name: str) -> Iterator[Fault]:
-    """Unit and what belongs to it."""
+    """Check the unit and the keys that depend on it."""
     path = ("channels", name)
     if (*path, "unit") in facts.broken:
         return
@@ -80,7 +80,7 @@ def _meaning(facts: Facts, name: str) -> Iterator[Fault]:
 
 
 def _alarms(facts: Facts, name: str, source: str) -> Iterator[Fault]:
-    """Of a bit one text; of codes each its own, and one for all others."""
+    """Check that a bit has one alarm text, and that each code has its own, with one for all other codes."""
     path = ("channels", name, "alarm")
     given = facts.unbroken(*path) if facts.says(*path) else None
     if not given:
@@ -121,7 +121,7 @@ def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[F
         place = facts.places.value(*path, "alarm", index, "code")
         if code in codes[:index]:
             what = "another alarm has this code" if code is not None else "two alarms have no code"
-            yield Fault.at(place, CODE, what, expected="each once")
+            yield Fault.at(place, CODE, what, expected="a different code in each alarm")
         elif code is not None and (code in invalid or (code == 0 if on is None else code not in on)):
             what = "this raw value is invalid, too" if code in invalid else "this raw value is no alarm"
             expected = "a value of 'on'" if on is not None else "not 0, where nothing is wrong"
@@ -167,7 +167,7 @@ def _over_link(facts: Facts, name: str, source: str) -> Iterator[Fault]:
 
 
 def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
-    """It is not said, or there is no such link."""
+    """Yield the fault of a channel whose link is not named or does not exist."""
     path = ("channels", name, "link")
     if path in facts.broken:
         return
@@ -185,7 +185,7 @@ def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
 
 
 def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
-    """Raw values that the type does not have, or that say two things."""
+    """Yield faults of raw values that the type does not have, or that have two meanings."""
     path = ("channels", name)
     limits = limits_of_source(facts, (*path, source))
     invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")

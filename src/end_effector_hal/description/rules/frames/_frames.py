@@ -1,4 +1,4 @@
-"""Rules for links and for the frames that they declare: what can be written and cannot be meant."""
+"""Rules for links and the frames that they declare: settings that are possible but make no sense."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ CODE = "EE-228"
 MOST_LINKS = 16
 FORMATS, OVER_LINK = LinkFrame.FORMATS, Channel.OVER_LINK
 ENDS = set("\r\n")
-"""Of a line."""
+"""Characters that end a line."""
 _NUMERIC = set("0123456789+-.eE")
 _ADDRESS = re.compile(r"[^/]*:.*|(\d+\.){3}\d+.*|[^/]+\.(local|lan|home|internal)", re.IGNORECASE)
-"""A URL, a host with the number of a port, an IP address, or a host's name, and no path."""
+"""Matches a network address and no path: a URL, a host with a port number, an IP address, a host name."""
 
 
 def frame_faults(facts: Facts) -> Iterator[Fault]:
-    """Every fault of the links, and of the frames that they declare."""
+    """Yield every fault of the links, and of the frames that they declare."""
     yield from _links(facts)
     for link in link_paths(facts):
         yield from _link(facts, link)
@@ -30,18 +30,18 @@ def frame_faults(facts: Facts) -> Iterator[Fault]:
 
 
 def key_fault(facts: Facts, path: Keys, what: str, expected: str = "", hint: str = "") -> Fault:
-    """One that stands at a key, whatever its value."""
+    """Return a fault at a key, whatever its value is."""
     place = facts.places.key(*path)
     return Fault.at(place, CODE, what, found=str(path[-1]), expected=expected, hint=hint)
 
 
 def value_fault(facts: Facts, path: Keys, what: str, expected: str) -> Fault:
-    """One that stands at a value."""
+    """Return a fault at a value."""
     return Fault.at(facts.places.value(*path), CODE, what, expected=expected)
 
 
 def link_paths(facts: Facts) -> list[Keys]:
-    """The keys of each link: ``link``, or each of ``links``."""
+    """Return the keys of each link: ``link``, or those under ``links``."""
     if facts.says("link"):
         return [("link",)]
     names = facts.names("links") if isinstance(facts.get("links"), dict) else []
@@ -49,7 +49,7 @@ def link_paths(facts: Facts) -> list[Keys]:
 
 
 def link_of(facts: Facts, channel: str) -> Keys | None:
-    """The link that a channel comes over; None: that is not known."""
+    """Return the keys of the link that carries a channel; None: it is not known."""
     links, named = link_paths(facts), facts.get("channels", channel, "link")
     if named is not None:
         return ("links", named) if ("links", named) in links else None
@@ -57,7 +57,7 @@ def link_of(facts: Facts, channel: str) -> Keys | None:
 
 
 def _links(facts: Facts) -> Iterator[Fault]:
-    """What lies between several links."""
+    """Check the rules between several links."""
     if not facts.written("links"):
         return
     if facts.says("link"):
@@ -86,7 +86,7 @@ def _links(facts: Facts) -> Iterator[Fault]:
 
 
 def declared_format(facts: Facts, link: Keys) -> str:
-    """The one format that the frame of a link declares, else empty."""
+    """Return the format that the frame of a link declares; empty if it declares none or several."""
     formats = [each for each in FORMATS if facts.says(*link, "frame", each)]
     return formats[0] if len(formats) == 1 else ""
 
@@ -120,7 +120,7 @@ def _link(facts: Facts, link: Keys) -> Iterator[Fault]:
 
 
 def _unused(facts: Facts, link: Keys, path: Keys, source: str) -> Iterator[Fault]:
-    """A link that brings nothing: a description says of each what comes over it."""
+    """Yield a fault for a link that carries no channel of the description."""
     if facts.broken_within("channels"):
         return
     over = (

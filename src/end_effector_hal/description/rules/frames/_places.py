@@ -1,4 +1,4 @@
-"""Rules for where a channel stands in a frame of its link, and for two that stand at the same place."""
+"""Rules for the place of a channel in a frame of its link, and for two channels at the same place."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _IIO_FILE = re.compile(r"in_([a-z]+[0-9]*)_(?:raw|scale|offset)")
 
 
 def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
-    """Of where a channel stands in its frame."""
+    """Yield every fault of a channel's place in its frame."""
     path = ("channels", name, source)
     frame = (*(link_of(facts, name) or ("link",)), "frame")
     if source == "text":
@@ -48,7 +48,7 @@ def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
 
 
 def _mask(facts: Facts, path: Keys) -> Iterator[Fault]:
-    """Bits that the type does not have."""
+    """Yield a fault for a bitmask with bits that the type does not have."""
     mask, value_type = facts.get(*path, "bitmask"), facts.get(*path, "value_type")
     if mask is None or value_type is None:
         return
@@ -99,7 +99,7 @@ def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
 
 
 def limits_of_source(facts: Facts, path: Keys) -> tuple[int, int] | None:
-    """The lowest and the highest raw value of a place; None: it is a number with a fraction, or broken."""
+    """Return the lowest and highest raw value at a place; None: it has fractions, or is faulty."""
     source = path[-1]
     if source == "modbus" and facts.get(*path, "register_type") in ("coil", "discrete_input"):
         return 0, 1
@@ -111,7 +111,10 @@ def limits_of_source(facts: Facts, path: Keys) -> tuple[int, int] | None:
 
 
 def shared_places(facts: Facts, names: list[str]) -> Iterator[Fault]:
-    """Two channels that are read from the same place, and are not bits that say different things."""
+    """Yield a fault for each channel at the place of another one.
+
+    Bits with different meanings may share a place.
+    """
     seen: list[tuple[str, str, set[tuple[Any, ...]], Any]] = []
     for name in names:
         for source in Channel.SOURCES:
@@ -140,7 +143,7 @@ def _shared_fault(facts: Facts, path: Keys, what: str) -> Fault:
 
 
 def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
-    """Each bit that a channel is read from; of text, its field or key; of a codec, its channel."""
+    """Yield each bit that a channel is read from; for text its field or key, for a codec its channel."""
     source = path[-1]
     if source == "codec":
         yield source, facts.get(*path, "channel")
