@@ -122,6 +122,8 @@ def _filled(store: Any, kind: str, fields: Mapping[str, Any]) -> Any:
             value = _filled(store, what, {})
         else:
             value = []
+        if name in fields and node == Nodetype.SEQUENCE and what[0][0] == Nodetype.NAME:
+            value = [_filled(store, what[0][1], each) for each in value]
         if node in (Nodetype.ARRAY, Nodetype.SEQUENCE) and what[0][0] == Nodetype.BASE:
             element = what[0][1][0]
             if element != "string":

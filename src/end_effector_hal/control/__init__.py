@@ -2,7 +2,7 @@
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller, ControllerSnapshot
-from ._events import FAILURES, EventKind, EventReader, ToolEvent, restart_events
+from ._events import COMMANDS, FAILURES, EventKind, EventReader, ToolEvent, restart_events
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
 from ._status import Answer, Status, StepReport, told_to_grip
@@ -18,6 +18,7 @@ from .words import (
 )
 
 __all__ = [
+    "COMMANDS",
     "FAILURES",
     "PROGRAMS",
     "Answer",

@@ -58,7 +58,8 @@ class ToolEvent:
 
 
 _K = EventKind
-_COMMANDS = frozenset(("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
+COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
+"""The channels of the commands."""
 _STATES = {"ee": _K.STATE_CHANGED, "changer": _K.CHANGER_CHANGED}
 EDGES: Mapping[tuple[str, str, str], tuple[EventKind, ...]] = {
     ("Activate", "Step", "activate"): (_K.ATTEMPT_BEGAN,),
@@ -120,7 +121,7 @@ class EventReader:
                 setattr(self, own, change.new)
             elif change.name in _STATES:
                 changed.append(change)
-        if step.received in _COMMANDS:
+        if step.received in COMMANDS:
             found.append(ToolEvent(at, _K.COMMAND_ACCEPTED, command=step.received or ""))
         channel, _, index = (step.received or step.sent or "").rstrip("]").partition("[")
         for edge in step.edges:

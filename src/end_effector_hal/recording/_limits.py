@@ -18,9 +18,9 @@ _log = logging.getLogger("end_effector_hal.recording")
 MEGABYTE = 1_000_000
 REMOVED = "removed.csv"
 LEAST_SEGMENTS = 8
-"""Two traces and four CSV files are written at the same time, and something of the past must stay, too."""
+"""Two traces and five CSV files are written at the same time, and something of the past must stay, too."""
 _SEGMENT = re.compile(
-    r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|pressures|switches|alarms)(?P<closed>-\d{1,9})?\.csv",
+    r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|events|pressures|switches|alarms)(?P<closed>-\d{1,9})?\.csv",
     re.ASCII,
 )
 

@@ -12,7 +12,7 @@ MODEL_RUN = "run of the model"
 """How the scenario of a simulated run begins."""
 COUNTEREXAMPLE = "counterexample"
 """The scenario of a run that refutes a requirement."""
-_RECORDED = ("*.mcap", "states*.csv", "pressures*.csv", "alarms*.csv")
+_RECORDED = ("*.mcap", "states*.csv", "events*.csv", "pressures*.csv", "alarms*.csv")
 
 
 def check_replaceable(folder: Path) -> None:

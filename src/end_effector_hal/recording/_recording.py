@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -12,6 +13,7 @@ from pathlib import Path
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
+from end_effector_hal.control import EventKind, ToolEvent
 from end_effector_hal.description import Description, measures_of
 from end_effector_hal.errors import ReportedError, os_errors
 from end_effector_hal.recording._limits import RecordingLimits
@@ -21,9 +23,12 @@ from end_effector_hal.recording._run import RunInfo, read_run
 from end_effector_hal.recording.tables import (
     AlarmsWriter,
     ChangerWriter,
+    EventRow,
+    EventsWriter,
     PressuresWriter,
     StatesWriter,
     SwitchesWriter,
+    event_row,
 )
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Value
@@ -31,6 +36,8 @@ from end_effector_hal.vocabulary import Alarm, ChangerState
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
+MOST_DUE = 1000
+"""So many events wait while they cannot be written, the newest."""
 MOST_GAPS = 100
 """So many are kept in run.json, the newest."""
 
@@ -51,6 +58,7 @@ class Recording(Closing):
         seed: of the testbench; None: that of a run.json that is in the folder already.
         ros: the generation of ROS that carries the states; 0: none does.
         limits: of the folder.
+        events: whether the states come with their events; else there is no ``events.csv``.
         started: when it begins, time of day; None: now.
         now: the time on the monotonic clock, µs.
 
@@ -67,6 +75,7 @@ class Recording(Closing):
         seed: int | None = None,
         ros: int = 0,
         limits: RecordingLimits | None = None,
+        events: bool = True,
         started: datetime | None = None,
         now: Callable[[], int] = now_us,
     ) -> None:
@@ -81,12 +90,16 @@ class Recording(Closing):
         self._losses = Losses(self.folder)
         self._latest: tuple[int, int, Sequence[int]] | None = None
         self._standing: Sequence[Alarm] = ()
+        self._reported: int | None = None
+        """The state after the last event; None: there was none."""
         self._changed = ChangerState.UNKNOWN
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
         with ExitStack() as undo:
             self._states = StatesWriter(self.folder / "states.csv", tuple(known.actuators), limits)
             undo.callback(self._states.close)
+            if self._states.last is not None:
+                self._reported = self._states.last.end_effector
             self._info = replace(
                 known,
                 scenario=scenario or before.scenario,
@@ -102,6 +115,11 @@ class Recording(Closing):
             measures = {} if isinstance(tool, RunInfo) else measures_of(tool)
             units = {name: measures[name].unit for name in channels}
             self._readings = None if isinstance(tool, RunInfo) else Readings(tool, carrier_of(tool))
+            self._names, self._due = tuple(known.actuators), deque[EventRow](maxlen=MOST_DUE)
+            table = self.folder / "events.csv"
+            self._events = EventsWriter(table, self._names, limits) if events else None
+            if self._events is not None:
+                undo.callback(self._events.close)
             self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
             undo.callback(self._alarms.close)
             pressures = self.folder / "pressures.csv"
@@ -154,6 +172,28 @@ class Recording(Closing):
                 self._write_alarms(at)
                 self._settle(at)
 
+    def events(self, at: int, events: Sequence[ToolEvent]) -> None:
+        """The events that have led to the latest state, which holds from ``at`` on.
+
+        A change of the state that no event reports is recorded as one without a cause: a message was lost, or a
+        program was gone.
+
+        Raises:
+            ReportedError: rows cannot be written now.
+        """
+        with self._lock:
+            if self._latest is None or self._events is None:
+                return
+            rows = [event_row(each, self.seconds(min(each.at, at)), self._names) for each in events]
+            states = [each.new for each in rows if each.kind is EventKind.STATE_CHANGED]
+            old, self._reported = states[-1] if states else self._reported, self._latest[0]
+            if old is not None and old != self._reported:
+                rows.append(EventRow(self.seconds(at), EventKind.STATE_CHANGED, old=old, new=self._reported))
+            if rows:
+                self._due.extend(rows)
+                self._write_events(at)
+                self._settle(at)
+
     def values(self, at: int, values: Mapping[str, Value]) -> None:
         """What a frame carries that came at ``at``: gauge Pa or a bit, None for invalid.
 
@@ -188,7 +228,14 @@ class Recording(Closing):
 
     def close(self) -> None:
         """Close the files; may be called again. What cannot be written any more is told in the log."""
-        for each in (self._states, self._alarms, self._pressures, self._switches, self._changer):
+        for each in (
+            self._states,
+            self._events,
+            self._alarms,
+            self._pressures,
+            self._switches,
+            self._changer,
+        ):
             try:
                 if each is not None:
                     each.close()
@@ -215,6 +262,11 @@ class Recording(Closing):
             "alarms.csv", time_s, lambda: self._alarms.write(time_s, standing) or True, again=again
         )
 
+    def _write_events(self, at: int, *, again: bool = False) -> None:
+        writer, rows, time_s = self._events, tuple(self._due), self.seconds(at)
+        if writer and self._losses.write("events.csv", time_s, lambda: writer.write(rows), again=again):
+            self._due.clear()
+
     def _write_changer(self, at: int, *, again: bool = False) -> None:
         writer, state, time_s = self._changer, self._changed, self.seconds(at)
         if writer is not None:
@@ -234,6 +286,8 @@ class Recording(Closing):
         losses = self._losses
         if "states.csv" in losses.failing and self._latest is not None:
             self._write_state(at, again=True)  # a state that lasts comes but once
+        if "events.csv" in losses.failing:
+            self._write_events(at, again=True)
         if "alarms.csv" in losses.failing:
             self._write_alarms(at, again=True)
         if "switches.csv" in losses.failing:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from end_effector_hal.control import EventReader
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.recording import EventRow, EventsWriter, StatesLog, StatesRow, StatesWriter, event_row
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
-from timed_automata import Network, State, Trace
+from timed_automata import Network, State, Step, TakenEdge, Trace
+
+_EXECUTED = ("Gripper", "Changer")
 
 
 def has_states(network: Network) -> bool:
@@ -16,7 +20,7 @@ def has_states(network: Network) -> bool:
 
 
 def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
-    """The states of a run: a row per change, in seconds since start, and one at its end.
+    """The states and events of a run, in seconds since start: a row per change, and one at its end.
 
     Args:
         trace: of a network that :func:`has_states`.
@@ -39,7 +43,39 @@ def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
     if end > rows[-1].time_s:
         last = rows[-1]
         rows.append(StatesRow(end, last.end_effector, last.command, last.actuators))
-    return StatesLog(names, tuple(rows))
+    return StatesLog(names, tuple(rows), events=_events(trace, names))
+
+
+def write_states(log: StatesLog, folder: Path) -> list[Path]:
+    """Write ``states.csv`` and ``events.csv`` of a run of a model; they replace those of another run.
+
+    Raises:
+        UsageError: they cannot be written.
+    """
+    states, events = folder / "states.csv", folder / "events.csv"
+    for each in (states, events):
+        each.unlink(missing_ok=True)
+    with StatesWriter(states, log.actuators) as writer:
+        for row in log.rows:
+            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    with EventsWriter(events, log.actuators) as table:
+        table.write(log.events or ())
+    return [states, events]
+
+
+def _events(trace: Trace, names: Sequence[str]) -> tuple[EventRow, ...]:
+    processes, reader = trace.network.processes, EventReader()
+    found: list[EventRow] = []
+    for step in trace.steps:
+        edges = tuple(
+            TakenEdge(process.name, process.locations[edge.source].name, process.locations[edge.target].name, 0, "")
+            for edge in step.edges
+            if (process := processes[edge.process]).name in _EXECUTED
+        )  # fmt: skip
+        at_s = float(step.at) / 1000
+        taken = Step(round(at_s * 1e6), None, 0, False, step.channel, None, edges, step.changes)
+        found += (event_row(event, at_s, names) for event in reader.of(taken, taken.at))
+    return tuple(found)
 
 
 def _row(network: Network, columns: list[str], state: State, time_s: float) -> StatesRow:

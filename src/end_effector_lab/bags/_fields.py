@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from end_effector_hal.nodes.transport import FrameMessage, StateMessage
+from end_effector_hal.nodes.data_logger import events_of
+from end_effector_hal.nodes.transport import EventMessage, FrameMessage, StateMessage
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
-OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms", "alarm_ids")
+OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms", "alarm_ids", "events")
 """Fields of a state that are used, and that an older version may lack."""
+_KINDS: dict[Any, type] = {"int": int, "str": str}
 
 
 def state_of(content: Any) -> StateMessage:
@@ -29,11 +31,20 @@ def state_of(content: Any) -> StateMessage:
         "tool_changer": _one(content, "tool_changer", int, 0),
         "alarms": _list(content, "alarms", str, []),
         "alarm_ids": _list(content, "alarm_ids", str, []),
+        "events": [_event(each) for each in getattr(content, "events", ())],
     }
     if len(used["actuator_names"]) != len(used["actuators"]):
         raise ValueError("its lists are not of the same length")
     unused: dict[str, Any] = {each.name: None for each in fields(StateMessage) if each.name not in used}
-    return StateMessage(**used, **unused)
+    message = StateMessage(**used, **unused)
+    events_of(message)
+    return message
+
+
+def _event(content: Any) -> EventMessage:
+    return EventMessage(
+        **{each.name: _one(content, each.name, _KINDS[each.type]) for each in fields(EventMessage)}
+    )
 
 
 def frame_of(content: Any) -> FrameMessage:

@@ -128,7 +128,7 @@ class _Import:
         self._time = LineOfTime()
         self._newest = self._log_offset = 0
         self._first_log: int | None = None
-        self._generation = 0
+        self._generation, self._has_events = 0, False
         self._tool = ""
         self._actuators: list[str] = []
         self._first: StateMessage | None = None
@@ -220,7 +220,11 @@ class _Import:
         self._check_tool(state)
         if missing := lacking(content):
             self._note(f"The states of the bag are of another version: they lack {', '.join(missing)}.")
-        state.at_us = self._place(message, state.at_us, fresh=False)
+        self._has_events = hasattr(content, "events")
+        placed = self._place(message, state.at_us, fresh=False)
+        for event in state.events:
+            event.at_us += placed - state.at_us
+        state.at_us = placed
         self._read[message.topic] += 1
         if self._recording is None:
             if self._first is None:
@@ -287,7 +291,7 @@ class _Import:
         )
         self._recording = self._stack.enter_context(
             Recording(
-                self._folder, tool, ros=self._generation, limits=WHOLE,
+                self._folder, tool, ros=self._generation, limits=WHOLE, events=self._has_events,
                 started=_time_of_day(self._first_log or 0),
                 now=lambda: begun if self._recording is None else self._newest,
             )

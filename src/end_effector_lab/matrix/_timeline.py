@@ -18,6 +18,7 @@ TIMELINE = "timeline.png"
 _WRITTEN = (
     "run.json",
     "states.csv",
+    "events.csv",
     "pressures.csv",
     "switches.csv",
     "tool_changer.csv",
@@ -69,6 +70,7 @@ def record(description: Description, cell: Cell, folder: Path) -> Played:
             else:
                 recording.state(at, status.ee, status.command, status.actuators)
                 recording.alarms(at, status.alarms)
+            recording.events(at, status.events)
         while frame is not None:
             recording.values(frame.at, frame.values)
             frame = next(waiting, None)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.codecs import get_codec
-from end_effector_hal.control import Answer
+from end_effector_hal.control import Answer, EventKind
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.nodes.hal_main._aggregate import Margins, Positions
 from end_effector_hal.nodes.transport import (
@@ -21,6 +21,7 @@ from end_effector_hal.nodes.transport import (
     CylinderPositionMessage,
     DiagnosticMessage,
     DiagnosticsMessage,
+    EventMessage,
     FrameMessage,
     KeyValueMessage,
     MessageHeader,
@@ -138,6 +139,7 @@ def test_the_places_have_the_integers_of_their_message(places: type[IntEnum], ki
         (PositionMessage, "end_effector_msgs/ToolStandPosition"),
         (CommandMessage, "end_effector_msgs/SupervisorCommand"),
         (StepMessage, "end_effector_msgs/StepReport"),
+        (EventMessage, "end_effector_msgs/ToolEvent"),
         (StatusMessage, "end_effector_msgs/UnitStatus"),
         (StateMessage, "end_effector_msgs/EndEffectorState"),
         (KeyValueMessage, "diagnostic_msgs/KeyValue"),
@@ -166,11 +168,13 @@ def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch
         outputs=(True, False),
         stale=("top",),
         steps=[StepMessage("cylinder", 2, 0.5, True)],
+        events=[EventMessage(8, EventKind.TIMED_OUT, "cylinder", 2)],
     )
     back = over_the_wire(make(status))
     assert (back.header.frame_id, back.count, back.evidence) == ("here", 7, (3, 1))
     assert (back.outputs, back.stale) == ([True, False], ["top"])
     assert [(step.actuator, step.attempts, step.confirmed) for step in back.steps] == [("cylinder", 2, True)]
+    assert [(each.at_us, each.event, each.actuator) for each in back.events] == [(8, "timed out", "cylinder")]
     again = over_the_wire(make(StatusMessage(steps=back.steps)))
     assert again.steps == back.steps, "steps that were received can be sent on"
 

@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 from rosbags.rosbag2 import CompressionMode
 
+from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS
-from end_effector_hal.recording import read_alarms, read_pressures, read_run, read_states
+from end_effector_hal.recording import EventRow, read_alarms, read_pressures, read_run, read_states
 from end_effector_lab.bags import Bag, ImportedBag, import_bag
 from tests.support.bags import COMMAND, FRAME, STATE, definitions, frame, state, write_ros1, write_ros2
 
@@ -69,6 +70,30 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
     info = read_run(found.folder)
     assert (info.ros, info.start_us, info.started[:16]) == (True, 10 * S, "2026-09-21T14:13")
     assert info.limits["bottom_vacuum"]["channel"] == "bottom"
+
+
+def test_events_are_those_of_the_states_and_a_wrong_one_leaves_its_state_out(write: Write) -> None:
+    def began(at_us: int, name: str) -> dict[str, Any]:
+        return {
+            "at_us": at_us,
+            "event": name,
+            "actuator": "cylinder",
+            "attempt": 1,
+            "old_state": -1,
+            "new_state": -1,
+        }
+
+    found = imported(write([
+        state(1 * S, 0),
+        state(2 * S, 1 * S, 1, count=1, events=[began(2 * S - 1_000, "attempt began")]),
+        state(2 * S, 2 * S, 1, count=1),
+        state(3 * S, 3 * S, 3, count=2, events=[began(3 * S, "exploded")]),
+    ]))  # fmt: skip
+    log = read_states(found.folder / "states.csv")
+    assert [row.end_effector for row in log.rows] == [0, 1]
+    assert log.events == (EventRow(0.999, EventKind.ATTEMPT_BEGAN, "cylinder", 1),)
+    (fault,) = found.faults
+    assert fault.startswith("/EndEffectorState: 1 of 4 messages are left out; the first: 'exploded'")
 
 
 def test_without_a_description_there_are_states_and_alarms(write: Write) -> None:
@@ -187,14 +212,15 @@ def test_an_older_version_of_the_messages(write: Write) -> None:
     """What the bag defines is read, and what it lacks is told."""
 
     def older(name: str, text: str) -> str:
-        gone = ("string[] alarms", "alarm_ids", "tool ", "since_us", "uint32 count")
+        gone = ("string[] alarms", "alarm_ids", "tool ", "since_us", "uint32 count", "events")
         lines = text.splitlines() if name == "EndEffectorState" else [text]
         return "\n".join(line for line in lines if not any(f" {each}" in f" {line}" for each in gone))
 
     found = imported(write([state(S, 0), state(2 * S, S, 1)], definitions(older)))
     assert [row[0] for row in rows(found)] == [0.0, 1.0]
+    assert read_states(found.folder / "states.csv").events is None
     assert (
-        "The states of the bag are of another version: they lack since_us, count, tool, alarms, alarm_ids."
+        "The states of the bag are of another version: they lack since_us, count, tool, alarms, alarm_ids, events."
         in found.notes
     )
 

@@ -290,8 +290,9 @@ def test_a_guided_run_is_told_line_by_line() -> None:
 def test_it_leaves_a_recording_with_its_figure() -> None:
     result = run("simulate", "--choose", GUIDED, "-o", "out")
     assert result.exit_code == 0
-    assert result.stdout.splitlines()[-5:] == [
-        f"out/{name}" for name in ("run.txt", "states.csv", "run.json", "timeline.png", "timeline.svg")
+    assert result.stdout.splitlines()[-6:] == [
+        f"out/{name}"
+        for name in ("run.txt", "states.csv", "events.csv", "run.json", "timeline.png", "timeline.svg")
     ]
     log = read_states("out/states.csv")
     assert log.actuators == ("bottom_vacuum", "cylinder", "top_vacuum")
@@ -302,7 +303,7 @@ def test_it_leaves_a_recording_with_its_figure() -> None:
         "verdin_gripper",
         True,
     )
-    assert Path("out/run.txt").read_text(encoding="utf-8").splitlines() == result.stdout.splitlines()[:-5]
+    assert Path("out/run.txt").read_text(encoding="utf-8").splitlines() == result.stdout.splitlines()[:-6]
     # another run replaces it
     run("simulate", "--choose", "world == IN_TIME; adopt", "-o", "out")
     assert len(read_states("out/states.csv").rows) == 2

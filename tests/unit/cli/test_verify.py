@@ -283,6 +283,7 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
     assert clock.deadline_s == pytest.approx(info.violated_s - 0.001)
     assert observer.points == ()
     assert sorted(path.name for path in Path("found/release").iterdir()) == [
+        "events.csv",
         "run.json",
         "run.txt",
         "states.csv",

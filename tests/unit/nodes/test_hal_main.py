@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import pytest
 
+from end_effector_hal.control import EventKind
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.nodes.hal_main import HalMainNode
 from end_effector_hal.nodes.interface import (
@@ -19,7 +20,7 @@ from end_effector_hal.nodes.interface import (
     PARALLEL_GRIPPER_COMMAND,
     STATE_HZ,
 )
-from end_effector_hal.nodes.transport import StatusMessage
+from end_effector_hal.nodes.transport import EventMessage, StatusMessage
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from tests.support.lone_node import LoneTransport
@@ -61,6 +62,25 @@ def test_every_status_is_one_state_and_a_repeated_one_is_none(transport: LoneTra
     assert second_count == first_count + 1
     assert [each.state_name for each in states] == ["STAND_BY", "GRIPPING"]
     assert len({each.since_us for each in states}) == 1
+
+
+def test_each_change_comes_with_its_events_and_a_repeated_state_with_none(transport: LoneTransport) -> None:
+    grip = transport.callbacks[GRIP_STATE.name]
+    began = [
+        EventMessage(1, EventKind.STATE_CHANGED, old_state=0, new_state=EndEffectorState.GRIPPING),
+        EventMessage(1, EventKind.ATTEMPT_BEGAN, "cylinder", 1),
+    ]
+    grip(replace(status(1, EndEffectorState.GRIPPING), events=began))
+    transport.ticks[STATE_HZ]()
+    grip(replace(status(2, EndEffectorState.GRIPPED), events=began[:1]))
+    for close in transport.closers:
+        close()
+    assert [each.events for each in transport.published[END_EFFECTOR_STATE.name]] == [
+        began,
+        (),
+        began[:1],
+        (),
+    ]
 
 
 def test_beside_each_integer_stands_its_name(transport: LoneTransport) -> None:

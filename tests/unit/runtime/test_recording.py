@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.control import EventKind, ToolEvent
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import (
+    EventRow,
     Recording,
     RunInfo,
     _files,
@@ -60,18 +62,38 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tmp_path: Path, disk: Ful
             assert str(refused.value) == f"{tmp_path}: {FULL}"
         with pytest.raises(ReportedError):
             recording.alarms(start + 4 * SECOND, received_alarms(["Leak."]))
+        with pytest.raises(ReportedError):
+            recording.events(start + 4 * SECOND, [ToolEvent(start + 4 * SECOND, EventKind.NOT_GONE, 1)])
         with pytest.raises(ReportedError):  # what has nothing to write complains, too: it does not flicker
             recording.values(start + 4 * SECOND + 1, {"bottom": -80_000})
         disk.full = False
         recording.values(start + 5 * SECOND, {"bottom": -80_000})
         recording.state(start + 6 * SECOND, 6, -1, [0, 0, 0])
-    rows = read_states(tmp_path / "states.csv").rows
-    assert [(row.time_s, row.end_effector) for row in rows] == [(0, 3), (5, 5), (6, 6)]
+    log = read_states(tmp_path / "states.csv")
+    assert [(row.time_s, row.end_effector) for row in log.rows] == [(0, 3), (5, 5), (6, 6)]
+    assert log.events == (EventRow(4.0, EventKind.NOT_GONE, "cylinder"),)
     assert [(row.time_s, row.text) for row in read_alarms(tmp_path / "alarms.csv")] == [(5, "Leak.")]
     info = read_run(tmp_path)
     why = "A row could not be written: No space left on device."
-    assert info.gaps == (f"From 1.000 s to 5.000 s 5 rows of this recording could not be written. {why}",)
+    assert info.gaps == (f"From 1.000 s to 5.000 s 6 rows of this recording could not be written. {why}",)
     assert info.note == ""
+
+
+def test_a_change_that_no_event_reports_has_a_row_of_its_own(tmp_path: Path) -> None:
+    with Recording(tmp_path, DESCRIPTION) as recording:
+        start = recording._begun + SECOND
+        for second, state, events in (
+            (0, 1, ()),
+            (1, 3, [ToolEvent(start + SECOND, EventKind.STATE_CHANGED, old=1, new=3)]),
+            (2, 0, ()),
+        ):
+            recording.state(start + second * SECOND, state, -1, [2, 2, 2])
+            recording.events(start + second * SECOND, events)
+    with Recording(tmp_path, DESCRIPTION) as recording:  # it was off for a while
+        recording.state(start + 3 * SECOND, 6, -1, [0, 0, 0])
+        recording.events(start + 3 * SECOND, ())
+    events = read_states(tmp_path / "states.csv").events
+    assert [(row.old, row.new) for row in events or ()] == [(1, 3), (3, 0), (0, 6)]
 
 
 def test_a_recording_that_is_continued_keeps_what_it_said(tmp_path: Path, disk: FullDisk) -> None:

@@ -48,7 +48,7 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
     "--output",
     metavar="DIR|FILE.(png|svg)",
     type=PathName(),
-    help="Folder for run.txt, states.csv, run.json and the timeline; or the file of the timeline alone.",
+    help="Folder for run.txt, states.csv, events.csv, run.json and the timeline; or the file of the timeline alone.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")
 def simulate(
@@ -104,8 +104,8 @@ def simulate(
 
 def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[list[Path], str]:
     """The files of a run, and why there is no figure if there is none."""
-    from end_effector_hal.recording import MODEL_RUN, StatesWriter
-    from end_effector_hal.verification import has_states, states_of
+    from end_effector_hal.recording import MODEL_RUN
+    from end_effector_hal.verification import has_states, states_of, write_states
 
     names = source.description.sequence if source.description is not None else ()
     scenario = f"{MODEL_RUN}, seed {seed}"
@@ -121,12 +121,8 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
     if not has_states(source.network):
         return files, NO_STATES
     log, info = states_of(trace, names), source.run_info(scenario)
-    states, described = folder / "states.csv", info.write(folder)  # first: it says whose the others are
-    states.unlink(missing_ok=True)
-    with StatesWriter(states, log.actuators) as writer:
-        for row in log.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    files += [states, described]
+    described = info.write(folder)  # first: it says whose the others are
+    files += [*write_states(log, folder), described]
     draw = Drawing()
     return [*files, *draw(log, info, folder)], draw.note
 

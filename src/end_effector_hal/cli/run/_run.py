@@ -229,6 +229,7 @@ def _record(tool: EndEffector, recording: Recording) -> None:
         recording.state(status.at, status.ee, status.command, status.actuators)
         recording.tool_changer(status.at, status.changer)
         recording.alarms(status.at, status.alarms)
+        recording.events(status.at, status.events)
 
     tool.subscribe(state, name=RECORDING)
     tool.subscribe_frames(lambda frame: recording.values(frame.at, frame.values), name=RECORDING)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from end_effector_hal.control import transition
@@ -23,6 +23,7 @@ from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_healt
 from end_effector_hal.nodes.transport import (
     ChangerPlace,
     CylinderPlace,
+    EventMessage,
     MessageHeader,
     NodeTransport,
     PositionMessage,
@@ -99,17 +100,17 @@ class HalMainNode:
             # the exact time of the program that changed: the other one, over its own connection, may be a little ahead
             self._at_us = status.at_us
             self._count += 1
-            self._publish_state(self._at_us)
+            self._publish_state(self._at_us, status.events)
         self._goals.on_status(name, status)
 
-    def _publish_state(self, stamp_us: int | None = None) -> None:
+    def _publish_state(self, stamp_us: int | None = None, events: Sequence[EventMessage] = ()) -> None:
         now, before = now_us(), self._gone
         self._gone = self._silence.silent(now)
         if self._gone != before:
             self._at_us, self._count = now, self._count + 1
         notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now), *self._margins.alarms)
         state = self._aggregate.message(self._at_us, now, self._silence, notices)
-        state.header, state.count = MessageHeader(stamp_us), self._count
+        state.header, state.count, state.events = MessageHeader(stamp_us), self._count, events
         earlier, self._state = self._state, state
         self._publish(state)
         if state.state != earlier.state:
@@ -139,6 +140,7 @@ class HalMainNode:
             self._closed = True
             self._state = replace(
                 self._state,
+                events=(),
                 count=self._count + 1,
                 state=EndEffectorState.OFF,
                 state_name=EndEffectorState.OFF.name,

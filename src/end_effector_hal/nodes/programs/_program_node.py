@@ -88,7 +88,8 @@ class ProgramNode(Generic[P]):
         with self._lock:
             self._count += 1
             self._last = now = self._with_alarms(
-                status_to_message(status, self._since_us, self._count), status.alarms
+                status_to_message(status, self._since_us, self._count, self._description.sequence),
+                status.alarms,
             )
             self._publish(now)
             before, self._alarms = self._alarms, status.alarms
@@ -111,7 +112,7 @@ class ProgramNode(Generic[P]):
             if self._last is not None:
                 now = self._with_alarms(self._last, self._alarms)
                 self._count += now.alarms != self._last.alarms
-                self._last = replace(now, header=MessageHeader(), count=self._count)
+                self._last = replace(now, header=MessageHeader(), count=self._count, events=())
                 self._publish(self._last)
 
     def _on_command(self, request: Any) -> Answer:

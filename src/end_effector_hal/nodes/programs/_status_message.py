@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import Status
-from end_effector_hal.nodes.transport import MessageHeader, StatusMessage, StepMessage
+from collections.abc import Sequence
+
+from end_effector_hal.control import Status, ToolEvent
+from end_effector_hal.nodes.transport import EventMessage, MessageHeader, StatusMessage, StepMessage
 
 
-def status_to_message(status: Status, since_us: int, count: int) -> StatusMessage:
-    """The message of a status; ``since_us`` is the start of the program, ``count`` the number of this status."""
+def status_to_message(
+    status: Status, since_us: int, count: int, actuators: Sequence[str] = ()
+) -> StatusMessage:
+    """The message of a status.
+
+    Args:
+        status: with its events.
+        since_us: the start of the program.
+        count: the number of this status.
+        actuators: their names, in sequence order.
+    """
     return StatusMessage(
         header=MessageHeader(status.at),
         since_us=since_us,
@@ -38,4 +49,11 @@ def status_to_message(status: Status, since_us: int, count: int) -> StatusMessag
         alarms=status.alarm_texts,
         alarm_ids=[alarm.name for alarm in status.alarms],
         steps=[StepMessage(step.name, step.attempts, step.seconds, step.confirmed) for step in status.steps],
+        events=[_event(each, actuators) for each in status.events],
     )
+
+
+def _event(event: ToolEvent, actuators: Sequence[str]) -> EventMessage:
+    name = actuators[event.actuator] if event.actuator >= 0 else ""
+    states = event.old, event.new
+    return EventMessage(event.at, event.kind, name, event.attempt, *states, event.cause, event.command)

@@ -15,6 +15,7 @@ from ._messages import (
     CylinderPositionMessage,
     DiagnosticMessage,
     DiagnosticsMessage,
+    EventMessage,
     FeedbackMessage,
     FrameMessage,
     GripperMessage,

@@ -89,6 +89,20 @@ class StepMessage:
 
 
 @dataclass(slots=True)
+class EventMessage:
+    """``ToolEvent``."""
+
+    at_us: int
+    event: str
+    actuator: str = ""
+    attempt: int = 0
+    old_state: int = -1
+    new_state: int = -1
+    cause: int = 0
+    command: str = ""
+
+
+@dataclass(slots=True)
 class StatusMessage:
     """``UnitStatus``: what one program does."""
 
@@ -121,6 +135,7 @@ class StatusMessage:
     alarms: Sequence[str] = ()
     alarm_ids: Sequence[str] = ()
     steps: Sequence[StepMessage] = ()
+    events: Sequence[EventMessage] = ()
 
 
 @dataclass(slots=True)
@@ -171,6 +186,7 @@ class StateMessage:
     worst_late_us: int
     alarms: Sequence[str]
     alarm_ids: Sequence[str]
+    events: Sequence[EventMessage] = ()
     header: MessageHeader = field(default_factory=MessageHeader)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording.tables._events import EventRow, read_events
 from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
@@ -31,12 +32,18 @@ class StatesRow:
 
 @dataclass(frozen=True)
 class StatesLog:
-    """What was recorded: names in sequence order, rows in order of time; ``note`` tells what was dropped."""
+    """The states and events of a recording: names in sequence order, rows in order of time.
+
+    Attributes:
+        note: what was dropped, a sentence.
+        events: those of ``events.csv``; None: there is no such table.
+    """
 
     actuators: tuple[str, ...]
     rows: tuple[StatesRow, ...]
     source: str = ""
     note: str = ""
+    events: tuple[EventRow, ...] | None = None
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -115,7 +122,7 @@ class StatesWriter(TableWriter):
 
 
 def read_states(path: str | Path) -> StatesLog:
-    """Read a recording; raises UsageError with ``file:line`` for anything that is not one.
+    """Read a table of states, and ``events.csv`` beside it; raises UsageError with ``file:line`` for a wrong row.
 
     A last line that was cut off is dropped and reported in ``note``; everything before it is kept.
     """
@@ -132,7 +139,8 @@ def read_states(path: str | Path) -> StatesLog:
             if line.complete:
                 raise
             note = f"{line.where}: the last line is cut off and was dropped."
-    return StatesLog(actuators, tuple(rows), str(path), note)
+    events = read_events(Path(path).with_name("events.csv"), actuators)
+    return StatesLog(actuators, tuple(rows), str(path), note, events)
 
 
 def _text(row: StatesRow) -> str:

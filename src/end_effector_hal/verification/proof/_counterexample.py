@@ -12,11 +12,10 @@ from end_effector_hal.recording import (
     COUNTEREXAMPLE,
     RunInfo,
     StatesLog,
-    StatesWriter,
     Watched,
     check_replaceable,
 )
-from end_effector_hal.verification._model_run import has_states, states_of
+from end_effector_hal.verification._model_run import has_states, states_of, write_states
 from timed_automata.explain import Explanation, WatchedClock
 
 from ._finding import Finding
@@ -28,7 +27,7 @@ Draw = Callable[[StatesLog, RunInfo, Path], list[Path]]
 def write_counterexample(
     finding: Finding, folder: str | Path, info: RunInfo, draw: Draw, actuators: Sequence[str] = ()
 ) -> list[Path]:
-    """Write ``<id>/run.txt``, and ``states.csv``, ``run.json`` and the timeline if the model has their variables.
+    """Write ``<id>/run.txt``; if the model has their variables also the tables, ``run.json`` and the timeline.
 
     Args:
         finding: with a trace.
@@ -53,12 +52,8 @@ def write_counterexample(
     if (run := counterexample_run(finding, info, actuators)) is None:
         return [text]
     log, info = run
-    states, described = place / "states.csv", info.write(place)  # first: it says whose the others are
-    states.unlink(missing_ok=True)
-    with StatesWriter(states, log.actuators) as writer:
-        for row in log.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    return [text, states, described, *draw(log, info, place)]
+    described = info.write(place)  # first: it says whose the others are
+    return [text, *write_states(log, place), described, *draw(log, info, place)]
 
 
 def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:

@@ -1,0 +1,146 @@
+"""``events.csv``: what the steps of the automata mean, a row for each event."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from end_effector_hal.control import COMMANDS, EventKind, ToolEvent
+from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._limits import RecordingLimits
+from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
+from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState
+
+Value = TypeVar("Value")
+COLUMNS = ("time_s", "event", "actuator", "attempt", "old", "new", "cause", "command")
+_KINDS = {str(each): each for each in EventKind}
+_ATTEMPTS = {"": 0} | {str(number): number for number in range(1, 21)}
+_COMMANDS = {name: name for name in ("", *COMMANDS)}
+_CAUSES = {"" if each is Cause.NONE else each.name: each for each in Cause}
+_STATES = {EventKind.STATE_CHANGED: EndEffectorState, EventKind.CHANGER_CHANGED: ChangerState}
+
+
+@dataclass(frozen=True, slots=True)
+class EventRow:
+    """One event, with its time in seconds since the start of the recording.
+
+    Attributes:
+        actuator: its name; empty: the event concerns no single one.
+        attempt, old, new, cause, command: as in `ToolEvent`.
+    """
+
+    time_s: float
+    kind: EventKind
+    actuator: str = ""
+    attempt: int = 0
+    old: int = -1
+    new: int = -1
+    cause: Cause = Cause.NONE
+    command: str = ""
+
+    def __post_init__(self) -> None:
+        states = set(_STATES[self.kind]) if self.kind in _STATES else {-1}
+        if not {self.old, self.new} <= states or self.attempt not in _ATTEMPTS.values():
+            raise ValueError(
+                f"{self.kind!r} with the states {self.old} and {self.new}, attempt {self.attempt}"
+            )
+        if self.command not in _COMMANDS:
+            raise ValueError(f"{self.command[:40]!r} is no command")
+
+
+def event_row(event: ToolEvent, time_s: float, actuators: Sequence[str]) -> EventRow:
+    """The row of an event; raises ValueError for an event that no tool has.
+
+    Args:
+        event: what has happened.
+        time_s: when.
+        actuators: their names, in sequence order.
+    """
+    name = actuators[event.actuator] if event.actuator >= 0 else ""
+    attempt, old, new = event.attempt, event.old, event.new
+    return EventRow(max(0.0, time_s), event.kind, name, attempt, old, new, event.cause, event.command)
+
+
+class EventsWriter(TableWriter):
+    """Write rows in the order of their arrival; safe to use from several threads.
+
+    Raises:
+        UsageError: the file cannot be written, or is something else.
+    """
+
+    def __init__(
+        self, path: str | Path, actuators: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
+        super().__init__(path, COLUMNS, limits)
+        last = self._resumed(lambda line: _row(line, actuators, 0.0))
+        self._last_s = last.time_s if last else 0.0
+
+    def write(self, rows: Sequence[EventRow]) -> bool:
+        """Write all rows, or none; a time before that of the last row becomes that of the last row.
+
+        Raises:
+            ReportedError: they cannot be written.
+        """
+        if not rows:
+            return False
+        with self._lock:
+            self._file.append("".join(_text(row, self._last_s) for row in rows))
+            self._last_s = max(self._last_s, *(round(row.time_s, 6) for row in rows))
+        return True
+
+    def _opening(self) -> str:
+        return ""
+
+
+def read_events(path: str | Path, actuators: Sequence[str]) -> tuple[EventRow, ...] | None:
+    """The events of a recording, in order; None: the recording has no such table.
+
+    Raises UsageError with ``file:line`` for a row that is none; a last line that was cut off is left out.
+
+    Args:
+        path: of the table.
+        actuators: the names that may stand in it.
+    """
+    if not Path(path).exists():
+        return None
+    lines = read_lines(path)
+    if read_header(lines, path, COLUMNS):
+        raise UsageError("This is not a table of events.", where=f"{path}:1")
+    rows: list[EventRow] = []
+    for line in lines:
+        if not line.complete:
+            break
+        rows.append(_row(line, actuators, rows[-1].time_s if rows else 0.0))
+    return tuple(rows)
+
+
+def _text(row: EventRow, earliest_s: float) -> str:
+    states = [_STATES[row.kind](each).name if each >= 0 else "" for each in (row.old, row.new)]
+    cause = row.cause.name if row.cause else ""
+    cells = (row.kind, row.actuator, str(row.attempt or ""), *states, cause, row.command)
+    return f"{max(earliest_s, round(row.time_s, 6)):.6f},{','.join(cells)}\n"
+
+
+def _row(line: Line, actuators: Sequence[str], earliest_s: float) -> EventRow:
+    time, event, actuator, attempt, old, new, cause, command = line.fields(COLUMNS)
+    kind = _chosen(line, "event", event, _KINDS)
+    states = {each.name: int(each) for each in _STATES[kind]} if kind in _STATES else {"": -1}
+    return EventRow(
+        line.seconds(time, earliest_s),
+        kind,
+        _chosen(line, "actuator", actuator, {name: name for name in ("", *actuators)}),
+        _chosen(line, "attempt", attempt, _ATTEMPTS),
+        _chosen(line, "old", old, states),
+        _chosen(line, "new", new, states),
+        _chosen(line, "cause", cause, _CAUSES),
+        _chosen(line, "command", command, _COMMANDS),
+    )
+
+
+def _chosen(line: Line, column: str, text: str, values: Mapping[str, Value]) -> Value:
+    if text not in values:
+        known = ", ".join(name or "nothing" for name in values)
+        raise line.fault(f"{column} is {text[:40]!r}.", f"Expected is one of: {known}.")
+    return values[text]
