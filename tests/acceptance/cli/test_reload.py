@@ -68,7 +68,7 @@ def test_a_description_is_taken_over_at_rest_and_a_held_part_keeps_the_old_one(
     world.description_path.write_text(original)
     edit(world, "SODIMM_208", "SODIMM_209")
     terminal.type("reload\n")
-    at = terminal.read_until("refused: reload. The line arbiter runs with what would change", after=at)
+    at = terminal.read_until("refused: reload. Only a restart of the line arbiter can change", after=at)
     code, said = asked(world)
     assert (code, "the output lines" in said) == (1, True), said
     world.description_path.write_text(original)

@@ -104,7 +104,7 @@ def test_one_that_does_not_return_is_an_alarm_without_any_further_call(
     listening = Listening(ear, "", lambda: None)
     ear.goes_on.clear()
     listening.put(0)
-    wait_until("an alarm", lambda: "does not keep up" in str(listening.alarm))
+    wait_until("an alarm", lambda: "is too slow for its calls" in str(listening.alarm))
     listening.close(0.0)  # returns all the same
 
 

@@ -284,4 +284,4 @@ def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixt
     stream.serve(lambda word: Answer(True), lambda: True, lambda: None)
     stream.put([("frame", 0, {})])
     stream.close()
-    assert "no page can show this program" in caplog.text
+    assert "the live page cannot show this program" in caplog.text
