@@ -1,10 +1,10 @@
-"""What ``make check`` asks of the source beside the linters: class names, private modules, and what packages offer.
+"""Checks of ``make check`` beside the linters: class names, private modules, and the names that packages export.
 
-A public class name stands once within an import package. A private module (``_name``) is imported only by its own
-package and by sub-packages of that. A package offers what its ``__init__`` imports: somebody must import it, and from
-there, not from a package that has it from elsewhere. What the Python API describes or a plug-in imports stands in
-``__all__``, which is then the list of what is offered. Exceptions stand in the sets below; one that is not needed any
-more is a fault, too.
+A public class name is unique within an import package. A private module (``_name``) is imported only by its own
+package and by sub-packages of that. A package exports what its ``__init__`` imports: every such name must be imported
+somewhere, and from there, not from a package that has it from elsewhere. Names that the Python API describes or a
+plug-in imports are in ``__all__``, which is then the list of exports. The sets below hold exceptions; an exception
+that is no longer needed is also a fault.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from pathlib import Path
 SOURCE = Path(__file__).parents[1] / "src"
 OURS = {path.name for path in SOURCE.iterdir()}
 READERS = ("tests", "tools", "examples", "benchmarks", "docs")
-"""Folders whose files import the packages, too."""
+"""Folders whose files also import the packages."""
 LONGEST_NAME = 100
-"""Characters of a string that may name a module and a class, such as what a launcher starts."""
+"""Largest number of characters of a string that may name a module and a class, such as a launcher's target."""
 REPEATED: set[str] = set()
-"""``package.ClassName`` that may stand more than once for now."""
+"""Exceptions: ``package.ClassName`` that may occur more than once for now."""
 PRIVATE: set[str] = set()
-"""``importing.module -> private.module`` that may stay for now."""
+"""Exceptions: ``importing.module -> private.module``, allowed for now."""
 OFFERED: set[str] = set()
-"""``package.name`` that a package may offer though nobody imports it."""
+"""Exceptions: ``package.name`` that a package may export without an import elsewhere."""
 
 
 def main() -> int:
-    """Print every fault; 1 if there is one."""
+    """Print every fault; return 1 if there is one."""
     modules = {_module(path): ast.parse(path.read_bytes()) for path in sorted(SOURCE.rglob("*.py"))}
     faults = list(_faults(dict(_repeated(modules)), REPEATED, "stands more than once: rename all but one"))
     faults += _faults(dict(_private(modules)), PRIVATE, "imports a private module: use the public name")
@@ -51,7 +51,7 @@ def _faults(found: dict[str, str], excepted: set[str], what: str) -> Iterator[st
 
 
 def _module(path: Path) -> tuple[str, bool]:
-    """The dotted name, and whether it is a package."""
+    """Return the dotted name, and whether it is a package."""
     parts = path.relative_to(SOURCE).with_suffix("").parts
     package = parts[-1] == "__init__"
     return ".".join(parts[:-1] if package else parts), package
@@ -77,7 +77,7 @@ def _private(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str,
 
 
 def _offered(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str, str]]:
-    """What a package offers and nobody imports, or what is imported from one that has it from elsewhere."""
+    """Yield exports that nothing imports, and names imported from a package that has them from elsewhere."""
     imported, named = _uses(modules)
     for (module, is_package), tree in modules.items():
         if not is_package:
@@ -100,7 +100,7 @@ def _offered(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str,
 
 
 def _listed(tree: ast.Module) -> set[str]:
-    """What stands in ``__all__``."""
+    """Return the names in ``__all__``."""
     targets = (
         node
         for node in tree.body
@@ -110,7 +110,7 @@ def _listed(tree: ast.Module) -> set[str]:
 
 
 def _uses(modules: dict[tuple[str, bool], ast.Module]) -> tuple[set[str], set[str]]:
-    """Dotted names that the source imports or reaches through a module; words elsewhere and in its strings."""
+    """Return dotted names that the source imports or uses through a module; words of other folders and strings."""
     imported: set[str] = set()
     named = set(re.findall(r":(\w+)\"", (SOURCE.parent / "pyproject.toml").read_text(encoding="utf-8")))
     for folder in READERS:
@@ -139,7 +139,7 @@ def _uses(modules: dict[tuple[str, bool], ast.Module]) -> tuple[set[str], set[st
 
 
 def _imported(node: ast.AST, package: str) -> Iterator[str]:
-    """What a statement imports from this repository, as dotted names."""
+    """Yield the names that a statement imports from this repository, as dotted names."""
     if isinstance(node, ast.Import):
         names = [alias.name for alias in node.names]
     elif isinstance(node, ast.ImportFrom):
@@ -154,7 +154,7 @@ def _imported(node: ast.AST, package: str) -> Iterator[str]:
 
 
 def _owner(imported: str) -> str:
-    """The package that owns the first private part of a name; empty: all of it is public."""
+    """Return the package that owns the first private part of a name; empty if all of it is public."""
     parts = imported.split(".")
     private = (n for n, part in enumerate(parts) if part.startswith("_") and not part.startswith("__"))
     return ".".join(parts[: next(private, 0)])

@@ -1,4 +1,4 @@
-"""The aims, and whether the figures meet them. Nothing depends on it: a busy machine misses them as well."""
+"""The targets, and whether the results meet them. Nothing depends on that, since a busy machine misses them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 ONE_CPU_PERCENT, ONE_MEMORY_MB, OF_CORE = 6.0, 130.0, 1.3
-"""Of ROS 2 in one process; its reaction, of that without ROS."""
+"""Targets for ROS 2 in one process; the last is the ratio of its reaction to that without ROS."""
 RATIO, P99_MS, CPU_PERCENT, MEMORY_MB, REQUIREMENTS_S, GROWTH = 1.5, 5.0, 15.0, 250.0, 1.0, 2.0
 FISCHER_8_S, STATE_BYTES, FISCHER_10_KIB = 2.5, 1024, 4 * 1024 * 1024
 ADDED_US = 150.0
@@ -14,7 +14,7 @@ ARBITER = "line arbiter"  # no node, but no node works without it
 
 
 def aims(written: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Of everything that was measured: text, figure in words, and whether it is met."""
+    """Return, for each target that was measured: its text, the result in words, and whether it is met."""
     found: list[dict[str, Any]] = []
 
     def aim(text: str, value: float, most: float, words: str) -> None:

@@ -1,4 +1,4 @@
-"""What the line arbiter costs: a command through it beside the same one on the back-end, and what it uses."""
+"""The cost of the line arbiter: a command through it and directly on the back-end, and the arbiter's resources."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ BLOCK = 100
 
 @dataclass(frozen=True)
 class ArbiterCost:
-    """From a call until the line is written, and until the call returns; what the arbiter uses while it holds."""
+    """Times from a call until the line is written and the call returns; the arbiter's usage while it holds."""
 
     direct_line: Figures
     direct_return: Figures
@@ -53,7 +53,7 @@ class ArbiterCost:
 
     @property
     def added_us(self) -> float:
-        """By the arbiter at the median, until the line is written."""
+        """Median time that the arbiter adds until the line is written."""
         return self.arbiter_line.median - self.direct_line.median
 
     def as_json(self) -> dict[str, Any]:
@@ -61,7 +61,7 @@ class ArbiterCost:
 
 
 def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> ArbiterCost:
-    """Blocks of commands, directly and through the arbiter in turns; then it is left holding for ``hold_s``."""
+    """Measure commands in alternating blocks, directly and through the arbiter; then hold for ``hold_s``."""
     description = load(profile_path())
     gripping, changing = (program_lines(description, program) for program in ("grip", "tool_change"))
     line = gripping[0]
@@ -93,7 +93,7 @@ def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> A
 
 
 class _Commands:
-    """Activates and deactivates a line, and reads off its chip when it was written."""
+    """Activates and deactivates a line, and reads from its chip when it was written."""
 
     def __init__(self, chip: Path, write: Callable[[bool], object]) -> None:
         self._records = chip.open("rb")
@@ -133,7 +133,7 @@ def _arbiter(chip: Path, sock: Path) -> Iterator[subprocess.Popen[bytes]]:
 
 @contextmanager
 def _told(sock: Path) -> Iterator[None]:
-    """What the sensors prove, as often as a link of 50 Hz has it told."""
+    """Send the sensors' predicates as often as a 50 Hz link does."""
     teller, ended = PredicateSender(sock), threading.Event()
 
     def tell() -> None:

@@ -1,11 +1,11 @@
-"""How many Python functions are called on the first visit of a state, from an event to a line.
+"""Counts the Python function calls on the first visit of a state, from an event to a line.
 
-``python benchmarks/calls.py [--profile]`` prints three numbers: from a frame to a line, from a goal to a line, and from
-the death of a program, once the line arbiter has noticed it (`LineArbiter.declare_dead`), to its last will. Both
+``python benchmarks/calls.py [--profile]`` prints three numbers: from a frame to a line, from a goal to a line, and
+from the death of a program, once the line arbiter has detected it (`LineArbiter.declare_dead`), to its last will. Both
 programs and the line arbiter run in this process, with a chip in memory behind the arbiter's real socket. Calls are
-counted in the thread that brings the event, up to the write to the arbiter, and in the arbiter, up to the write to the
-chip; nothing is logged. Each path is walked in three fresh tools, and the least count stands: a renewal of a lease may
-come between. ``--profile`` also lists the functions.
+counted in the thread that delivers the event, up to the write to the arbiter, and in the arbiter, up to the write to
+the chip; nothing is logged. Each path is run in three fresh tools, and the least count is used, since a renewal of a
+lease may come between. ``--profile`` also lists the functions.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ AT_REST = {
 
 
 class Count:
-    """A profiler that counts calls of Python functions up to ``reached``; those of this file are none of the path.
+    """A profiler that counts calls of Python functions up to ``reached``; functions of this file are not counted.
 
     ``first``: the name of the function at which the path begins; empty: at once.
     """
@@ -62,12 +62,12 @@ class Count:
             self.stop()
 
     def stop(self) -> None:
-        """The end of the path is reached, now for the first time."""
+        """Mark the end of the path, at the first call only."""
         if self.reached is None:
             self.reached, self.calls = self.calls, Counter()
 
     def of(self, path: Callable[[], object]) -> Counter[str] | None:
-        """What a path calls in this thread, up to its end; None: it did not come to it."""
+        """Count the calls of a path in this thread, up to its end; None: the end was not reached."""
         sys.setprofile(self)
         try:
             path()
@@ -77,11 +77,11 @@ class Count:
 
 
 class _DeathError(Exception):
-    """Ends a client without a good-bye."""
+    """Ends a client without closing it properly."""
 
 
 class Chip:
-    """Lines in memory."""
+    """A chip whose lines are in memory."""
 
     def __init__(self) -> None:
         self.active: dict[str, bool] = {}
@@ -100,11 +100,11 @@ class Chip:
         self.active |= levels
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""
 
 
 class Tool:
-    """The shipped tool: both programs and the arbiter, which works in its own thread except while it is counted."""
+    """The shipped tool: both programs and the arbiter, which runs in its own thread except while it is counted."""
 
     def __init__(self, folder: Path) -> None:
         os.environ["EEHAL_RUN_DIR"] = str(folder)
@@ -135,7 +135,7 @@ class Tool:
         self.grip.update_peer(unlock_valve=int(status.unlock_output))
 
     def frame(self) -> Frame:
-        """What the sensors show: as the lines are; a sensor that never moves counts as frozen."""
+        """Return sensor values that match the lines; they vary, since a constant sensor counts as frozen."""
         self._number += 1
         values: dict[str, int | bool | None] = dict(AT_REST)
         for name, part in self.description.ordered:
@@ -149,7 +149,7 @@ class Tool:
         return Frame(now_us(), self._number, self._number * 20, values)
 
     def deliver(self, frame: Frame) -> None:
-        """A frame goes its way, as in the thread of the link."""
+        """Process a frame, as in the thread of the link."""
         self.predicates.frame(frame, self._pass_on)
 
     def _pass_on(self, frame: Frame) -> None:
@@ -157,7 +157,7 @@ class Tool:
         self.change.frame(frame)
 
     def until(self, reached: Callable[[], bool]) -> None:
-        """Frames until a condition holds."""
+        """Deliver frames until a condition holds."""
         for _ in range(MOST_FRAMES):
             if reached():
                 return
@@ -166,7 +166,7 @@ class Tool:
         raise SystemExit(f"The tool did not come so far: {self.grip.status}.")
 
     def ready(self) -> bool:
-        """Whether a grip can begin."""
+        """Return whether a grip can begin."""
         status = self.grip.status
         return (
             status.ee == EndEffectorState.STAND_BY
@@ -175,7 +175,7 @@ class Tool:
         )
 
     def from_frame(self) -> Counter[str]:
-        """From the frame that confirms the first actuator to the line of the second."""
+        """Count from the frame that confirms the first actuator to the line of the second."""
         self._accepted(self.grip.command("grip"))
         for _ in range(MOST_FRAMES):
             time.sleep(PERIOD_S)
@@ -191,7 +191,7 @@ class Tool:
             raise SystemExit(f"The command was refused: {answer.reason}")
 
     def from_goal(self) -> Counter[str]:
-        """From the command to the first line."""
+        """Count from the command to the first line."""
         count, answers = Count(), list[Answer]()
 
         def command() -> None:
@@ -210,7 +210,7 @@ class Tool:
         return count.reached + found
 
     def from_death(self) -> Counter[str]:
-        """From the noticed death of a program to the first line of its last will."""
+        """Count from the detected death of a program to the first line of its last will."""
         self.grip.close()
         line = self.description.ordered[0][1].line
         with suppress(_DeathError), ArbiterClient(socket_path(self.description), "dying", [line]) as dying:
@@ -225,7 +225,7 @@ class Tool:
             self._serves.release()
 
     def _arbiter_until_line(self, first: str = "") -> Counter[str]:
-        """What the arbiter calls in the round in which it writes a line."""
+        """Count the arbiter's calls in the cycle in which it writes a line."""
         for _ in range(MOST_FRAMES):
             self.chip.count = count = Count(first)
             if found := count.of(lambda: self.arbiter.step(0.01)):
@@ -243,7 +243,7 @@ class Tool:
 
 
 def counted(path: Callable[[Tool], Counter[str]]) -> Counter[str]:
-    """The least of some runs."""
+    """Return the least count of some runs."""
     found = []
     for _ in range(RUNS):
         with tempfile.TemporaryDirectory() as folder:

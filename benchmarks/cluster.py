@@ -1,7 +1,7 @@
-"""What a cell costs on a cluster of dask.distributed: one worker and two on one scheduler, and the scheduler's share.
+"""The cost of a cell on a dask.distributed cluster: one and two workers on one scheduler, and the scheduler's share.
 
-By hand, from the folder of the project: ``python benchmarks/cluster.py``. Times are CPU times of the processes: on a
-machine that does nothing else, so many seconds pass.
+Run by hand, from the folder of the project: ``python benchmarks/cluster.py``. Times are CPU times of the processes: on
+an idle machine, the elapsed time is the same.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NOTHING = 20_000
 
 
 def main() -> None:
-    """Print it as JSON."""
+    """Print the results as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=150, help="play one cell of N of the shipped tool")
     every = parser.parse_args().every
@@ -93,7 +93,7 @@ def _measured(
 
 
 def _of_nothing(client: Client, scheduler: Child, address: str) -> dict[str, float]:
-    """Items that cost nothing, so that all of the time is that of the way."""
+    """Measure items that cost nothing, so that all of the time is the overhead of the distribution."""
     before = _cpu_s(scheduler.pid), time.process_time()
     with cluster_workers(address) as workers:
         tasks = sum(1 for _ in workers.each(max, 0, range(1, NOTHING + 1)))

@@ -1,8 +1,8 @@
-"""What judging one frame costs, by what the processor has done since the one before.
+"""The cost of judging one frame, depending on what the processor did since the frame before.
 
 ``python benchmarks/cold.py [DESCRIPTION]`` judges frames of a tool at rest: in a loop, after a pause, and after this
-process has touched so much other memory that a cache holds nothing else. It tells how much of a reaction is the way of
-the program itself from memory. Run it on a quiet machine, on one core (``taskset -c 1``).
+process has touched enough other memory to displace the program from the caches. The result shows how much of a
+reaction is spent on loading the program from memory. Run it on a quiet machine, on one core (``taskset -c 1``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from end_effector_hal.wires import now_us, tune_interpreter
 LOOP, PAUSED = 2000, 100
 MIB = 1 << 20
 LINE = 64
-"""Bytes that a cache fetches together."""
+"""Size of a cache line, bytes."""
 
 
 def main() -> int:

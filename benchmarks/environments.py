@@ -1,4 +1,4 @@
-"""The environments of both generations: the benchmark needs neither, and has each in processes of its own."""
+"""The environments of both ROS generations, used in separate processes; the benchmark itself needs neither."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ ROS2 = ROOT / "build/ros2/bin/python"
 
 @dataclass(frozen=True)
 class Environment:
-    """An interpreter, and what is added to the environment of its processes."""
+    """An interpreter, and the additional environment variables of its processes."""
 
     python: str = sys.executable
     env: Mapping[str, str] = field(default_factory=dict)
 
     def with_env(self, more: Mapping[str, str]) -> Environment:
-        """The same, with more in it."""
+        """Return the same environment with more variables."""
         return Environment(self.python, {**self.env, **more})
 
 
 def environment(part: str) -> Environment:
-    """Of a part of the benchmark; raises RosError where it is not there."""
+    """Return the environment of a part of the benchmark; raises RosError if it is missing."""
     if part == "ros":
         return Environment(env=_sourced())
     if part == "core":

@@ -1,4 +1,4 @@
-"""Median, 99th percentile, maximum and number of some latencies."""
+"""Computes median, 99th percentile, maximum and number of latencies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from statistics import median
 
 @dataclass(frozen=True)
 class Figures:
-    """In µs; the 99th percentile by nearest rank: with fewer than 100 samples it is the maximum."""
+    """Statistics in µs; the 99th percentile by nearest rank: with fewer than 100 samples it is the maximum."""
 
     median: float
     p99: int
@@ -19,7 +19,7 @@ class Figures:
 
 
 def figures(samples: Sequence[int]) -> Figures | None:
-    """Of some samples in µs; None of none."""
+    """Return the statistics of samples in µs; None if there are none."""
     if not samples:
         return None
     ordered = sorted(samples)

@@ -1,4 +1,4 @@
-"""What the figures were measured on, and what else ran there."""
+"""The machine on which the results were measured, and its other load."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 
 def machine() -> dict[str, Any]:
-    """As of now."""
+    """Return the properties of this machine now."""
     return {
         "at": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": _commit(),
@@ -25,7 +25,7 @@ def machine() -> dict[str, Any]:
 
 
 def load_now() -> float:
-    """Processes that ran or wanted to, mean of the last minute."""
+    """Return the mean number of running and runnable processes in the last minute."""
     return os.getloadavg()[0]
 
 
@@ -38,7 +38,7 @@ def _field(path: str, name: str) -> str | None:
 
 
 def _commit() -> str:
-    """Of the code that was measured; ends with ``+`` when it was edited since."""
+    """Return the commit of the measured code; it ends with ``+`` if the code was edited since."""
     try:
         found = [
             subprocess.run(["git", *words], capture_output=True, text=True, check=True).stdout.strip()

@@ -1,7 +1,7 @@
-"""What a trace costs: the time from a frame to the status that follows from it, with and without.
+"""The cost of a trace: the time from a frame to the resulting status, with and without a trace.
 
-``python benchmarks/recording.py [--blocks N]``. Blocks with and without a trace take turns in the same run, so that the
-load of the machine falls on both. A program in real time, with a line arbiter that does nothing; each frame changes a
+``python benchmarks/recording.py [--blocks N]``. Blocks with and without a trace alternate in the same run, so that
+other load affects both. A program runs in real time, with a line arbiter that does nothing; each frame changes a
 level, so that each gives a status.
 """
 
@@ -44,7 +44,7 @@ class _Lines:
 
 
 def block(*, recorded: bool) -> list[float]:
-    """µs from each frame to its status."""
+    """Return the time from each frame to its status, µs."""
     description, told, done = load(profile_path()), threading.Event(), [0]
 
     def on_status(_: object) -> None:

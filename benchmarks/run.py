@@ -63,7 +63,7 @@ def main() -> int:
 
 
 def _in_turns(parts: Sequence[str], plan: latency.Plan) -> dict[str, Any]:
-    """All parts in each round, so that what else the machine does meets all of them."""
+    """Measure all parts in each round, so that other load affects all of them."""
     parts = [part for part in parts if _is_here(part)]
     results: dict[str, latency.Result] = {}
     for number in range(plan.rounds):

@@ -1,6 +1,6 @@
-"""Half an hour of a 50 Hz recording: read, written as one file, scrubbed in Chromium.
+"""Measures half an hour of a 50 Hz recording: read, written as one file, scrubbed in Chromium.
 
-By hand, from the folder of the project: ``python -m benchmarks.scrubbing``.
+Run by hand, from the folder of the project: ``python -m benchmarks.scrubbing``.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ SCRUB = """async ([moments, span]) => {
 
 
 def record(folder: Path, minutes: float) -> None:
-    """Grips of 40 s with a failing attempt in the first, and 20 s between them."""
+    """Record grips of 40 s with a failing attempt in the first, and 20 s between them."""
     tool = RecordedTool(folder, "fails-once:cylinder")
     tool.run(2)
     while tool.at < minutes * 60e6:
@@ -51,7 +51,7 @@ def record(folder: Path, minutes: float) -> None:
 
 
 def scrub(report: Path, browser: str, viewport: dict[str, int]) -> dict[str, Any]:
-    """Milliseconds from a move of the slider until the moment stands on the screen."""
+    """Measure the time from a move of the slider until the moment is displayed, ms."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:

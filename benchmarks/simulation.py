@@ -1,7 +1,7 @@
-"""What a simulated grip costs: a whole tool in virtual time, and its physics solved beside the same in steps.
+"""The cost of a simulated grip: a whole tool in virtual time, and its physics, compared with a fixed-step solution.
 
-`python -m benchmarks.simulation`; seconds are of the processor. The blocks of what is compared take turns, so that a
-busy machine hits them alike.
+`python -m benchmarks.simulation`; seconds are processor time. The compared blocks alternate, so that other load
+affects them alike.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MODELS: tuple[tuple[str, Any, Any, Any, Any], ...] = (
 
 
 def plant_of(model: tuple[str, Any, Any, Any, Any]) -> Any:
-    """The pneumatics of the shipped tool."""
+    """Return the pneumatics of the shipped tool."""
     _, made_of, plant, circuit, rod = model
     supply = made_of.Supply(600.0)
     first, second, third = (made_of.Valve(delay_us) for delay_us in (22_000, 30_000, 33_000))
@@ -37,7 +37,7 @@ def plant_of(model: tuple[str, Any, Any, Any, Any]) -> Any:
 
 
 def grip_physics(model: tuple[str, Any, Any, Any, Any]) -> None:
-    """A grip and a release, looked at with each frame."""
+    """Simulate a grip and a release, with the pressures read at each frame."""
     plant, at = plant_of(model), 0
     for active in (True, False):
         for name in plant.devices:
@@ -49,12 +49,12 @@ def grip_physics(model: tuple[str, Any, Any, Any, Any]) -> None:
 
 
 def grip_tool(seed: int, hold_s: float = 0.5, *, each: bool = False) -> float:
-    """From the start of a tool over a grip and a hold to the end of the drop; seconds of its time.
+    """Run a tool from its start over a grip and a hold to the end of the drop; return seconds of its time.
 
     Args:
-        seed: of the tool.
+        seed: seed of the tool.
         hold_s: how long the part is held.
-        each: play each frame, also those that change nothing.
+        each: whether to play each frame, including those that change nothing.
     """
     tool = VirtualTool(SHIPPED, seed=seed, on_frame=(lambda _: None) if each else None)
 
@@ -72,7 +72,7 @@ def grip_tool(seed: int, hold_s: float = 0.5, *, each: bool = False) -> float:
 
 
 def seconds(what: Callable[[], object]) -> float:
-    """Of the processor."""
+    """Return the processor time of a call."""
     began = time.process_time()
     what()
     return time.process_time() - began

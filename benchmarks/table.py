@@ -1,4 +1,4 @@
-"""The tables at the end."""
+"""The tables printed at the end."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS = {
 
 
 def print_latencies(console: Console, title: str, result: Result) -> None:
-    """Median, p99 and maximum in ms, the floor beside them."""
+    """Print median, p99 and maximum in ms, with those of the floor beside them."""
     table = Table(title=title, title_justify="left")
     table.add_column("ms", no_wrap=True)
     for head in ("median", "p99", "max", "n", "floor median", "p99", "max", "n", "ratio", "by block"):
@@ -39,7 +39,7 @@ def print_latencies(console: Console, title: str, result: Result) -> None:
 
 
 def print_arbiter(console: Console, cost: ArbiterCost) -> None:
-    """A command with and without the line arbiter, and what the arbiter uses."""
+    """Print a command with and without the line arbiter, and the arbiter's usage."""
     table = Table(title="A line command, directly and through the line arbiter", title_justify="left")
     table.add_column("ms", no_wrap=True)
     for head in ("median", "p99", "max", "n"):
@@ -56,7 +56,7 @@ def print_arbiter(console: Console, cost: ArbiterCost) -> None:
 
 
 def print_usage(console: Console, title: str, usage: Mapping[str, Usage]) -> None:
-    """Processor time, memory and wake-ups of each process, and of all."""
+    """Print processor time, memory and wake-ups of each process, and their sums."""
     table = Table(title=title, title_justify="left")
     table.add_column("process")
     for head in ("% of a core", "PSS MiB", "RSS MiB", "wake-ups/s"):
@@ -70,7 +70,7 @@ def print_usage(console: Console, title: str, usage: Mapping[str, Usage]) -> Non
 
 
 def print_verification(console: Console, measured: Measured) -> None:
-    """Seconds, states and memory of each subject."""
+    """Print seconds, states and memory of each subject."""
     table = Table(title="Verification", title_justify="left")
     table.add_column("what", min_width=40)
     for head in ("CPU s", "states", "states/s", "peak MiB", "bytes/state"):

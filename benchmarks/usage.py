@@ -1,4 +1,4 @@
-"""What a process uses: time of a processor, memory, and how often it wakes up. Source: proc(5)."""
+"""Measures processor time, memory and wake-ups of processes. Source: proc(5)."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ TICKS = os.sysconf("SC_CLK_TCK")
 
 @dataclass(frozen=True)
 class Usage:
-    """Over a span of time.
+    """The use of resources over a time span.
 
     Attributes:
-        cpu_percent: of one core, all threads, user and system.
+        cpu_percent: share of one core, all threads, user and system.
         pss_kib: memory at its end, shared pages counted in proportion.
         rss_kib: memory at its end, shared pages counted in full.
         wakeups_per_s: voluntary context switches of all threads.
@@ -31,7 +31,7 @@ class Usage:
     seconds: float
 
     def joined(self, other: Usage | None) -> Usage:
-        """Both spans as one: memory is that of the larger."""
+        """Return both spans as one; memory is the larger value."""
         if other is None:
             return self
         seconds = self.seconds + other.seconds
@@ -49,10 +49,10 @@ class Usage:
 
 
 class Meter:
-    """Begins to measure some processes.
+    """Measures some processes from its creation on.
 
     Args:
-        pids: by name.
+        pids: process ids by name.
     """
 
     def __init__(self, pids: Mapping[str, int]) -> None:
@@ -62,7 +62,7 @@ class Meter:
         self._switches = {name: _switches(pid) for name, pid in pids.items()}
 
     def read(self) -> dict[str, Usage]:
-        """From the beginning until now."""
+        """Return the usage from the beginning until now."""
         seconds = time.monotonic() - self._begun
         return {name: self._usage(name, pid, seconds) for name, pid in self._pids.items()}
 

@@ -1,7 +1,7 @@
-"""What a live page costs: the reaction of a tool that nobody watches, and with a Chromium and nine event streams.
+"""The cost of a live page: the tool's reaction without viewers, and with a Chromium and nine event streams.
 
-By hand, from the folder of the project: ``python benchmarks/watched.py``. Blocks alternate; each has the page's
-process and all watchers, or none of them.
+Run by hand, from the folder of the project: ``python benchmarks/watched.py``. Blocks alternate between the page's
+process with all viewers, and none of them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ START_S = 30.0
 
 
 class Stream(threading.Thread):
-    """Reads the events of a page as fast as they come."""
+    """Reads the events of a page as fast as they arrive."""
 
     def __init__(self, url: str, number: int) -> None:
         super().__init__(daemon=True)
@@ -48,7 +48,7 @@ class Stream(threading.Thread):
         self.bytes = 0
 
     def run(self) -> None:
-        """Until the connection ends."""
+        """Read until the connection ends."""
         try:
             while got := self._events.read1():
                 self.bytes += len(got)
@@ -56,13 +56,13 @@ class Stream(threading.Thread):
             pass  # closed meanwhile
 
     def close(self) -> None:
-        """Go away."""
+        """Close the connection."""
         self._connection.close()
 
 
 @contextmanager
 def watched(hardware: Hardware, browser: Any, number: int) -> Iterator[Child]:
-    """The page's process, once everybody looks at it."""
+    """Yield the page's process when all viewers are connected."""
     page = hardware.children.start(
         f"page {number}",
         [*EEHAL, "page", str(hardware.description_path), "--port", "0"],
@@ -86,7 +86,7 @@ def watched(hardware: Hardware, browser: Any, number: int) -> Iterator[Child]:
 
 
 def block(hardware: Hardware, client: Driven, notes: Tail, cycles: int) -> Latencies | None:
-    """Grips and drops; None: a machine that stood still made one fail."""
+    """Grip and drop, and return the latencies; None if a stalled machine made a cycle fail."""
     client.tell(f"cycles {cycles}")
     failed = client.wait_done(expected_s=cycles * CYCLE_S, timeout_s=cycles * LONGEST_S)
     new = notes.new()

@@ -1,4 +1,4 @@
-"""Tools for the development of this product: they run in a checkout, and no distribution contains them."""
+"""Development tools of this product: they run in a checkout and are in no distribution."""
 
 import sys
 from collections.abc import Callable

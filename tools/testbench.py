@@ -1,4 +1,4 @@
-"""``python -m tools.testbench``: the testbench at the other end of a virtual machine's wires."""
+"""``python -m tools.testbench``: the testbench on the wires of a virtual machine."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def inputs_of(text: str, tool: Description) -> LineInputs:
 @click.option("--lines", metavar="virtio-gpio:SOCKET|qemu:SOCKET", required=True)
 @click.option("--port", metavar="pty:PATH", required=True)
 def command(description: Path, scenario: str, events: Path, lines: str, port: str) -> None:
-    """Play the tool that DESCRIPTION describes, until SIGTERM."""
+    """Simulate the tool that DESCRIPTION describes, until SIGTERM."""
     tool = load_tool(description)
     run_testbench(
         tool,

@@ -1,1 +1,1 @@
-"""The floor: the same hops with nothing in them. Each module is a program; none imports the product's code."""
+"""The floor: the same process chain without logic. Each module is a program without the product's code."""

@@ -1,4 +1,4 @@
-"""The floor's line arbiter: a message on a Unix socket becomes a line in a file.
+"""The floor's line arbiter: writes a line to a file for each message on a Unix socket.
 
 A message is a word; the line has the word, and the time just before it was written (as virtual lines have it).
 """

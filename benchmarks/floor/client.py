@@ -1,4 +1,4 @@
-"""The floor's application: gives goals (``run SECONDS``). Notes: goals, and when a state was received."""
+"""The floor's application: sends goals (``run SECONDS``), and notes them and the times of received states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor's node Pressure: each frame of the port becomes a message."""
+"""The floor's node Pressure: publishes each frame of the port as a message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor's node HALMain: a goal becomes a call of a service, a state of the unit the state of all."""
+"""The floor's node HALMain: forwards a goal as a service call, and publishes the unit's state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor's application on ROS 2: sends goals (``run SECONDS``). Notes: goals, and when a state was received."""
+"""The floor's application on ROS 2: sends goals (``run SECONDS``), and notes them and received states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor of the HAL in one process on ROS 2: pty and Unix socket without it, goals and states through it."""
+"""The floor of the HAL in one process on ROS 2: goals and states use ROS, the pty and the Unix socket do not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor's node Grip on ROS 2: pings of the topic and commands of the service go to the arbiter."""
+"""The floor's node Grip on ROS 2: forwards pings of the topic and commands of the service to the arbiter."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The floor's other end of the wires: frames into a pty, and a watched file.
+"""The floor's testbench: it writes frames into a pty and watches a file.
 
-``run SECONDS PHASE_US``: 50 frames a second at this phase; each tenth is a ping. Notes: pings and edges.
+``run SECONDS PHASE_US``: 50 frames a second at this phase; each tenth is a ping. It notes pings and edges.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FILLING = b"," + b"0" * 60  # a frame is about as long as one of the product
 
 
 class Lines(threading.Thread):
-    """Sees each line that is appended to a file."""
+    """Detects each line that is appended to a file."""
 
     def __init__(self, path: Path, notes: Notes) -> None:
         super().__init__(daemon=True)

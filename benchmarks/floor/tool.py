@@ -1,6 +1,6 @@
 """The floor without ROS: pty, this process, Unix socket, arbiter.
 
-``run SECONDS`` gives goals. Notes: goals, and when an answer was there.
+``run SECONDS`` sends goals. It notes the goals and the times of the answers.
 """
 
 from __future__ import annotations

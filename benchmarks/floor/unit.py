@@ -1,4 +1,4 @@
-"""The floor's node Grip: pings of the topic and commands of the service go to the arbiter, then a topic tells."""
+"""The floor's node Grip: forwards pings and commands to the arbiter, then publishes a state."""
 
 from __future__ import annotations
 

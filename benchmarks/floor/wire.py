@@ -1,4 +1,4 @@
-"""What the programs of the floor have in common: a port to read, an arbiter to ask, words and notes of the parent."""
+"""Shared parts of the floor's programs: port, client of the arbiter, commands and notes of the parent."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator
 from itertools import count
 
 GO = b"!"
-"""A frame that begins with it is passed on to the arbiter, like one that confirms; the others end at the reader."""
+"""Prefix of a frame that is forwarded to the arbiter, like a confirming one; other frames end at the reader."""
 
 LAST_US = 500_000
-"""After the end of a block, until the last of its messages has certainly gone through."""
+"""Time after the end of a block in which its last messages arrive."""
 
 
 def now_us() -> int:
@@ -29,7 +29,7 @@ def rest_until(at: int) -> None:
 
 
 def read_frames(path: str) -> Iterator[bytes]:
-    """Lines of a serial port, blocked in select as the product's reader is."""
+    """Yield the lines of a serial port, waiting in select as the product's reader does."""
     fd, rest = os.open(path, os.O_RDONLY | os.O_NOCTTY), b""
     while True:
         select.select([fd], [], [])
@@ -38,12 +38,12 @@ def read_frames(path: str) -> Iterator[bytes]:
 
 
 def word_of(frame: bytes) -> bytes:
-    """``!p12,…`` is the ping ``p12``."""
+    """Return the word of a frame: the ping ``p12`` of ``!p12,…``."""
     return frame[1:].split(b",", 1)[0]
 
 
 class Arbiter:
-    """Asks the arbiter, one at a time."""
+    """A client of the arbiter with one request at a time."""
 
     def __init__(self, path: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -58,7 +58,7 @@ class Arbiter:
 
 
 def obey(run: Callable[[list[str]], None]) -> None:
-    """Run each line of standard input; say ``ready`` first and ``done`` after each."""
+    """Run each line of standard input; print ``ready`` first and ``done`` after each."""
     print("ready", flush=True)
     for line in sys.stdin:
         run(line.split())
@@ -66,7 +66,7 @@ def obey(run: Callable[[list[str]], None]) -> None:
 
 
 class Notes:
-    """JSON lines for the parent, kept until the end of a block."""
+    """JSON lines for the parent, kept in memory until the end of a block."""
 
     def __init__(self, path: str) -> None:
         self._path, self._taken = path, list[dict[str, object]]()
@@ -75,14 +75,14 @@ class Notes:
         self._taken.append(fields)
 
     def write(self) -> None:
-        """When the last message of a block has gone through."""
+        """Write the notes; called after the last message of a block."""
         taken, self._taken = self._taken, []
         with open(self._path, "a", encoding="utf-8") as file:
             file.writelines(json.dumps(note) + "\n" for note in taken)
 
 
 def give_goals(notes: Notes, give: Callable[[int], None]) -> None:
-    """Obey ``run SECONDS``: five goals a second, at random phases; each is noted."""
+    """Obey ``run SECONDS``: send and note five goals a second, at random phases."""
     numbers = count(1)
 
     def run(words: list[str]) -> None:

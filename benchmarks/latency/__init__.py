@@ -1,4 +1,4 @@
-"""Latencies of the product against the testbench, and of the floor beside it."""
+"""Benchmarks of the latencies of the product with the testbench, and of the floor."""
 
 from ._blocks import CYCLE_S, FULL, LONGEST_S, QUICK, Plan, Tail, read
 from ._driven import Driven

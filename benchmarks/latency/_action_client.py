@@ -1,4 +1,4 @@
-"""A program: an application on ROS, with an action client and a subscription; obeys as an `Application`."""
+"""A program: an application on ROS, with an action client and a subscription; controlled as an `Application`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What both applications have in common: they obey lines of their standard input, and note what they saw.
+"""Shared parts of the applications: they execute lines of their standard input, and note what they received.
 
-``cycles N``: N times grip and drop, each after a random rest. ``lose N``: the same, with a wait until what is held
-is lost. ``grip`` and ``drop`` do one. What fails is said, and dropped.
+``cycles N``: N times grip and drop, each after a random rest. ``lose N``: the same, with a wait until the held part is
+lost. ``grip`` and ``drop`` do one. A failure is reported, and the part is dropped.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ LOST_S = 10.0
 
 
 class Application:
-    """One of them.
+    """One application.
 
     Args:
-        notes: a file; gets a JSON line for each goal and each state after each line that was obeyed.
+        notes: a file; after each executed line it receives a JSON line for each goal and each state.
     """
 
     def __init__(self, notes: str) -> None:
@@ -32,16 +32,16 @@ class Application:
         self._lost = threading.Event()
 
     def state(self, received: int, at: int, ee: int, outputs: Sequence[bool]) -> None:
-        """A state of ``at`` was received; µs."""
+        """Note a state of ``at`` that was received; µs."""
         self._taken.append({"received": received, "at": at, "ee": ee, "outputs": list(outputs)})
         if ee == EndEffectorState.GRIP_ERROR:
             self._lost.set()
 
     def obey(self, command: Callable[[str], str]) -> None:
-        """Say ``ready``, and ``done`` after each line.
+        """Execute the lines of standard input; print ``ready``, and ``done`` after each line.
 
         Args:
-            command: does ``grip`` or ``drop``, and says why it failed, after the name; "": it did not.
+            command: does ``grip`` or ``drop``, given by name, and returns why it failed; "": it succeeded.
         """
         print("ready", flush=True)
         for line in sys.stdin:

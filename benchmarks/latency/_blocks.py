@@ -1,4 +1,4 @@
-"""Blocks of the product and of its floor, in turns, under one and the same load of the machine."""
+"""Alternating blocks of the product and of its floor, under the same load of the machine."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Plan:
     """Counts of one round.
 
     Attributes:
-        rounds: how often all parts are measured, one after the other, with processes of their own each time.
+        rounds: number of times that all parts are measured in sequence, each time with new processes.
         blocks: pairs of product and floor.
         cycles: grips and drops in a block; each gives 4 reactions, 2 commands, 6 states.
         floor_s: length of a block of the floor, which makes 5 reactions and 5 commands a second.
-        losses: how many times a held part is lost.
+        losses: number of losses of a held part.
         hold_s: how long processor time and memory are measured while gripped.
     """
 
@@ -45,14 +45,14 @@ QUICK = Plan(rounds=2, blocks=1, cycles=3, floor_s=3.0, hold_s=5.0, losses=1)
 
 
 CYCLE_S = 2.0
-"""A grip and a drop take at least as long."""
+"""Least duration of a grip and a drop."""
 LONGEST_S = 30.0
 
 
 def measure_blocks(
     hardware: Hardware, floor: Floor, client: Driven, notes: Path, plan: Plan, say: Callable[[str], None]
 ) -> Result:
-    """Alternate; each block of the product begins and ends with nothing gripped."""
+    """Alternate blocks of product and floor; each block of the product begins and ends with nothing gripped."""
     result, lines = Result(), [part.line for _, part in hardware.description.ordered]
     tail, floor_tails = Tail(notes), [Tail(path) for path in floor.notes]
     client.tell("cycles 1")  # whatever is slow the first time
@@ -87,7 +87,7 @@ def measure_blocks(
 def hold(
     client: Driven, pids: Mapping[str, int], seconds: float, say: Callable[[str], None]
 ) -> dict[str, Usage]:
-    """Grip, and measure what some processes use while it is held."""
+    """Grip, and measure the usage of some processes while the part is held."""
     say(f"holding for {seconds:g} s")
     client.tell("grip")
     if failed := client.wait_done(expected_s=1.0, timeout_s=LONGEST_S):
@@ -98,7 +98,7 @@ def hold(
 
 
 class Tail:
-    """What is new in a file of notes."""
+    """Reads the new notes of a file."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._read = path, 0
@@ -110,6 +110,6 @@ class Tail:
 
 
 def read(path: Path) -> list[Note]:
-    """Everything that is whole in a file of notes."""
+    """Return all complete notes of a file."""
     # the last line may not be whole yet
     return [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]

@@ -1,4 +1,4 @@
-"""A program that does what it is told on standard input, and says ``done``; ``failed: …`` before, if it did not."""
+"""A program that executes commands from standard input and prints ``done``, after ``failed: …`` for a failure."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ BENCHMARKS = Path(__file__).parents[1]
 
 
 class Driven:
-    """One such program.
+    """One program of this kind.
 
     Args:
-        children: start it, and end it.
+        children: starts it, and ends it.
         program: path under ``benchmarks``.
-        arguments: of it.
+        arguments: its arguments.
         folder: receives its log.
         where: its interpreter and environment.
     """
@@ -42,18 +42,18 @@ class Driven:
         self.pid = self._child.pid
 
     def wait_ready(self) -> None:
-        """Wait until it obeys."""
+        """Wait until the program accepts commands."""
         self._child.wait_until(lambda: "ready" in self._words(), timeout_s=START_S, what="it was ready")
 
     def tell(self, line: str) -> None:
-        """Have it begin something."""
+        """Send a command to the program."""
         self._child.tell(line)
 
     def wait_done(self, *, expected_s: float, timeout_s: float) -> list[str]:
-        """Wait until it has done it; nothing is asked before ``expected_s``, so as not to disturb it.
+        """Wait until the command is done; to avoid disturbance, do not poll before ``expected_s``.
 
         Returns:
-            what failed this time, in words.
+            the failures of this command, in words.
         """
         self._done += 1
         end = time.monotonic() + expected_s

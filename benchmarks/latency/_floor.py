@@ -1,4 +1,4 @@
-"""The floor's processes, with ROS or without, and what they noted."""
+"""The floor's processes, with ROS or without, and their notes."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ HALF_PERIOD_US = 10_000
 
 
 class Floor:
-    """Its chain, ready to run.
+    """The chain of the floor's processes, ready to run.
 
     Args:
-        children: start its processes, and end them.
-        place: for pty, socket and file.
+        children: starts its processes, and ends them.
+        place: folder for pty, socket and file.
         folder: receives logs and notes.
         where: its interpreter and environment.
-        part: what it is the floor of.
+        part: the part of the benchmark whose floor it is.
     """
 
     def __init__(self, children: Children, place: Path, folder: Path, where: Environment, part: str) -> None:
@@ -55,7 +55,7 @@ class Floor:
         time.sleep(1.0)  # for every connection
 
     def run(self, seconds: float, phase_us: int) -> None:
-        """One block; its frames come in the middle between those of the testbench."""
+        """Run one block; its frames are midway between those of the testbench."""
         self._bench.tell(f"run {seconds} {phase_us + HALF_PERIOD_US}")
         self._client.tell(f"run {seconds}")
         for program in (self._bench, self._client):

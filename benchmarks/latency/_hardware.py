@@ -1,4 +1,4 @@
-"""The hardware of the demo, with a testbench that writes down when each frame and each edge was."""
+"""The hardware of the demo, with a testbench that records the times of all frames and edges."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from end_effector_lab.demo import World
 
 
 class Hardware(World):
-    """A virtual chip, its line arbiter, and the testbench; ``saw`` is what the testbench saw.
+    """A virtual chip, its line arbiter, and the testbench; ``saw`` is the testbench's file of events.
 
     Args:
         description: the tool.
@@ -21,7 +21,7 @@ class Hardware(World):
         self.saw = folder / "events.jsonl"
 
     def phase_us(self) -> int:
-        """When the frames of the testbench come, within their period; the floor keeps off it."""
+        """Return the phase of the testbench's frames within their period; the floor uses another phase."""
         with self.saw.open("rb") as file:
             file.seek(max(0, self.saw.stat().st_size - 4096))
             line = [line for line in file.read().splitlines()[:-1] if b'"frame"' in line][-1]

@@ -1,4 +1,4 @@
-"""A part that is lost while it is held: from the frame that shows it to the state that says so."""
+"""The loss of a held part: the time from the frame that shows it to the state that reports it."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ._hardware import Hardware
 from ._matching import Latencies, MatchError, Note
 
 AFTER_S = 2.5
-"""After the activation of the first vacuum: everything is gripped by then."""
+"""Time from the activation of the first vacuum to the loss; everything is gripped by then."""
 
 
 def measure_losses(
     hardware: Hardware, client: Driven, tail: Tail, count: int, say: Callable[[str], None]
 ) -> Latencies:
-    """Lose a held part so many times; each time it is dropped afterwards.
+    """Lose a held part ``count`` times; each time it is dropped afterwards.
 
     Returns:
-        µs: ``loss`` from the first frame under the threshold, ``loss_decided`` from the frame that decided.
+        µs: ``loss`` from the first frame beyond the threshold, ``loss_decided`` from the frame that decided.
     """
     name, part = _first_vacuum(hardware.description)
     say(f"losing a held part {count} times")
@@ -38,13 +38,13 @@ def measure_losses(
 
 
 def loss_latencies(events: Iterable[Note], notes: Sequence[Note], channel: str, lost_pa: float) -> Latencies:
-    """From notes to latencies; pure.
+    """Convert notes to latencies; a pure function.
 
     Args:
-        events: of the testbench.
-        notes: of the client: goals and states.
-        channel: of the vacuum that is lost.
-        lost_pa: gauge; a vacuum is lost above it.
+        events: events of the testbench.
+        notes: goals and states noted by the client.
+        channel: channel of the vacuum that is lost.
+        lost_pa: gauge pressure above which a vacuum is lost.
     """
     frames = [event for event in events if "frame" in event and event["sent"]]
     found: Latencies = {"loss": [], "loss_decided": []}

@@ -1,4 +1,4 @@
-"""From notes to latencies: which frame made which edge, and which message tells of it. Pure."""
+"""Pure functions from notes to latencies: they match edges with the frames that caused them, and with messages."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Any
 
 Note = Mapping[str, Any]
 Latencies = dict[str, list[int]]
-"""µs by name: ``reaction``, ``reaction_seen``, ``command``, ``state``."""
+"""Latencies in µs by name: ``reaction``, ``reaction_seen``, ``command``, ``state``."""
 
 
 class MatchError(Exception):
-    """What was noted does not fit together."""
+    """The notes are inconsistent."""
 
 
 def product_latencies(events: Iterable[Note], notes: Iterable[Note], lines: Sequence[str]) -> Latencies:
-    """Of the product.
+    """Return the latencies of the product.
 
-    A state carries the time at which its frame was read (``at``), so the confirming frame is the last one that
-    was sent before: an edge that comes after a frame too many is not taken for a fast one.
+    A state has the time at which its frame was read (``at``), so the confirming frame is the last one sent before: an
+    edge that comes a frame too late is not counted as a fast one.
 
     Args:
-        events: of the testbench: frames and edges.
-        notes: of the client: goals and states.
-        lines: of the actuators, in sequence order.
+        events: frames and edges noted by the testbench.
+        notes: goals and states noted by the client.
+        lines: lines of the actuators, in sequence order.
     """
     events, notes = list(events), list(notes)
     frames = [event["at"] for event in events if "frame" in event and event["sent"]]
@@ -51,7 +51,7 @@ def product_latencies(events: Iterable[Note], notes: Iterable[Note], lines: Sequ
 
 
 def floor_latencies(notes: Iterable[Note]) -> Latencies:
-    """Of the floor: everything has a word by which it is found."""
+    """Return the latencies of the floor, whose notes are matched by words."""
     notes = list(notes)
     edges = {note["edge"]: note for note in notes if "edge" in note}
     states = {note["state"]: note["received"] for note in notes if "state" in note}
@@ -73,7 +73,7 @@ def floor_latencies(notes: Iterable[Note]) -> Latencies:
 
 
 def _changes(states: Sequence[Note], index: int) -> list[Note]:
-    """The first state of each level of an output; it is inactive before."""
+    """Return the first state of each level of an output, which is inactive before."""
     level, changes = False, []
     for state in states:
         if state["outputs"][index] != level:

@@ -1,4 +1,4 @@
-"""The tool in one process, or the nodes on a ROS: a floor, an application, and what is measured of them."""
+"""Measurement of the tool in one process, or of the nodes on a ROS: floor, application, and results."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ START_S = 40.0
 def measure(
     description: Description, folder: Path, plan: Plan, say: Callable[[str], None], part: str
 ) -> Result:
-    """Measure an application with a line arbiter and a testbench, all of them new; logs go to ``folder``.
+    """Measure an application with a new line arbiter and testbench; logs go to ``folder``.
 
     Args:
         description: the tool.
-        folder: of the logs.
-        plan: how much.
-        say: what is being done.
+        folder: folder for the logs.
+        plan: the counts.
+        say: reports progress.
         part: ``core``: ``EndEffector``; ``ros``: the nodes of ROS 1; ``ros2-one``, ``ros2-five``: those of ROS 2.
     """
     notes, where = folder / "states.jsonl", environment(part)
@@ -82,7 +82,7 @@ def _start_ros2(hardware: Hardware, programs: Sequence[str], where: Environment)
 
 
 def _nodes(children: Children) -> dict[str, int]:
-    """Process of each node; roslaunch tells each its name."""
+    """Return the process id of each node, found by the name that roslaunch passes."""
     found = {}
     for pid in children.left():
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""What the rounds of one part give."""
+"""The results of the rounds of one part."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ._matching import Latencies
 
 @dataclass
 class Result:
-    """Latencies of the product and of its floor, block by block, and what the processes used.
+    """Latencies of the product and of its floor, block by block, and the usage of the processes.
 
     Attributes:
-        product, floor: a mapping of name to samples for each block; they alternated.
-        left_out: why blocks are not among them.
-        losses: of a held part, from the frame that shows it to the state that says so.
-        usage: of each process while holding.
-        floor_usage: of each process of the floor's chain while it ran.
+        product, floor: for each block, samples by name; the blocks alternated.
+        left_out: the reasons for omitted blocks.
+        losses: latencies of losses of a held part, from the frame that shows it to the state that reports it.
+        usage: usage of each process while holding.
+        floor_usage: usage of each process of the floor's chain while it ran.
     """
 
     product: list[Latencies] = field(default_factory=list)
@@ -33,7 +33,7 @@ class Result:
     floor_usage: Mapping[str, Usage] = field(default_factory=dict)
 
     def add(self, other: Result) -> None:
-        """What a later round gave."""
+        """Add the results of a later round."""
         self.product += other.product
         self.floor += other.floor
         self.left_out += other.left_out
@@ -43,21 +43,21 @@ class Result:
         self.floor_usage = _together(self.floor_usage, other.floor_usage)
 
     def pooled(self, name: str) -> tuple[list[int], list[int]]:
-        """All samples of the product, all of the floor."""
+        """Return all samples of the product, and all of the floor."""
         return _pool(self.product, name), _pool(self.floor, name)
 
     def ratio(self, name: str) -> float | None:
-        """Of the medians."""
+        """Return the ratio of the medians."""
         product, floor = self.pooled(name)
         return median(product) / median(floor) if product and floor else None
 
     def block_ratios(self, name: str) -> list[float]:
-        """Of the medians of each pair of blocks: how steady the ratio is."""
+        """Return the ratio of the medians of each pair of blocks, which shows how steady the ratio is."""
         pairs = zip(self.product, self.floor, strict=False)
         return [median(one[name]) / median(other[name]) for one, other in pairs if one[name] and other[name]]
 
     def as_json(self) -> dict[str, Any]:
-        """For the file."""
+        """Return the JSON for the results file."""
         return {
             "latencies_us": {name: self._latency(name) for name in self.names},
             "losses_us": {
@@ -72,7 +72,7 @@ class Result:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the latencies."""
+        """Names of the latencies."""
         return tuple(self.product[0])
 
     def _latency(self, name: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A program: the tool in one process, without ROS, and what its listener gets; obeys as an `Application`."""
+"""A program: the tool in one process without ROS, with a listener; controlled as an `Application`."""
 
 from __future__ import annotations
 

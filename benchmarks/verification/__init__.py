@@ -1,4 +1,4 @@
-"""Time, states and memory of the verification."""
+"""Benchmarks of the verification: time, states and memory."""
 
 from ._measure import FULL, QUICK, Measured, Plan, measure_verification
 from ._subject import Answer, Subject

@@ -1,4 +1,4 @@
-"""How much is verified and how long that may take; all subjects, one after the other."""
+"""The plan of the verification benchmark, and its measurement: all subjects, one after the other."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ._subject import Subject, check
 
 @dataclass(frozen=True)
 class Plan:
-    """Sizes, and seconds that each subject may take at most; what is not finished by then is left out.
+    """Sizes, and the time limit of each subject in seconds; queries that are not finished by then are omitted.
 
     Attributes:
         fischer: numbers of processes.
         steps: numbers of actuators.
-        together_s: for all requirements of the shipped tool, in one exploration.
-        alone_s: for the same, one by one; 0: left out.
-        fischer_s, steps_s: for each size.
-        all_steps_s: for all numbers of actuators together.
+        together_s: limit for all requirements of the shipped tool, in one exploration.
+        alone_s: limit for the same requirements one by one; 0: omitted.
+        fischer_s, steps_s: limit for each size.
+        all_steps_s: limit for all numbers of actuators together.
     """
 
     fischer: tuple[int, ...]
@@ -42,7 +42,7 @@ QUICK = Plan((5,), (2, 4), together_s=30, alone_s=0, fischer_s=20, steps_s=15, a
 
 @dataclass(frozen=True)
 class Measured:
-    """What came out."""
+    """The results of the measurement."""
 
     together: Subject
     alone: Subject | None
@@ -51,16 +51,16 @@ class Measured:
 
     @property
     def growth(self) -> float | None:
-        """The exponent e of time ~ steps^e, least squares over the sizes that were finished."""
+        """The exponent e of time ~ steps^e, least squares over the finished sizes."""
         return exponent([(one.size, one.seconds) for one in self.steps if one.finished])
 
     @property
     def growth_of_states(self) -> float | None:
-        """The same of the states, which no other load of the machine disturbs."""
+        """The exponent of the number of states, which other load does not affect."""
         return exponent([(one.size, one.states) for one in self.steps if one.finished])
 
     def as_json(self) -> dict[str, Any]:
-        """For the file."""
+        """Return the JSON for the results file."""
         return {
             "together": self.together.as_json(),
             "alone": self.alone and self.alone.as_json(),
@@ -72,7 +72,7 @@ class Measured:
 
 
 def measure_verification(plan: Plan, say: Callable[[str], None]) -> Measured:
-    """Check everything of a plan; a size after one that was not finished is not begun."""
+    """Check all subjects of a plan; after an unfinished size, larger sizes are not started."""
     say("requirements of the shipped tool, together")
     together = check("together", 0, plan.together_s)
     alone = None
@@ -95,7 +95,7 @@ def measure_verification(plan: Plan, say: Callable[[str], None]) -> Measured:
 
 
 def exponent(points: Sequence[tuple[float, float]]) -> float | None:
-    """The slope of a straight line through the logarithms; None of fewer than two points."""
+    """Return the slope of a straight line through the logarithms; None for fewer than two points."""
     if len(points) < 2:
         return None
     logs = [(log(x), log(y)) for x, y in points]

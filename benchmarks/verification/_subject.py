@@ -1,4 +1,4 @@
-"""One subject of the verification: what was answered within its time."""
+"""One subject of the verification, with the answers given within its time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BENCHMARKS = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Answer:
-    """Of one query. ``states``: symbolic states that were stored; ``seconds``: of the processor."""
+    """The answer to one query. ``states``: stored symbolic states; ``seconds``: processor time."""
 
     query: str
     sentence: str
@@ -28,10 +28,10 @@ class Answer:
 
 @dataclass(frozen=True)
 class Subject:
-    """What was asked of one network, in a process of its own.
+    """The queries to one network, answered in a separate process.
 
     Attributes:
-        load_s: reading the file and putting it together.
+        load_s: time for reading the file and building the network.
         finished: whether every query was answered in time.
         loaded_kib, peak_kib: largest memory of the process, before the first query and in all.
     """
@@ -46,28 +46,28 @@ class Subject:
 
     @property
     def bytes_per_state(self) -> float:
-        """What the search took beside the loaded network, for each stored state; of several queries, the largest."""
+        """Memory of the search, without the loaded network, per stored state of the largest query."""
         most = max((answer.states for answer in self.answers), default=0)
         return (self.peak_kib - self.loaded_kib) * 1024 / most if most else 0.0
 
     @property
     def seconds(self) -> float:
-        """Of all answers."""
+        """Seconds of all answers."""
         return sum(answer.seconds for answer in self.answers)
 
     @property
     def states(self) -> int:
-        """Of all answers."""
+        """States of all answers."""
         return sum(answer.states for answer in self.answers)
 
     def as_json(self) -> dict[str, Any]:
-        """For the file."""
+        """Return the JSON for the results file."""
         found = vars(self) | {"answers": [vars(answer) for answer in self.answers]}
         return found | {"bytes_per_state": self.bytes_per_state}
 
 
 def check(name: str, size: int, longest_s: float) -> Subject:
-    """Check a subject of `_worker` in a process of its own; raises ReportedError when that fails."""
+    """Check a subject of `_worker` in a separate process; raises ReportedError if that fails."""
     command = [sys.executable, "-m", "verification._worker", name, str(size)]
     try:
         done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, timeout=longest_s)

@@ -1,8 +1,8 @@
-"""A program: checks one subject, and prints a JSON line for each query as soon as it is answered.
+"""A program that checks one subject and prints a JSON line for each query as soon as it is answered.
 
-``together 0`` (the shipped tool, as ``eehal verify`` does it), ``alone 0`` (each of its requirements for itself),
-``fischer N`` or ``steps N``. A process of its own, so that its peak memory is that of the subject, and so that it can
-be ended. Seconds are of the processor: what else the machine does hardly disturbs them.
+``together 0`` (the shipped tool, as in ``eehal verify``), ``alone 0`` (each of its requirements separately), ``fischer
+N`` or ``steps N``. It is a separate process, so that its peak memory is that of the subject, and so that it can be
+ended. Seconds are processor time, which other load hardly affects.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ ATTEMPTS, CONFIRM_MS, RESET_MS, GONE_MS = 3, 5000, 1000, 2000
 
 
 class Task(NamedTuple):
-    """Something to answer: ``run`` says whether it holds, and the states that it took."""
+    """A query to answer: ``run`` returns whether it holds, and the number of states."""
 
     query: str
     sentence: str
@@ -106,7 +106,7 @@ def _together(count: int) -> Iterator[Task]:
 
 
 def _tool(count: int) -> Network:
-    """The shipped tool; with ``count`` steps, 0: with its own."""
+    """Return the shipped tool with ``count`` steps; 0: with its own."""
     description = load(profile_path())
     constants = model_constants(description)
     if count:
@@ -134,7 +134,7 @@ def _say(**fields: object) -> None:
 
 
 def _peak_kib() -> int:
-    """Of this program; what `getrusage` says begins with the memory of the one that started it."""
+    """Return the peak memory of this program; `getrusage` would include the memory of its parent."""
     lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:"))
 

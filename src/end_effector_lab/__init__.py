@@ -1,1 +1,1 @@
-"""The development tools of the hardware abstraction layer: what is not installed on the robot."""
+"""The development tools of the hardware abstraction layer; they are not installed on the robot."""

@@ -1,4 +1,4 @@
-"""Processes that are started, watched, and certainly ended with all of their descendants."""
+"""Starts and watches processes, and reliably ends them with all their descendants."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from typing import Self
 from end_effector_hal.errors import ReportedError
 
 EEHAL = (sys.executable, "-c", "from end_effector_hal.cli import main; main()")
-"""How `eehal` is started, whatever is in the PATH."""
+"""The command that starts `eehal`, independent of the PATH."""
 
 _TICK_S = 0.02
 _LAST_LINES = 8
@@ -28,14 +28,14 @@ class Child:
     """A process in a session of its own, with its output in a log file.
 
     Args:
-        name: for sentences, such as ``line arbiter``.
+        name: name for sentences, such as ``line arbiter``.
         command: program and arguments.
         log: receives standard output and standard error.
         env: its whole environment.
-        dies_by: the kernel sends it this signal when this process is killed, so that no orphan keeps a port or a
-            socket; None: it goes on.
-        commands: it reads commands from standard input, see `tell`; else that is empty.
-        failed: the kind of error to raise when it does not do what it should.
+        dies_by: signal that the kernel sends it when this process is killed, so that no orphan keeps a port or a
+            socket; None: it keeps running.
+        commands: whether it reads commands from standard input, see `tell`; else standard input is empty.
+        failed: the type of the errors that are raised.
 
     Raises:
         ReportedError: it cannot be started.
@@ -68,20 +68,20 @@ class Child:
 
     @property
     def pid(self) -> int:
-        """Of the process, and of its group."""
+        """The id of the process and of its group."""
         return self._process.pid
 
     @property
     def code(self) -> int | None:
-        """Its exit code; None: it runs."""
+        """The exit code; None while it runs."""
         return self._process.poll()
 
     def text(self) -> str:
-        """What it has said so far."""
+        """Return the output so far."""
         return self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
 
     def tell(self, line: str) -> None:
-        """Give it a line on its standard input; raises when it has ended."""
+        """Write a line to its standard input; raises if it has ended."""
         assert self._process.stdin is not None
         try:
             self._process.stdin.write(f"{line}\n".encode())
@@ -90,12 +90,12 @@ class Child:
             raise self.error(f"The {self.name} has ended.") from None
 
     def wait_until(self, ready: Callable[[], bool], *, timeout_s: float, what: str) -> None:
-        """Wait until ``ready``; raises when the process ends before, or the time is over.
+        """Wait until ``ready`` returns True; raises if the process ends first, or the time is over.
 
         Args:
-            ready: asked again and again.
+            ready: called repeatedly.
             timeout_s: longest wait.
-            what: a phrase such as ``its socket``, for the sentence.
+            what: a phrase such as ``its socket``, for the message.
         """
         end = time.monotonic() + timeout_s
         while not ready():
@@ -106,14 +106,14 @@ class Child:
             time.sleep(_TICK_S)
 
     def wait_for_end(self, *, timeout_s: float) -> int:
-        """Wait until it has ended by itself; its exit code. Raises when the time is over."""
+        """Wait until it has ended by itself; return its exit code. Raises if the time is over."""
         try:
             return self._process.wait(timeout_s)
         except subprocess.TimeoutExpired:
             raise self.error(f"The {self.name} did not end within {timeout_s:g} s.") from None
 
     def error(self, what: str) -> ReportedError:
-        """The error to raise: a sentence with the last lines of the log."""
+        """Return the error to raise: a sentence with the last lines of the log."""
         lines = [line for line in self.text().splitlines() if line.strip()][-_LAST_LINES:]
         said = "".join(f"\n    {line}" for line in lines)
         return self._failed(
@@ -121,7 +121,7 @@ class Child:
         )
 
     def end(self, *, signal_number: int = signal.SIGTERM, patience_s: float = 5.0) -> None:
-        """End it in good order, then by force; may be called again."""
+        """End the process properly, then by force; may be called again."""
         if self.code is None:
             _send(self.pid, signal_number)
             with suppress(subprocess.TimeoutExpired):
@@ -135,10 +135,11 @@ class Child:
 
 
 def _bound_to_us(program: str, env: Mapping[str, str], signal_number: int | None) -> list[str]:
-    """What has the kernel send a signal at our death (prctl, PR_SET_PDEATHSIG), put before a command.
+    """Return a command prefix that makes the kernel send a signal at the death of this process (prctl,
+    PR_SET_PDEATHSIG).
 
-    Nothing where util-linux lacks it, where there is no such program, which Popen says, and in another thread than the
-    main one: the end of that thread would count as our death.
+    It is empty if util-linux lacks the program, if the command does not exist (Popen reports that), and outside the
+    main thread, whose end would count as the death.
     """
     setpriv, found = shutil.which("setpriv"), shutil.which(program, path=env.get("PATH"))
     in_main = threading.current_thread() is threading.main_thread()
@@ -158,17 +159,16 @@ def _send(group: int, number: int) -> None:
 
 _MARK = "EEHAL_DEMO"
 _GONE_S = 2.0
-"""A process that was killed has gone by then."""
+"""Time within which a killed process disappears, s."""
 
 
 class Children:
     """Starts processes and ends them in reverse order, with all of their descendants.
 
-    roslaunch puts its nodes into sessions of their own, so each descendant is known by a mark in its
-    environment.
+    roslaunch puts its nodes into sessions of their own, so descendants are found by a mark in their environment.
 
     Args:
-        env: added to the environment of each.
+        env: added to the environment of each process.
     """
 
     def __init__(self, env: Mapping[str, str] | None = None) -> None:
@@ -189,10 +189,10 @@ class Children:
         outlives_us: bool = False,
         commands: bool = False,
     ) -> Child:
-        """Start one; see `Child`. ``end_by`` asks it to end; after ``patience_s`` it is killed.
+        """Start a process; see `Child`. ``end_by`` is the signal that ends it; after ``patience_s`` it is killed.
 
-        Should this process be killed, the kernel asks in its place, unless it ``outlives_us``: a line arbiter has last
-        wills to execute.
+        If this process is killed, the kernel sends the signal, unless ``outlives_us``: a line arbiter has last wills
+        to execute.
         """
         child = Child(
             name,
@@ -207,12 +207,12 @@ class Children:
         return child
 
     def end_since(self, first: Child) -> None:
-        """End this one and those that were started after it."""
+        """End this process and those that were started after it."""
         while any(child is first for child, _, _ in self._children):
             self._end_last()
 
     def end(self) -> None:
-        """End all of them; may be called again."""
+        """End all processes; may be called again."""
         while self._children:
             self._end_last()
         end = time.monotonic() + _GONE_S
@@ -228,7 +228,7 @@ class Children:
         self._children.pop()
 
     def left(self) -> list[int]:
-        """Process ids of descendants that still run."""
+        """Return the ids of descendants that still run."""
         mark = f"{_MARK}={self._mark}".encode()
         return [
             pid for pid in map(int, filter(str.isdigit, os.listdir("/proc"))) if mark in _environment(pid)

@@ -1,4 +1,4 @@
-"""The emulated Verdin: the HAL on the board's own device tree, GPIO controller and UART, without a board."""
+"""The emulated Verdin: runs the HAL on the board's own device tree, GPIO controller and UART, without a board."""
 
 from ._errors import BoardError
 from ._machine import Ended, run_board

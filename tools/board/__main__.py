@@ -1,4 +1,4 @@
-"""``python -m tools.board``: a scenario on the emulated Verdin."""
+"""``python -m tools.board``: plays a scenario on the emulated Verdin."""
 
 from __future__ import annotations
 
@@ -33,11 +33,9 @@ from tools.board import BoardProgress, board_parts, need_its_wires, play_on_boar
     default="runs",
     show_default=True,
     type=PathName(),
-    help="Gets a folder board-NAME for each.",
+    help="Folder that receives board-NAME for each scenario.",
 )
-@click.option(
-    "--build-only", is_flag=True, help="Fetch and build what the board is made of; print where it is."
-)
+@click.option("--build-only", is_flag=True, help="Download and build the board's parts; print their folder.")
 @json_option
 def command(
     description: Path | None,
@@ -48,12 +46,12 @@ def command(
     build_only: bool,
     as_json: bool,
 ) -> None:
-    """Play a scenario on an emulated Verdin iMX8M Plus on Dahlia, and judge what was recorded.
+    """Play a scenario on an emulated Verdin iMX8M Plus on Dahlia, and judge the recording.
 
-    QEMU boots Debian's arm64 kernel with the board's own device tree; the HAL runs inside, on its GPIO lines and
-    its UART, and the testbench outside. The board is built once, from Debian's packages, into
+    QEMU boots Debian's arm64 kernel with the board's own device tree; the HAL runs inside, on its GPIO lines and its
+    UART, and the testbench outside. The board is built once, from Debian's packages, in
     ${XDG_CACHE_HOME:-~/.cache}/end-effector-hal/board; nothing is installed and no root is needed. Its clock counts
-    what it executes: a busy machine makes it slower, and changes nothing in its recordings.
+    executed instructions: a busy machine slows it down without changing its recordings.
 
     Without DESCRIPTION: the shipped tool. Exit code 1: a scenario did not run as expected; 3: something is missing.
     """

@@ -1,4 +1,4 @@
-"""Archives that a kernel unpacks into its memory at the start (cpio, "newc"); all files belong to root."""
+"""Archives that a kernel unpacks into memory at its start (cpio, "newc"); all files belong to root."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MAGIC, TRAILER = "070701", "TRAILER!!!"
 
 
 def write_archive(folder: Path, file: BinaryIO) -> None:
-    """Append everything in a folder; several archives may stand one after the other."""
+    """Append all files of a folder; a file may contain several archives in sequence."""
     _pad(file)
     for number, path in enumerate(sorted(folder.rglob("*")), start=1):
         status = path.lstat()

@@ -4,7 +4,7 @@ from end_effector_hal.errors import ReportedError
 
 
 class BoardError(ReportedError, OSError):
-    """The emulated board cannot be built, or did not do its job."""
+    """The emulated board cannot be built, or did not finish its job."""
 
     code = "EE-600"
     exit_code = 3

@@ -1,4 +1,4 @@
-"""The emulated board, from power-up to power-off, for one job of the shell."""
+"""The emulated board, from power-up to power-off, for one shell job."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ._root import write_root
 LIBRARIES = ("lib", "usr/lib")
 BOOT = "console=ttymxc2 panic=-1 quiet nokaslr mitigations=off clk_ignore_unused"
 CLOCK = ("-icount", "shift=0,sleep=on", "-rtc", "clock=vm")
-"""Its time is what it has executed, 1 ns for each instruction: a busy host makes it slower, and nothing in it later.
+"""The board's time counts executed instructions, 1 ns each: on a busy host it runs slower, but nothing in it is late.
 
-It never rests (init.sh): if it did, its time would be that of the host, and the testbench could come too late.
+The board must not idle (init.sh): otherwise its time would follow the host's, and the testbench could be late.
 """
 START_S = 120.0
 LONGEST_S = 1800.0
@@ -32,7 +32,7 @@ LONGEST_S = 1800.0
 
 @dataclass(frozen=True)
 class Ended:
-    """What became of a job; ``code`` None: it did not end. ``seconds`` from power-up to power-off, on our clock."""
+    """Result of a job; ``code`` None: not ended. ``seconds``: power-up to power-off, by the host's clock."""
 
     code: int | None
     output: str
@@ -54,16 +54,16 @@ def run_board(
 
     Args:
         parts: see `board_parts`.
-        folder: gets ``results/`` (what the job left in /run/results), the console, the logs and ``events``.
-        job: for bash, in the environment of the project.
-        testbench: arguments for `tools.testbench`, but for its places.
-        files: text of more files for the board, by their path there.
-        ros: with the nodes and their messages.
-        timeout_s: the board is switched off after that, on our clock.
+        folder: receives ``results/`` (the job's files in /run/results), the console, the logs and ``events``.
+        job: bash script, run in the environment of the project.
+        testbench: arguments for `tools.testbench`, except its paths.
+        files: text of more files, by their path on the board.
+        ros: whether to include the nodes and their messages.
+        timeout_s: time after which the board is switched off, by the host's clock.
         while_running: called a few times a second.
 
     Raises:
-        RosError: ROS is asked for and not here.
+        RosError: ROS is requested and missing.
         ReportedError: QEMU or the testbench does not start, or the board does not end.
     """
     # a socket's path may be 108 bytes long only: not in the folder of the run
@@ -93,7 +93,7 @@ def run_board(
 
 
 def _qemu(parts: Path, root: Path, place: Path, folder: Path) -> tuple[list[str], dict[str, str]]:
-    """Command and environment; the machine stands still until it is switched on."""
+    """Return command and environment; the machine is paused until it is switched on."""
     at = parts / "qemu"
     command = [
         str(at / "usr/bin/qemu-system-aarch64"), "-L", str(at / "usr/share/qemu"),
@@ -122,7 +122,7 @@ def _ready(bench: Child) -> bool:
 
 
 def _switch_on(path: Path) -> None:
-    """Let the machine run (QMP)."""
+    """Start the machine (QMP)."""
     with socket.socket(socket.AF_UNIX) as connection:
         connection.connect(str(path))
         with connection.makefile("rw") as lines:
@@ -137,13 +137,13 @@ def _switch_on(path: Path) -> None:
 def _wait(board: Child, end: float, while_running: Callable[[], None]) -> None:
     while board.code is None:
         if time.monotonic() > end:
-            raise board.error("The emulated board did not come to its end.")
+            raise board.error("The emulated board did not end in time.")
         time.sleep(0.2)
         while_running()
 
 
 def _results(archive: Path, folder: Path) -> tuple[int | None, str]:
-    """Unpack what came over the second serial port; exit code and output of the job."""
+    """Unpack the data of the second serial port; return the exit code and output of the job."""
     try:
         with tarfile.open(archive) as results:
             if hasattr(tarfile, "data_filter"):

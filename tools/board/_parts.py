@@ -1,4 +1,4 @@
-"""What an emulated board is made of: built once for all checkouts, kept while it is new or used."""
+"""The parts of an emulated board: built once for all checkouts, kept while new or in use."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from end_effector_hal.owned import open_owned, owned_folder
 from ._errors import BoardError
 
 WHOLE = "root.cpio"
-"""Is made last: with it a built board is whole."""
+"""The file that is written last: a board with it is complete."""
 
 _used: dict[Path, int] = {}
 
 
 def keep(place: Path) -> bool:
-    """Whether a whole board stands there; if so nobody removes it until this process ends."""
+    """Return whether a complete board exists there; if so, protect it from removal until this process ends."""
     try:
         used = os.open(place, os.O_RDONLY | os.O_DIRECTORY)
     except OSError:
@@ -42,9 +42,9 @@ def keep(place: Path) -> bool:
 
 
 def forget_others(place: Path) -> list[str]:
-    """Remove every board beside this one that nobody uses, and what builds left that were cut off; returns the names.
+    """Remove unused boards beside this one, and remains of aborted builds; return the names.
 
-    Call it only while nobody else builds.
+    Call it only while no other process builds.
     """
     others = sorted(each for each in place.parent.iterdir() if each.is_dir() and each != place)
     return [each.name for each in others if _forget(each)]
@@ -69,23 +69,23 @@ def _forget(old: Path) -> bool:
 HERE = Path(__file__).parent
 DISTRIBUTION = "end-effector-hal"
 EXTRA = "extra == 'modbus'"
-"""On the board, too; figures are drawn here."""
+"""The extra that is also installed on the board; figures are drawn on the host."""
 
 
 def cache() -> Path:
-    """Where built parts stay; may be deleted at any time."""
+    """Return the folder of built parts, which may be deleted at any time."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(home) / DISTRIBUTION / "board"
 
 
 def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
-    """The folder with ``qemu/``, ``kernel``, ``board.dtb`` and ``root.cpio``; built when it is not there.
+    """Return the folder with ``qemu/``, ``kernel``, ``board.dtb`` and ``root.cpio``; build it if it is missing.
 
-    It is found by what it is made of, so that checkouts share it; who comes second waits for the first. Nobody
-    removes it until this process ends; when a new one was built, those before it go, but for what is in use.
+    Its name is a hash of its ingredients, so that checkouts share it; a second process waits for the first. It is not
+    removed until this process ends; after a new build, older boards are removed unless they are in use.
 
     Raises:
-        BoardError: something that is needed is missing, with its Debian package, or the build failed.
+        BoardError: something needed is missing, with its Debian package, or the build failed.
     """
     requirements = "".join(f"{each}\n" for each in sorted(_requirements(DISTRIBUTION)))
     made_of = [
@@ -118,7 +118,7 @@ def board_parts(say: Callable[[str], None] = lambda text: None) -> Path:
 
 
 def _build(place: Path, requirements: str) -> None:
-    """Made beside its place and moved there when it is whole."""
+    """Build beside the final place and move the complete result there."""
     new = place.with_name(f"{place.name}.new")
     for old in (new, place):
         shutil.rmtree(old, ignore_errors=True)
@@ -144,7 +144,7 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def _requirements(name: str, known: set[str] | None = None) -> set[str]:
-    """``name==version`` of all that it needs, as it is installed here; without what draws."""
+    """Return ``name==version`` of all installed dependencies, without those for drawing."""
     known = set() if known is None else known
     found: set[str] = set()
     for text in distribution(name).requires or ():

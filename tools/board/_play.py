@@ -1,4 +1,4 @@
-"""A scenario of the demo on the emulated board."""
+"""Plays a scenario of the demo on the emulated board."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ PORTS = ("/dev/verdin-uart1", "/dev/ttymxc0")
 
 
 def need_its_wires(description: Description) -> None:
-    """Raise UsageError when a tool hangs on lines or a port that the board does not have."""
+    """Raise UsageError if a tool uses lines or a port that the board does not have."""
     if description.lines.backend != "gpiod":
         raise UsageError(
-            "the lines of this tool are virtual.",
+            "this tool uses virtual lines, which the board does not have.",
             where=str(description.source),
             todo="The board has backend: gpiod.",
         )
@@ -50,21 +50,21 @@ def play_on_board(
     figures: bool = True,
     while_running: Callable[[], None] = lambda: None,
 ) -> Report:
-    """Play it, bring the recording home, judge it by the pins that the testbench saw.
+    """Play a scenario, fetch the recording, and judge it by the pins that the testbench recorded.
 
     Args:
-        scenario: what is played.
+        scenario: the scenario.
         description: the tool; lines and port are those of the board.
         parts: see `board_parts`.
-        folder: gets recording, traces, figures and logs.
-        ros: through all nodes, or through `EndEffector` alone.
-        figures: draw them.
+        folder: receives recording, traces, figures and logs.
+        ros: whether to use all nodes, or `EndEffector` alone.
+        figures: whether to draw them.
         while_running: called a few times a second.
 
     Raises:
-        UsageError: what `need_its_wires` raises.
+        UsageError: see `need_its_wires`.
         BoardError: the job left no recording.
-        ReportedError: what `run_board` raises.
+        ReportedError: see `run_board`.
     """
     need_its_wires(description)
     fresh_folder(folder)

@@ -1,4 +1,4 @@
-"""How far the emulated board is, on standard error."""
+"""The progress of the emulated board, on standard error."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ TAIL = 4096
 
 
 class BoardProgress(StatusLine):
-    """One line that changes on a terminal, else one at the begin and one at the end.
+    """Shows one changing line on a terminal, else one line at the beginning and one at the end.
 
     Args:
-        console: where it is shown.
-        title: such as ``nominal``.
-        events: file of the testbench: its times are the board's.
+        console: the output.
+        title: a title such as ``nominal``.
+        events: file of the testbench, whose times are the board's.
     """
 
     def __init__(self, console: Console, title: str, events: Path) -> None:
@@ -32,15 +32,15 @@ class BoardProgress(StatusLine):
         self.console.print(f"{self.title}: {self.text()}", highlight=False)
 
     def update(self) -> None:
-        """Show it as it is now."""
+        """Show the present progress."""
         self.show(self.text())
 
     def text(self) -> str:
-        """For example ``12.3 s of the board's time in 40 s``."""
+        """Return a text such as ``12.3 s of the board's time in 40 s``."""
         return f"{self.board_s():.1f} s of the board's time in {time.monotonic() - self.begun:.0f} s"
 
     def board_s(self) -> float:
-        """How long the board has run, in its own time."""
+        """Return how long the board has run, in its own time."""
         try:
             with self._events.open("rb") as file:
                 file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))

@@ -1,4 +1,4 @@
-"""Lines of an emulated GPIO controller: QEMU tells of every change of its output pins (its qtest interface)."""
+"""Lines of an emulated GPIO controller: QEMU reports changes of its output pins (its qtest interface)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ LEAST_S, MOST_S = 0.001, 0.1
 class GuestClock:
     """Reads a counter of the machine.
 
-    A machine that counts instructions (``-icount``) has a time of its own: it stands still while this machine has no
-    time for it, and is never ahead of ours while it rests. Who waits for it asks again and again.
+    A machine that counts instructions (``-icount``) has its own time: it stops while the host has no time for it, and
+    is never ahead of the host's while it idles. Waiting for it therefore needs polling.
 
     Args:
-        ask: gives QEMU a command of qtest; "": it has ended, and its clock stands still.
+        ask: sends a qtest command to QEMU; returns "" if QEMU has ended, whose clock then stops.
     """
 
     def __init__(self, ask: Callable[[str], str]) -> None:
@@ -34,7 +34,7 @@ class GuestClock:
         self._ticks = 0
 
     def now_us(self) -> int:
-        """Since it was asked first."""
+        """Return the time since the first call, µs."""
         with self._lock:
             count = self._count()
             if count is not None and self._last is not None:
@@ -56,11 +56,11 @@ class GuestClock:
 
 
 class Qtest:
-    """The connection, from `open` to `close`.
+    """The connection to QEMU, from `open` to `close`.
 
     Args:
-        path: of the socket.
-        told: each line that is no answer, "" at the end; called in a thread of its own, and must not block.
+        path: path of the socket.
+        told: receives each line that is not an answer, "" at the end; called in a separate thread, and must not block.
     """
 
     def __init__(self, path: str, told: Callable[[str], None]) -> None:
@@ -70,7 +70,7 @@ class Qtest:
         self._thread: threading.Thread | None = None
 
     def open(self, patience_s: float) -> None:
-        """Connect, to a machine that may come later; raises OSError."""
+        """Connect; wait for a machine that starts later; raises OSError."""
         self._socket = socket.socket(socket.AF_UNIX)
         try:
             self._connect(time.monotonic() + patience_s)
@@ -81,7 +81,7 @@ class Qtest:
         self._thread.start()
 
     def ask(self, command: str) -> str:
-        """The answer to a command; "": the machine has ended."""
+        """Return the answer to a command; "" if the machine has ended."""
         with self._asking:
             try:
                 self._socket.sendall(f"{command}\n".encode())
@@ -93,7 +93,7 @@ class Qtest:
             return answer
 
     def close(self) -> None:
-        """End; nothing is told after it. May be called again."""
+        """Close the connection; no line is reported afterwards. May be called again."""
         thread, self._thread = self._thread, None
         if thread is not None:
             with suppress(OSError):  # it has ended
@@ -125,22 +125,23 @@ class Qtest:
 
 
 CONTROLLER = "/machine/soc/gpio1"
-"""That of the lines in QEMU's imx8mp-evk; others are found with QMP's qom-list."""
+"""Path of the lines' controller in QEMU's imx8mp-evk; QMP's qom-list finds others."""
 PATIENCE_S = 60.0
 
 
 class QemuInputs:
     """Pins of one controller of a machine that was started with ``-qtest unix:SOCKET,server=on,wait=off -S``.
 
-    The machine is to run after this was started; at power-up nothing drives a pin. It does not wait for us.
+    Start this first, then let the machine run; at power-up nothing drives a pin. The machine does not wait for this
+    process.
 
     Args:
         path: the socket.
         offsets: line -> pin of the controller.
-        patience_s: how long to wait for the socket: the machine may need our end of its UART to start.
+        patience_s: how long to wait for the socket: the machine may need the host's end of its UART to start.
 
     Attributes:
-        clock: the machine's: edges are stamped with it, a little after they happened.
+        clock: the machine's clock; edges get its time, a little after they happened.
     """
 
     def __init__(self, path: str, offsets: Mapping[str, int], *, patience_s: float = PATIENCE_S) -> None:
@@ -200,7 +201,7 @@ class QemuInputs:
         return None
 
     def _off(self, levels: Mapping[int, bool], on_edge: OnEdge) -> None:
-        """The machine has ended: nothing drives its pins any more."""
+        """Report all lines as off after the machine has ended, since nothing drives its pins."""
         for offset, level in levels.items():
             if level:
                 on_edge(self._lines[offset], False, self.clock.now_us())

@@ -1,4 +1,4 @@
-"""The files of the emulated board: its root is memory, filled at its start."""
+"""The files of the emulated board: its root file system is in memory and is filled at its start."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ PACKAGES = [
     HERE.parents[1] / "src" / name for name in ("timed_automata", "end_effector_hal", "end_effector_lab")
 ]
 HOME = Path("opt/end-effector")
-"""Of the project, on the board."""
+"""Folder of the project on the board."""
 EEHAL = "#!/usr/bin/env python3\nfrom end_effector_hal.cli import main\n\nmain()\n"
 ROS_PACKAGES = ("end_effector_msgs", "end_effector_hal")
 SEED_BYTES = 64
 
 
 def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, ros: bool) -> Path:
-    """What was built once, and on it the project as it stands, and the job.
+    """Write an archive of the built parts, the present project, and the job.
 
     Args:
         parts: see `board_parts`.
-        place: gets the archive.
-        job: for bash.
+        place: folder for the archive.
+        job: bash script.
         files: text of more files, by their path on the board.
-        ros: with the nodes and their messages.
+        ros: whether to include the nodes and their messages.
 
     Raises:
-        RosError: they are asked for and not here.
+        RosError: ROS is requested and missing.
     """
     more = place / "more"
     site = more / HOME / "site"
@@ -74,7 +74,7 @@ def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, 
 
 
 def _write_metadata(site: Path) -> None:
-    """The entry points by which `eehal` finds the commands of the development tools."""
+    """Write the entry points by which `eehal` finds the commands of the development tools."""
     own = distribution(DISTRIBUTION)
     place = site / f"{DISTRIBUTION.replace('-', '_')}-{own.version}.dist-info"
     place.mkdir()

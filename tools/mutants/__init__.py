@@ -1,4 +1,4 @@
-"""Edit the automata systematically, and find which requirement notices each edit."""
+"""Edit the automata systematically, and find which requirement detects each edit."""
 
 from ._edits import Mutant, mutants
 from ._equivalence import ReachedNetwork

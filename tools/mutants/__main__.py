@@ -1,4 +1,4 @@
-"""``python -m tools.mutants``: whether the requirements notice edits of the automata."""
+"""``python -m tools.mutants``: checks whether the requirements detect edits of the automata."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ def command(
     record: Path | None,
     as_json: bool,
 ) -> None:
-    """Edit the automata systematically, one small edit at a time, and prove the requirements of each mutant.
+    """Edit the automata systematically, one small edit at a time, and verify the requirements of each mutant.
 
-    Edited are guards, invariants, assignments, synchronisations, targets, committed and urgent, and the functions of
-    the templates that a program executes. A mutant is caught when a requirement does not hold of it; one that survives
-    is an edit that no requirement notices. Where it is proven to change nothing that can happen it is equivalent;
-    otherwise a requirement may be missing, and the exit code is 4.
-    What the values of the description switch off, or do not show, is judged with those of other tools, too.
+    The edits concern guards, invariants, assignments, synchronisations, targets, committed and urgent, and the
+    functions of the templates that a program executes. A mutant is caught if a requirement does not hold of it, and
+    survives if no requirement detects the edit. If the edit is proven to change no behaviour, the mutant is
+    equivalent; otherwise a requirement may be missing, and the exit code is 4. Edits that the values of the
+    description switch off or hide are also judged with those of other tools.
     """
     tool = load_tool(description or profile_path())
     network, constants = load_automata(tool), model_constants(tool)
@@ -104,7 +104,7 @@ def _executed(tool: Description, template: str | None) -> tuple[str, ...]:
 
 
 def _table(record: MutationRecord) -> Iterator[str]:
-    """How many of each kind of edit were caught."""
+    """Yield the lines of a table: the outcomes of each kind of edit."""
     outcomes = ("caught", "equivalent", "survives", "off", "invalid", "open")
     heads = ("caught", "same", "survive", "off", "invalid", "open")
     yield f"{'edit':22}" + "".join(f"{head:>9}" for head in heads)

@@ -1,4 +1,4 @@
-"""Where an edited network differs: in all other states it has the moves of the network that was edited."""
+"""The places where an edited network differs; in all other states it has the moves of the original."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from timed_automata.network import Network, Process
 
 
 class EditedPlaces(NamedTuple):
-    """The locations of a process in which it may do otherwise."""
+    """The locations of a process in which its behaviour may differ."""
 
     process: int
     locations: frozenset[int]
 
 
 def edited_places(network: Network, edited: Network) -> tuple[EditedPlaces, ...] | None:
-    """Where a network does not have the edges, locations and functions of an edited one, if both share the rest.
+    """Return the places where a network and an edited one differ in edges, locations and functions.
 
-    None: it may be anywhere.
+    None: the rest also differs, so the difference may be anywhere.
     """
     ours, theirs = network.document, edited.document
     templates = {each.name.content.strip(): each for each in ours.templates}
@@ -43,7 +43,7 @@ def edited_places(network: Network, edited: Network) -> tuple[EditedPlaces, ...]
 
 
 def _functions(template: Template, other: Template) -> Collection[str] | None:
-    """The functions of a template that another one does not have as they are; None: more than functions differs."""
+    """Return the functions of a template that differ in another one; None: more than functions differs."""
     if (template.name, template.parameters) != (other.name, other.parameters):
         return None
     if template.declarations == other.declarations:
@@ -62,7 +62,7 @@ def _functions(template: Template, other: Template) -> Collection[str] | None:
 
 
 def _texts(template: Template) -> dict[str, str]:
-    """What declares each function of a template; without a name: what is no function."""
+    """Return the declaration of each function of a template by name; all other declarations have the name ""."""
     texts = {"": ""}
     for each in parse_declarations(template.declarations) if template.declarations else ():
         text = each.span.text.content[each.span.start : each.span.end]
@@ -74,7 +74,7 @@ def _texts(template: Template) -> dict[str, str]:
 
 
 def _differing(process: Process, other: Process, functions: Collection[str]) -> Iterator[int]:
-    """The locations of a process that another one does not have, or has without one of their edges."""
+    """Yield the locations of a process that another one lacks or has with an edge missing or different."""
     locations, edges = ({id(each.drawn) for each in parts} for parts in (other.locations, other.edges))
     changed = {
         each.index

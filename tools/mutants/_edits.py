@@ -1,4 +1,4 @@
-"""Yield all mutants of the templates of a file and of its global declarations, in the order of the file."""
+"""Yields all mutants of the templates of a file and of its global declarations, in the order of the file."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ class Mutant:
 
     Attributes:
         operator: the kind of edit: ``comparison``, ``constant``, ``target``, …
-        template: the name of the template that was edited; empty: the global declarations were.
-        element: what of it, in words: ``Step -> Reset, guard``, ``invariant of Step``, ``function rest``.
+        template: the name of the edited template; empty: the global declarations.
+        element: the edited element, in words: ``Step -> Reset, guard``, ``invariant of Step``, ``function rest``.
         place: ``file:line:column``.
-        old, new: what stood there, and what stands there now.
-        edge: the number of the edge among those of its template; None: it is no edge.
-        location: the id of the location; empty: it is none.
-        document: the file with the edit; it can be made into a network, not written back.
+        old, new: the text before and after the edit.
+        edge: the number of the edge within its template; None: not an edge.
+        location: the id of the location; empty: not a location.
+        document: the edited file; a network can be made of it, but it cannot be written to a file.
     """
 
     operator: str
@@ -67,14 +67,15 @@ class Mutant:
 def mutants(
     document: Document, templates: Collection[str] | None = None, given: Collection[str] = ()
 ) -> Iterator[Mutant]:
-    """Each mutant of the templates with these names (None: all of them); many are no valid model.
+    """Yield the mutants of the templates with these names (None: all templates); many are invalid models.
 
-    Before them those of the global functions and declarations that these templates use, and of the functions that no
-    template uses; without the constants that are ``given`` from outside: what stands in the file is replaced.
+    First come mutants of the global functions and declarations that these templates use, and of functions that no
+    template uses. Constants that are ``given`` from outside are not edited, since their values in the file are
+    replaced.
 
     Raises:
         ModelError: a text is not well-formed.
-        UsageError: there is no template of a name.
+        UsageError: a template name does not exist.
     """
     known = [template.name.content.strip() for template in document.templates]
     for name in templates or ():
@@ -87,7 +88,7 @@ def mutants(
 
 
 class Edited(NamedTuple):
-    """Where, what stood there, and what stands there now."""
+    """The place of an edit, and the text before and after it."""
 
     place: str
     old: str
@@ -95,7 +96,7 @@ class Edited(NamedTuple):
 
 
 class _OfDeclarations:
-    """The global declarations, as far as some templates use them."""
+    """The mutants of the global declarations that some templates use."""
 
     def __init__(self, document: Document, templates: Collection[str], given: Collection[str]) -> None:
         self.document, self.given = document, given
@@ -237,7 +238,7 @@ class _OfTemplate:
             yield TextEdit("synchronisation", _name_of(here.channel), other)
 
     def _channels(self, here: ast.Synchronisation) -> Iterator[str]:
-        """Others of as many indices, which this template uses in the same direction."""
+        """Yield other channels with as many indices that this template uses in the same direction."""
         seen = {_source(_name_of(here.channel))}
         for edge in self.template.edges:
             if label := edge.labels.get("synchronisation"):
@@ -250,7 +251,7 @@ class _OfTemplate:
 
 
 def _words(template: Template) -> set[str]:
-    """All names in the texts of a template."""
+    """Return all names in the texts of a template."""
     labels = [*(each.labels for each in template.locations), *(each.labels for each in template.edges)]
     texts = [label.text for each in labels for kind, label in each.items() if kind != "comments"]
     code = [template.declarations] if template.declarations else []
@@ -258,7 +259,7 @@ def _words(template: Template) -> set[str]:
 
 
 def _names(node: ast.Node) -> set[str]:
-    """The names in a part of a text, and those of the functions that it calls."""
+    """Return the names in a part of a text, including functions that it calls."""
     found = {each.name for each in ast.walk(node) if isinstance(each, ast.Name | ast.Call)}
     return {str(name) for name in found}
 
@@ -272,7 +273,7 @@ def _name(location: DrawnLocation) -> str:
 
 
 def _with(labels: Mapping[str, Label], kind: str, edit: TextEdit) -> dict[str, Label]:
-    """The labels with one edited; one of which nothing is left goes."""
+    """Return the labels with one edited; a label that becomes empty is removed."""
     text = edit.applied()
     rest = {name: label for name, label in labels.items() if name != kind}
     return rest | {kind: replace(labels[kind], text=text)} if text.content.strip() else rest

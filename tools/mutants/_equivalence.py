@@ -1,16 +1,15 @@
-"""Whether an edit changes nothing that can happen: a bisimulation between a network and an edited one.
+"""The proof that an edit changes no behaviour: a bisimulation between a network and an edited one.
 
-Rule 1. Two states are related if they are the same, or differ only in variables that belong to one process and were
-seen to make no difference: from there on, both networks have the same moves into states that are related.
+Rule 1. Two states are related if they are the same, or differ only in variables of one process that were shown to make
+no difference: from there on, both networks have the same moves into related states.
 Rule 2. Two moves are the same if they use the same channel, are enabled at the same valuations of the clocks, and lead
-to the same locations, to the same values of all other variables, and to the same values of the clocks that are active.
+to the same locations, the same values of all other variables, and the same values of the active clocks.
 Rule 3. Time passes in the same way: the invariants allow the same valuations.
 
-Every state that the network reaches is compared with itself in the edited network; where an edit writes another value
-into a variable of a process, the two states that result are compared as well, and so on. A state in which no process
-is where it was edited has the same moves in both, and is not looked at. Zones are those of the search:
-they hold every valuation that is reached, and some that behave alike. What is shown is therefore true; what is not
-shown may be true all the same.
+Every reachable state of the network is compared with itself in the edited network; where an edit writes another value
+into a variable of a process, the two resulting states are also compared, and so on. A state in which no process is at
+an edited place has the same moves in both, and is skipped. The zones of the search contain every reachable valuation,
+and some that behave alike. An equivalence that is shown is therefore true; one that is not shown may still be true.
 """
 
 from __future__ import annotations
@@ -35,11 +34,11 @@ _Pair = tuple[DiscreteState, DiscreteState, Zone]
 
 
 class ReachedNetwork:
-    """A network whose states were all found, for the comparison with edited ones.
+    """A network with all its reachable states, for the comparison with edited ones.
 
     Args:
-        network: what edited networks are compared with.
-        templates: those that are edited; the variables that are declared in them are their own affair.
+        network: the network that edited ones are compared with.
+        templates: the edited templates; variables declared in them are private to them.
 
     Raises:
         RangeError: a value leaves its range in a run.
@@ -61,12 +60,12 @@ class ReachedNetwork:
         self._known: dict[DiscreteState, tuple[ComparedMove, ...]] = {}
 
     def equivalent(self, edited: Network, *, most_pairs: int = _MOST_PAIRS) -> bool:
-        """Whether an edited network was shown to do the same; False: it was not shown.
+        """Return whether an edited network was shown to be equivalent; False: it was not shown.
 
-        Of states that differ so many pairs are looked at.
+        At most ``most_pairs`` pairs of different states are compared.
 
         The edit may be in guards, invariants, updates, synchronisations, targets and kinds of locations, and in
-        functions; processes, locations, variables, clocks and channels are those of the network.
+        functions; processes, locations, variables, clocks and channels must be those of the network.
         """
         if not self._comparable(edited):
             return False
@@ -90,21 +89,21 @@ class ReachedNetwork:
         return ours == theirs
 
     def moves(self, state: DiscreteState) -> tuple[ComparedMove, ...]:
-        """The moves of a state, found once."""
+        """Return the moves of a state, cached."""
         found = self._known.get(state)
         if found is None:
             found = self._known[state] = tuple(moves_of(state))
         return found
 
     def seen(self, state: DiscreteState) -> object:
-        """What others see of a state."""
+        """Return the part of a state that other processes can observe."""
         if self._seen is None:
             return place(state)
         values = state.state.values
         return state.vector.locations, tuple([values[at] for at in self._seen])
 
     def active(self, state: DiscreteState) -> Collection[int]:
-        """The clocks whose values may be asked for."""
+        """Return the clocks whose values may be tested."""
         return self._limits.at(state.vector.locations)
 
 
@@ -119,7 +118,7 @@ class _Comparison:
         self._places = edited_places(reached.network, edited)
 
     def _may_differ(self, state: DiscreteState) -> bool:
-        """Whether a process is where it was edited."""
+        """Return whether a process is at an edited place."""
         at = state.vector.locations
         return self._places is None or any(at[each.process] in each.locations for each in self._places)
 
@@ -142,7 +141,7 @@ class _Comparison:
         return True
 
     def _plainly_same(self, state: DiscreteState, other: DiscreteState) -> bool:
-        """Whether moves and invariant are the same whatever the clocks say."""
+        """Return whether moves and invariant are the same for all clock values."""
         if state.delays != other.delays or state.invariant != other.invariant:
             return False
         ours, theirs = self._reached.moves(state), list(moves_of(other))
@@ -151,7 +150,7 @@ class _Comparison:
         )
 
     def _same(self, record: StateRecord, other: DiscreteState, zone: Zone) -> bool:
-        """Whether two states do the same in a zone; pairs of states that they lead to are put off."""
+        """Return whether two states behave alike in a zone; pairs of successors are compared later."""
         state = record.discrete
         if state.delays != other.delays:
             return False
@@ -184,9 +183,9 @@ class _Comparison:
     def _by_label(
         self, record: StateRecord, moves: Sequence[ComparedMove], zone: Zone
     ) -> dict[object, dict[_Place, tuple[DiscreteState, list[Zone]]]] | None:
-        """The moves that are possible in a zone by what others see of them, then by where they lead.
+        """Group the possible moves in a zone by their observable effect, then by their target.
 
-        None: one asks for a clock about which nothing is known.
+        None: a move tests a clock whose value is unknown.
         """
         found: dict[object, dict[_Place, tuple[DiscreteState, list[Zone]]]] = {}
         index = record.form.index
@@ -203,7 +202,7 @@ class _Comparison:
         return found
 
     def _resets(self, record: StateRecord, move: ComparedMove, zone: Zone) -> Iterator[tuple[int, int]]:
-        """The clocks that are set to what they are not already, if it matters."""
+        """Yield the clock resets that change a value and matter."""
         index, n = record.form.index, record.n
         active = {*self._reached.active(move.target), *self._limits.at(move.target.vector.locations)}
         for clock, value in move.resets:
@@ -220,7 +219,7 @@ class _Comparison:
         theirs: dict[_Place, tuple[DiscreteState, list[Zone]]],
         zone: Zone,
     ) -> bool:
-        """Whether the moves with one label lead to the same states, or to some that are to be compared."""
+        """Return whether the moves with one label lead to the same states, or to pairs to be compared."""
         for key in ours.keys() & theirs.keys():
             if not same_union(ours[key][1], theirs[key][1], record.n):
                 return False
@@ -236,7 +235,7 @@ class _Comparison:
         return True
 
     def _put_off(self, record: StateRecord, target: DiscreteState, other: DiscreteState, zone: Zone) -> bool:
-        """Compare two states later; False: there are too many."""
+        """Schedule the comparison of two states; return False if there are too many."""
         passed = self._passed.setdefault((place(target), place(other)), [])
         for move in self._moves_to(record, target):
             after = self._space.step(record, move).plan(zone)

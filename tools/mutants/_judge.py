@@ -1,4 +1,4 @@
-"""One mutant: which requirement, or check of every model, does not hold of it."""
+"""The judgement of one mutant: the requirement, or check of every model, that it violates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FEW = 100  # pairs of states that differ: so many are compared before the requi
 
 
 class MutantOutcome(StrEnum):
-    """What became of a mutant."""
+    """The outcome of judging a mutant."""
 
     CAUGHT = "caught"
     EQUIVALENT = "equivalent"  # proven to do the same as the file as it is: there is nothing to notice
@@ -35,13 +35,13 @@ class MutantOutcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class MutantVerdict:
-    """A mutant and what was found.
+    """A mutant and its outcome.
 
     Attributes:
-        mutant: what was edited.
-        outcome: what became of it.
-        caught_by: ids of the requirements, or checks, that were seen not to hold; the search ends at the first.
-        variant: the tool with which it was caught, in words; empty: the tool at hand.
+        mutant: the mutant.
+        outcome: the outcome.
+        caught_by: ids of violated requirements or checks; the search ends at the first.
+        variant: the name of the tool that caught it; empty: the tool at hand.
     """
 
     mutant: Mutant
@@ -50,7 +50,7 @@ class MutantVerdict:
     variant: str = ""
 
     def document(self) -> dict[str, object]:
-        """As JSON has it."""
+        """The verdict as JSON."""
         one = self.mutant
         return {
             "template": one.template,
@@ -66,7 +66,7 @@ class MutantVerdict:
 
 
 class _Found(NamedTuple):
-    """What the exploration of the file as it is says."""
+    """The results of exploring the unedited file."""
 
     states: int
     idle: Mapping[str, int]
@@ -74,17 +74,17 @@ class _Found(NamedTuple):
 
 
 class Baseline:
-    """The file as it is, explored once: what cannot happen there already is no finding about a mutant.
+    """The unedited file, explored once: an event that is impossible in it is no finding about a mutant.
 
     Args:
-        network: with the constants that mutants are judged with.
+        network: the network with the constants that mutants are judged with.
         constants: these constants, as they were given.
         executed: templates that a program executes.
-        variant: words for these constants, where they are not those of the tool at hand. A requirement that does not
-            hold with them is not asked then, such as that of an interlock that is off.
+        variant: the name of these constants if they are not those of the tool at hand. A requirement that does not
+            hold with them, such as one about an interlock that is off, is then not checked.
 
     Raises:
-        UsageError: a requirement does not hold of the file itself.
+        UsageError: a requirement does not hold of the unedited file.
     """
 
     def __init__(
@@ -116,22 +116,23 @@ class Baseline:
 
     @property
     def states(self) -> int:
-        """Symbolic states of the file as it is."""
+        """Number of symbolic states of the unedited file."""
         return self._found.states
 
     @cached_property
     def reached(self) -> ReachedNetwork:
-        """All states of the file as it is."""
+        """All states of the unedited file."""
         return ReachedNetwork(self.network, self.executed)
 
     def off(self, mutant: Mutant) -> bool:
-        """Whether the constants switch off the edge that was edited, or all edges into the location."""
+        """Return whether the constants switch off the edited edge, or all edges into the edited location."""
         return self._among(self._off, mutant)
 
     def stays_off(self, mutant: Mutant, network: Network | None = None) -> bool:
-        """Whether what was edited is `off`, and is so in the network of the mutant, too: then nothing has changed.
+        """Return whether the edited element is `off`, and also off in the mutant's network, so that nothing has
+        changed.
 
-        Without a network: whether the edit is one that switches nothing on.
+        Without a network: whether this edit can switch nothing on.
         """
         if not self.off(mutant):
             return False
@@ -152,16 +153,16 @@ class Baseline:
 
     @cached_property
     def asked(self) -> tuple[Requirement, ...]:
-        """The requirements that hold of the file itself: of a mutant they ask for what it has, too."""
+        """The requirements that hold of the unedited file and are checked for mutants."""
         return tuple(each for each in self._requirements if each.id not in self._found.failing)
 
     def more_idle(self, found: Overview) -> list[str]:
-        """Checks of coverage that say more of a mutant than of the file itself."""
+        """Return the coverage checks that find more in a mutant than in the unedited file."""
         return [name for name, count in _idle(found).items() if count > self._found.idle[name]]
 
 
 def judge(mutant: Mutant, baseline: Baseline) -> MutantVerdict:
-    """Look for a requirement that notices the edit, unless it is proven to change nothing."""
+    """Look for a requirement that detects the edit, unless the edit is proven to change nothing."""
     try:
         network = remake_network(baseline.network, mutant.document) or make_network(
             mutant.document, baseline.constants
@@ -205,7 +206,7 @@ def _overview(
 
 
 def _caught(network: Network, requirements: tuple[Requirement, ...], found: Overview) -> Iterator[str]:
-    """What one exploration leaves in doubt is asked once more; where it ended early, of the rest it says nothing."""
+    """Yield violated requirements; doubtful answers are checked again, after an early end only "A[]" is used."""
     explorer = Explorer(network)
     for each, answer in zip(requirements, found.answers, strict=True):
         query = each.query
@@ -217,7 +218,7 @@ def _caught(network: Network, requirements: tuple[Requirement, ...], found: Over
 
 
 def _unnoticed(network: Network, found: Overview, baseline: Baseline) -> Iterator[str]:
-    """By the checks of every model."""
+    """Yield the violated checks of every model."""
     yield from baseline.more_idle(found)
     if found.late:
         yield "room"
@@ -227,7 +228,7 @@ def _unnoticed(network: Network, found: Overview, baseline: Baseline) -> Iterato
 
 
 def _disabled(network: Network) -> frozenset[str]:
-    """Places of the edges that the constants switch off."""
+    """Return the places of the edges that the constants switch off."""
     return frozenset(text.partition(": ")[0] for text in Coverage().report(network).disabled)
 
 

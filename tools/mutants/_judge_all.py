@@ -1,4 +1,4 @@
-"""Judge many mutants, on all processors."""
+"""Judges many mutants on all processors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _DECIDED = MutantOutcome.CAUGHT, MutantOutcome.INVALID
 
 
 class Baselines:
-    """The file with the constants of the tool at hand, and with those of its variants, explored when first needed.
+    """The unedited file with the tool's constants, and with those of its variants, explored when first needed.
 
     Args:
         network: the automata with the constants of a tool.
@@ -29,7 +29,7 @@ class Baselines:
         executed: templates that a program executes.
 
     Raises:
-        UsageError: a requirement does not hold of the file itself.
+        UsageError: a requirement does not hold of the unedited file.
     """
 
     def __init__(self, network: Network, constants: Mapping[str, Given], executed: Collection[str]) -> None:
@@ -39,7 +39,7 @@ class Baselines:
         self._parsed = parse_cache()
 
     def __iter__(self) -> Iterator[Baseline]:
-        """The tool at hand, and its variants; the quickest comes first, and notices most."""
+        """Yield the tool at hand and its variants; the quickest, which catches most mutants, comes first."""
         for number, words in enumerate(self._variants):
             yield self._variant(words)
             if number == 0:
@@ -55,7 +55,7 @@ class Baselines:
         return self._explored[words]
 
     def judge(self, mutant: Mutant) -> MutantVerdict:
-        """Judge a mutant with the tool at hand, then with its variants until it is caught."""
+        """Judge a mutant with the given tool and its variants until it is caught."""
         with parsing_with(self._parsed):
             return self._judge(mutant)
 
@@ -82,17 +82,17 @@ def judge_all(
     seed: int = 0,
     jobs: int | None = None,
 ) -> Iterator[MutantVerdict]:
-    """Judge the mutants of the executed templates and of the global declarations; each as it is found.
+    """Judge the mutants of the executed templates and of the global declarations; yield each verdict when it is found.
 
     Args:
         network: the automata with the constants of a tool.
         constants: these constants, by name.
-        executed: templates that a program executes; only these are edited, and what they use of the declarations.
-        sample: so many of them, as `drawn` with ``seed``; None: all of them.
-        jobs: processes; None: one for each processor.
+        executed: templates that a program executes; only these, and the declarations that they use, are edited.
+        sample: number of mutants, chosen by `drawn` with ``seed``; None: all of them.
+        jobs: number of processes; None: one for each processor.
 
     Raises:
-        UsageError: a requirement does not hold of the file itself.
+        UsageError: a requirement does not hold of the unedited file.
     """
     every = list(mutants(network.document, executed, constants))
     chosen = range(len(every)) if sample is None else sorted(drawn(every, sample, seed))
@@ -107,7 +107,7 @@ def judge_all(
 
 
 def drawn(every: Sequence[Mutant], sample: int, seed: int) -> list[int]:
-    """The numbers of some mutants: in turn one of each edge, location and function, so that none is left out."""
+    """Return numbers of mutants: one of each edge, location and function in turn, so that none is omitted."""
     order = list(range(len(every)))
     Random(seed).shuffle(order)
     parts: dict[object, list[int]] = {}
@@ -125,7 +125,7 @@ def _start(baselines: Baselines, every: list[Mutant]) -> None:
 
 
 def _judge(number: int) -> tuple[MutantOutcome, tuple[str, ...], str]:
-    """Without the mutant itself: it is known at the other side."""
+    """Return the verdict without the mutant, which the other process already has."""
     baselines, every = _worker
     judged = baselines.judge(every[number])
     return judged.outcome, judged.caught_by, judged.variant

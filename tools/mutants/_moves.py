@@ -1,4 +1,4 @@
-"""The moves out of a discrete state of one of two networks, in words that are those of both."""
+"""The moves out of a discrete state of one of two networks, in a form that both networks share."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from timed_automata.explore.states import DiscreteState
 
 
 class ComparedMove(NamedTuple):
-    """What a move is, without the objects of its network.
+    """A move without references to objects of its network.
 
     Attributes:
         channel: number of the channel; None: no synchronisation.
-        bounds: what the clocks must satisfy: the guard, and the invariant of the target.
-        resets: clocks with what they are set to, in order.
+        bounds: the conditions on the clocks: the guard, and the invariant of the target.
+        resets: clocks with their new values, in order.
         target: the discrete state.
     """
 
@@ -26,17 +26,17 @@ class ComparedMove(NamedTuple):
 
     @property
     def plain(self) -> tuple[object, ...]:
-        """What two moves that do the same have in common, whatever the clocks say."""
+        """The properties that equivalent moves share for all clock values."""
         return self.channel, self.bounds, self.resets, place(self.target), self.target.invariant
 
 
 def place(state: DiscreteState) -> tuple[tuple[int, ...], bytes]:
-    """Locations and values: the same in either network."""
+    """Return locations and values, which are comparable between the networks."""
     return state.vector.locations, state.packed
 
 
 def moves_of(state: DiscreteState) -> Iterator[ComparedMove]:
-    """All moves, whatever the clocks say.
+    """Return all moves, for any clock values.
 
     Raises:
         RangeError: a guard or an update leaves a range.

@@ -1,4 +1,4 @@
-"""Sum up the verdicts on mutants, as a record and as the text of its file."""
+"""Functions that summarize the verdicts on mutants, as a record and as the text of its file."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ._judge import MutantOutcome, MutantVerdict
 def mutation_record(
     document: Document, verdicts: Iterable[MutantVerdict], *, of: int, seed: int | None
 ) -> MutationRecord:
-    """Sum up the verdicts on mutants of a document.
+    """Summarize the verdicts on mutants of a document.
 
     Args:
-        document: that was edited.
-        verdicts: on its mutants.
-        of: how many mutants there are.
-        seed: with which those that were judged were drawn, if they were.
+        document: the document that was edited.
+        verdicts: the verdicts on its mutants.
+        of: the number of all its mutants.
+        seed: the seed by which the judged mutants were drawn, if they were.
     """
     templates = {each.name.content.strip(): each for each in document.templates}
     outcomes: dict[str, Counter[str]] = {}
@@ -47,7 +47,7 @@ def mutation_record(
 
 
 def document_of(record: MutationRecord) -> dict[str, object]:
-    """Return a record as JSON has it."""
+    """Return a record as JSON."""
     return {**asdict(record), "edges": {key: each._asdict() for key, each in record.edges.items()}}
 
 

@@ -1,4 +1,4 @@
-"""Unions of zones: whether one lies inside another."""
+"""Functions that compare unions of zones."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from timed_automata.explore.zones import Zone, constraints_of, subtract
 
 
 def outside(zone: Zone, others: Sequence[Zone], n: int) -> list[Zone]:
-    """The parts of a zone that lie in none of the others."""
+    """Return the parts of a zone that lie in none of the others."""
     left = [zone]
     for other in others:
         constraints = constraints_of(other, n)
@@ -19,7 +19,7 @@ def outside(zone: Zone, others: Sequence[Zone], n: int) -> list[Zone]:
 
 
 def same_union(left: Sequence[Zone], right: Sequence[Zone], n: int) -> bool:
-    """Whether two unions of zones hold the same valuations."""
+    """Return whether two unions of zones contain the same valuations."""
     return not any(outside(zone, right, n) for zone in left) and not any(
         outside(zone, left, n) for zone in right
     )

@@ -1,4 +1,4 @@
-"""Small edits of one text: its comparisons, numbers, connectives, assignments and statements, one at a time."""
+"""Single edits of a text: its comparisons, numbers, connectives, assignments and statements."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ _COMPARISONS = {
     "==": ("!=",),
     "!=": ("==",),
 }
-"""Its neighbour at the bound, and its opposite."""
+"""The replacements of a comparison: its neighbour at the bound, and its opposite."""
 Functions = Mapping[str, ast.FunctionDefinition]
 _CONNECTIVES = {"&&": "||", "||": "&&"}
 
 
 class TextEdit(NamedTuple):
-    """What replaces a part of a text."""
+    """The replacement of a part of a text."""
 
     operator: str
     span: Span
     new: str
 
     def applied(self) -> Text:
-        """The whole text with it."""
+        """Return the whole text with the edit."""
         content = self.span.text.content
         edited = content[: self.span.start] + self.new + content[self.span.end :]
         return Text.plain(edited, f"{self.span.where}, edited")
 
 
 def in_expression(node: ast.Node) -> Iterator[TextEdit]:
-    """The edits of an expression, or of all expressions in a statement."""
+    """Yield the edits of an expression, or of all expressions in a statement."""
     for each in ast.walk(node):
         match each:
             case ast.Binary(left=left, op=op, right=right) if op in _COMPARISONS:
@@ -77,7 +77,7 @@ def in_expression(node: ast.Node) -> Iterator[TextEdit]:
 
 
 def in_guard(node: ast.Expression) -> Iterator[TextEdit]:
-    """The edits of a guard or an invariant; without it, and turned round as a whole, are two of them."""
+    """Yield the edits of a guard or an invariant, among them its removal and its negation."""
     yield TextEdit("condition dropped", node.span.text.whole, "true")
     if isinstance(node, ast.Name | ast.Index | ast.Call):
         yield TextEdit("negation", node.span, f"!{_source(node)}")
@@ -90,7 +90,7 @@ def in_guard(node: ast.Expression) -> Iterator[TextEdit]:
 
 
 def in_updates(nodes: Sequence[ast.Expression], functions: Functions) -> Iterator[TextEdit]:
-    """The edits of an assignment label; `functions` by name are those that it may call."""
+    """Yield the edits of an assignment label; `functions` are those that it may call, by name."""
     for number, node in enumerate(nodes):
         others = [_source(other) for other in nodes if other is not node]
         yield TextEdit("assignment dropped", node.span.text.whole, ", ".join(others))
@@ -102,12 +102,12 @@ def in_updates(nodes: Sequence[ast.Expression], functions: Functions) -> Iterato
 
 
 def in_function(function: ast.FunctionDefinition) -> Iterator[TextEdit]:
-    """The edits of a function's body."""
+    """Yield the edits of a function's body."""
     yield from _in_statement(function.body)
 
 
 def in_declarator(declarator: ast.Declarator, *, boolean: bool) -> Iterator[TextEdit]:
-    """The edits of the value with which a constant or a variable begins; arrays are left out."""
+    """Yield the edits of the initial value of a constant or a variable; arrays are not edited."""
     if declarator.dimensions:
         return
     if (begins := declarator.initialiser) is None:
@@ -144,14 +144,14 @@ def _in_statement(node: ast.Statement) -> Iterator[TextEdit]:
 
 
 def in_guard_part(test: ast.Expression) -> Iterator[TextEdit]:
-    """The edits of a condition that is a part of a text."""
+    """Yield the edits of a condition that is a part of a text."""
     if isinstance(test, ast.Name | ast.Index | ast.Call):
         yield TextEdit("negation", test.span, f"!{_source(test)}")
     yield from in_expression(test)
 
 
 def _commute(one: ast.Expression, other: ast.Expression, functions: Functions) -> bool:
-    """Whether the order of two assignments means nothing."""
+    """Return whether the order of two assignments is irrelevant."""
     (one_reads, one_writes), (other_reads, other_writes) = (
         _effects(one, functions),
         _effects(other, functions),
@@ -160,7 +160,7 @@ def _commute(one: ast.Expression, other: ast.Expression, functions: Functions) -
 
 
 def _effects(node: ast.Node, functions: Functions) -> tuple[set[str], set[str]]:
-    """The names in a text, and those that it changes, its calls included."""
+    """Return the names in a text, and the names that it changes, including its calls."""
     reads, writes = set[str](), ast.changed(node)
     for each in ast.walk(node):
         if isinstance(each, ast.Name):
@@ -177,7 +177,7 @@ def _source(node: ast.Node) -> str:
 
 
 def _operator(node: ast.Binary, new: str) -> TextEdit:
-    """Between its operands stands nothing but the operator, brackets and blanks."""
+    """Replace an operator; only the operator, brackets and blanks are between its operands."""
     content, start, end = node.span.text.content, node.left.span.end, node.right.span.start
     between = content[start:end]
     words = {"&&": ("&&", "and"), "||": ("||", "or")}.get(node.op, (node.op,))
@@ -188,7 +188,7 @@ def _operator(node: ast.Binary, new: str) -> TextEdit:
 
 
 def _one_off(value: ast.Expression) -> Iterator[TextEdit]:
-    """A value one higher, and one lower."""
+    """Yield a value one higher, and one lower."""
     if isinstance(value, ast.Number):
         if not value.boolean:
             yield TextEdit("constant", value.span, str(value.value + 1))

@@ -1,4 +1,4 @@
-"""Other tools than the one at hand: what the constants of one tool switch off is judged with those of another."""
+"""Variants of the tool at hand: edits that its constants switch off are judged with other constants."""
 
 from __future__ import annotations
 
@@ -83,11 +83,11 @@ VARIANTS: Mapping[str, Pattern] = {
     "no IL-01": {"N": 1, "IL_01": False},
     "two steps": {},
 }
-"""Constants by the words for a tool of two steps, or of one where that is enough; the quick ones first."""
+"""Constants by the variant's name, for a tool of two steps, or of one if that suffices; the quick ones first."""
 
 
 def variants(network: Network, constants: Mapping[str, Given]) -> Iterator[tuple[str, dict[str, Given]]]:
-    """The first two steps of a tool with other constants, those that its automata have; with the words for them.
+    """Yield names and constants for the tool's first two steps, with other values that its automata have.
 
     Args:
         network: the automata with the constants of the tool.
@@ -105,5 +105,5 @@ def variants(network: Network, constants: Mapping[str, Given]) -> Iterator[tuple
 
 
 def _of(steps: int, value: Given) -> Given:
-    """A constant for a tool with so many steps."""
+    """Return a constant for a tool with this number of steps."""
     return (list(value) * steps)[:steps] if isinstance(value, Sequence) else value

@@ -1,4 +1,4 @@
-"""The connection to a virtual machine: messages of the vhost-user protocol, and the doorbell of its queue."""
+"""The connection to a virtual machine: vhost-user messages, and the notifications of its queue."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ QUEUES = 2  # requests, and events (unused: no interrupts are offered)
 
 
 class Message(IntEnum):
-    """Kinds that need more than a good word (VHOST_USER_*)."""
+    """Messages that need more than an acknowledgement (VHOST_USER_*)."""
 
     GET_FEATURES = 1
     SET_MEM_TABLE = 5
@@ -47,7 +47,7 @@ class Message(IntEnum):
 
 @dataclass
 class _Ring:
-    """What is known of a queue; ``queue`` exists from its addresses on."""
+    """The state of a queue; ``queue`` is set when its addresses are received."""
 
     size: int = 0
     seen: int = 0
@@ -57,11 +57,11 @@ class _Ring:
 
 
 class FrontEnd:
-    """One virtual machine that drives the pins, until it goes.
+    """One virtual machine that drives the pins, until it disconnects.
 
     Args:
-        connection: the socket that it came by; closed with this.
-        pins: the chip that it gets.
+        connection: its socket; `close` closes it.
+        pins: the chip that it uses.
     """
 
     def __init__(self, connection: socket.socket, pins: Pins) -> None:
@@ -85,7 +85,7 @@ class FrontEnd:
         }
 
     def files(self) -> dict[int, Callable[[], None]]:
-        """What to wait for: file -> what to do when it can be read; both raise WireError when it has gone."""
+        """Return a handler for each file to wait for; handlers raise WireError after a disconnection."""
         kick = self._rings[0].kick
         return {self._socket.fileno(): self.message} | ({kick: self.kick} if kick >= 0 else {})
 
@@ -108,7 +108,7 @@ class FrontEnd:
                 self._socket.sendall(_HEADER.pack(kind, _REPLY, len(reply)) + reply)
 
     def kick(self) -> None:
-        """Answer the requests that wait."""
+        """Answer the pending requests."""
         ring = self._rings[0]
         with suppress(BlockingIOError):
             os.read(ring.kick, 8)
@@ -165,7 +165,7 @@ class FrontEnd:
         self._rings[index].seen = seen
 
     def _get_base(self, payload: bytes, _fds: list[int]) -> bytes:
-        """Asked when a queue is stopped."""
+        """Stop a queue and return its position."""
         index, _ = _PAIR.unpack(payload)
         ring = self._rings[index]
         ring.seen, ring.queue = ring.queue.seen if ring.queue else ring.seen, None
@@ -195,7 +195,7 @@ class FrontEnd:
         return payload[: _HEADER.size] + self._pins.config[offset : offset + size].ljust(size, b"\0")
 
     def _pass_over(self, _payload: bytes, fds: list[int]) -> None:
-        """A message that says nothing to this device."""
+        """Ignore a message that does not concern this device."""
         _close(fds)
 
     def _ring(self, payload: bytes) -> _Ring:
@@ -215,7 +215,7 @@ def _close(fds: Sequence[int]) -> None:
 
 @contextmanager
 def _gone() -> Iterator[None]:
-    """Turns the end of a connection into a WireError."""
+    """Convert the end of a connection into a WireError."""
     try:
         yield
     except (OSError, EOFError) as error:

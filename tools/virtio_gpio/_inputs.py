@@ -1,4 +1,4 @@
-"""The lines of a virtual machine: the testbench is its GPIO chip."""
+"""The lines of a virtual machine, whose GPIO chip is the testbench."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _log = logging.getLogger("end_effector_lab.testbench")
 
 
 class VirtioGpioInputs:
-    """Edges of the lines that a guest drives; it waits until each was seen.
+    """Edges of the lines that a guest drives; the guest waits until each edge has been processed.
 
-    A guest gets the chip with ``virtio_uml.device=SOCKET:41`` (User-Mode-Linux) or QEMU's
-    ``vhost-user-gpio-pci``. One at a time; when it goes, the lines are no outputs any more, and the next may come.
+    A guest gets the chip with ``virtio_uml.device=SOCKET:41`` (User-Mode-Linux) or QEMU's ``vhost-user-gpio-pci``. One
+    guest at a time; when it disconnects, the lines are no longer outputs, and the next may connect.
 
     Args:
-        path: the Unix socket that is made.
+        path: the Unix socket to create.
         names: the lines.
     """
 
@@ -87,7 +87,7 @@ class VirtioGpioInputs:
                 guest.close()
 
     def _serve(self, guest: FrontEnd) -> None:
-        """Until the end of this; raises WireError at the end of the guest."""
+        """Serve until closed; raises WireError when the guest disconnects."""
         while True:
             files = guest.files()
             ready, _, _ = select.select([*files, self._wake_read], [], [])
@@ -96,5 +96,5 @@ class VirtioGpioInputs:
             files[ready[0]]()  # only one: it may change what there is to wait for
 
     def _until(self, fd: int) -> bool:
-        """Wait for a file; False at the end."""
+        """Wait until a file is readable; return False if closed."""
         return self._wake_read not in select.select([fd, self._wake_read], [], [])[0]

@@ -1,4 +1,4 @@
-"""The chip itself: requests of the guest's driver in, answers and levels out; sans-IO."""
+"""The GPIO chip: it answers requests of the guest's driver and reports levels; no I/O."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _REQUEST = struct.Struct("<HHI")
 
 
 class Request(IntEnum):
-    """Type of a request (VIRTIO_GPIO_MSG_*)."""
+    """Types of requests (VIRTIO_GPIO_MSG_*)."""
 
     NAMES = 1
     GET_DIRECTION = 2
@@ -22,11 +22,11 @@ class Request(IntEnum):
 
 
 class Pins:
-    """Lines of a virtio GPIO chip; a line that is no output is pulled down.
+    """Lines of a virtio GPIO chip; a line that is not an output is low.
 
     Args:
-        names: its lines; the guest sees them under these names.
-        on_level: told of each change of the level of a pin, before the guest has its answer.
+        names: its lines; the guest uses these names.
+        on_level: called at each change of a pin's level, before the guest gets its answer.
     """
 
     def __init__(self, names: Sequence[str], on_level: Callable[[str, bool], None]) -> None:
@@ -41,11 +41,11 @@ class Pins:
 
     @property
     def config(self) -> bytes:
-        """The device's configuration: number of lines, length of the names."""
+        """Configuration of the device: number of lines, length of the names."""
         return struct.pack("<HxxI", len(self.names), len(self._text))
 
     def answer(self, request: bytes) -> bytes:
-        """Status byte and value, or all names, as the driver expects them."""
+        """Return a status byte and a value, or all names, as the driver expects them."""
         if len(request) < _REQUEST.size:
             return bytes([_ERROR, 0])
         kind, offset, value = _REQUEST.unpack_from(request)
@@ -66,7 +66,7 @@ class Pins:
         return bytes([_ERROR, 0])
 
     def power_off(self) -> None:
-        """The guest has gone: nothing drives the lines any more."""
+        """Switch all lines off after the guest has disconnected."""
         for offset in range(len(self.names)):
             self._change(offset, 0, value=False)
 

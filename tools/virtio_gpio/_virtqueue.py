@@ -1,4 +1,4 @@
-"""The guest's memory, shared with this process, and a split virtqueue in it, as the device sees it (section 2.7)."""
+"""The guest's memory, shared with this process, and the device side of a split virtqueue (section 2.7)."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ class _Region(NamedTuple):
 
 
 class GuestMemory:
-    """Regions of memory as the front-end describes them (VHOST_USER_SET_MEM_TABLE).
+    """Memory regions that the front-end shares (VHOST_USER_SET_MEM_TABLE).
 
     Args:
         table: the payload of the message.
         fds: a file for each region; closed here.
 
     Raises:
-        WireError: it cannot be mapped.
+        WireError: the memory cannot be mapped.
     """
 
     def __init__(self, table: bytes = b"", fds: Sequence[int] = ()) -> None:
@@ -53,14 +53,14 @@ class GuestMemory:
                 os.close(fd)
 
     def at_guest(self, address: int) -> Place:
-        """Where a guest-physical address stands; raises WireError."""
+        """Return the place of a guest-physical address; raises WireError."""
         for region in self._regions:
             if region.guest <= address < region.guest + region.size:
                 return Place(region.memory, address - region.guest + region.offset)
         raise WireError(f"the guest has no memory at {address:#x}.")
 
     def at_user(self, address: int) -> Place:
-        """Where an address of the front-end's process stands; raises WireError."""
+        """Return the place of an address of the front-end's process; raises WireError."""
         for region in self._regions:
             if region.user <= address < region.user + region.size:
                 return Place(region.memory, address - region.user + region.offset)
@@ -78,15 +78,15 @@ _NEXT, _WRITE = 1, 2
 
 
 class Virtqueue:
-    """Takes chains that the driver has made available, and gives them back with an answer.
+    """Reads descriptor chains that the driver has made available, and returns them with an answer.
 
     Args:
-        memory: of the guest.
+        memory: memory of the guest.
         size: number of descriptors.
-        descriptors: where their table stands.
-        available: where the ring of the driver stands.
-        used: where the ring of the device stands.
-        seen: index of the first chain that was not taken yet.
+        descriptors: place of the descriptor table.
+        available: place of the driver's ring.
+        used: place of the device's ring.
+        seen: index of the first unread chain.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Virtqueue:
         self.seen = seen
 
     def serve(self, answer: Callable[[bytes], bytes]) -> int:
-        """Answer every chain that waits; how many there were. Raises WireError for a queue that is broken."""
+        """Answer all pending chains and return their number; raises WireError for a broken queue."""
         served = 0
         while _read(self._available, 2) != self.seen:
             head = _read(self._available, 4 + 2 * (self.seen % self._size))
@@ -116,7 +116,7 @@ class Virtqueue:
         return served
 
     def _chain(self, number: int) -> tuple[bytes, list[tuple[Place, int]]]:
-        """What the driver says, and where the answer goes."""
+        """Return the driver's request, and the buffers for the answer."""
         said, room = bytearray(), []
         for _ in range(self._size):
             if number >= self._size:

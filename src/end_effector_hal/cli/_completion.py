@@ -1,4 +1,4 @@
-"""``eehal completion``, and what the shell proposes for values: kinds, links, faults, scenarios, profiles."""
+"""``eehal completion``, and the values that shell completion proposes: kinds, links, faults, scenarios, profiles."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ def command(shell: str | None) -> None:
 
 
 def completed(names: Names, *, separator: str = "", after_colon: bool = False) -> Complete:
-    """Proposes the names that begin with what is typed.
+    """Return a completion function that proposes the names that begin with the typed text.
 
     Args:
-        names: all that there are.
-        separator: several stand with it between them; the last is completed.
-        after_colon: a name of the user's and a colon stand before.
+        names: returns all possible names.
+        separator: separates the names of a list, of which the last one is completed; "" for a single name.
+        after_colon: whether a name that the user chooses and a colon precede the completed name.
     """
 
     def complete(context: click.Context, _: click.Parameter, typed: str) -> list[CompletionItem]:
@@ -65,7 +65,9 @@ def completed(names: Names, *, separator: str = "", after_colon: bool = False) -
 
 
 def typed_tool(context: click.Context) -> Description:
-    """The tool whose description is typed already, else the shipped one; raises DescriptionError."""
+    """Return the description that is already typed on the command line, else the shipped one; raises
+    DescriptionError.
+    """
     from end_effector_hal.description import load, profile_path
 
     # behind an option without its value, which is being typed, click leaves the arguments as they are
@@ -74,14 +76,14 @@ def typed_tool(context: click.Context) -> Description:
 
 
 def kinds(_: click.Context) -> Iterable[str]:
-    """Of actuators."""
+    """Propose the kinds of actuators."""
     from end_effector_hal.kinds import kind_names
 
     return kind_names()
 
 
 def links(_: click.Context) -> Iterable[str]:
-    """What `eehal init --link` takes."""
+    """Propose the values of `eehal init --link`."""
     from end_effector_hal.codecs import codec_names
 
     from .init import LINKS
@@ -90,21 +92,21 @@ def links(_: click.Context) -> Iterable[str]:
 
 
 def profiles(_: click.Context) -> Iterable[str]:
-    """Shipped tools."""
+    """Propose the names of the shipped tools."""
     from end_effector_hal.description import profile_names
 
     return profile_names()
 
 
 def session_words(_: click.Context) -> Iterable[str]:
-    """Of `eehal run`."""
+    """Propose the words of the prompt of `eehal run`."""
     from end_effector_hal.runtime import WORDS
 
     return WORDS
 
 
 def scenarios(context: click.Context) -> Iterable[str]:
-    """That the simulated tool can have, if what simulates it is installed."""
+    """Propose the scenarios that the simulated tool can have; none if the simulator is not installed."""
     from .run import possible_scenarios
 
     return possible_scenarios(typed_tool(context))

@@ -1,4 +1,6 @@
-"""Figures are drawn by the development tools, found by an entry point, or asked for in words."""
+"""Loads the module that draws figures: it is part of the development tools and is found by an entry point. Without it,
+the user is told how to install it.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +24,18 @@ _NAMED = ("timeline", "draw_template", "save")
 
 
 class Figures(Protocol):
-    """What the entry point names."""
+    """The functions of the module that the entry point names."""
 
     def timeline(self, log: StatesLog, pressures: None, info: RunInfo) -> object:
-        """The states of a run as lanes."""
+        """Draw the states of a run as lanes."""
         ...
 
     def draw_template(self, template: Template, constants: Mapping[str, object]) -> object:
-        """A template as UPPAAL shows it."""
+        """Draw a template as UPPAAL shows it."""
         ...
 
     def save(self, figure: object, path: Path) -> Path:
-        """Write a figure in the format of the suffix."""
+        """Write a figure in the format that the suffix of the path names."""
         ...
 
 
@@ -47,11 +49,11 @@ _FIGURES: Plugins[Figures] = Plugins(GROUP, "drawing module", {}, _checked, make
 
 
 def figures() -> Figures:
-    """The module that draws.
+    """Return the module that draws figures.
 
     Raises:
-        MissingExtraError: it, or what it needs, is not installed.
-        UsageError: it cannot be loaded.
+        MissingExtraError: the module, or a package that it needs, is not installed.
+        UsageError: the module cannot be loaded.
     """
     if NAME not in _FIGURES.names:
         raise MissingExtraError(
@@ -65,7 +67,7 @@ def figures() -> Figures:
 
 
 def is_figure(output: Path) -> bool:
-    """Whether ``-o`` names a figure, ``FILE.png`` or ``FILE.svg``, and no folder."""
+    """Return whether ``-o`` names a figure (``FILE.png`` or ``FILE.svg``) and not a folder."""
     return output.suffix.lstrip(".").lower() in FORMATS and not output.is_dir()
 
 
@@ -75,18 +77,20 @@ def draw_run(log: StatesLog, info: RunInfo, file: Path) -> Path:
 
 
 def save_all(figure: object, folder: Path, name: str) -> list[Path]:
-    """Write a figure in each format."""
+    """Write a figure in every format and return the files."""
     return [figures().save(figure, folder / f"{name}.{suffix}") for suffix in FORMATS]
 
 
 class Drawing:
-    """Draws runs of a model; ``note`` says why there is no figure, where the extra for figures is not installed."""
+    """Draws runs of a model. If the extra for figures is not installed, nothing is drawn, and ``note`` gives the
+    reason.
+    """
 
     def __init__(self) -> None:
         self.note = ""
 
     def __call__(self, log: StatesLog, info: RunInfo, folder: Path) -> list[Path]:
-        """``timeline.png`` and ``timeline.svg``; nothing, and the note, where nothing can be drawn."""
+        """Write ``timeline.png`` and ``timeline.svg``; if figures cannot be drawn, set the note and return no files."""
         try:
             return save_all(figures().timeline(log, None, info), folder, "timeline")
         except MissingExtraError as error:

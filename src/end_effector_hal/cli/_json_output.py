@@ -1,4 +1,4 @@
-"""What ``--json`` prints: one object, or one in each line; each names the version of its schema."""
+"""Prints the output of ``--json``: one object, or one object per line. Every object names the version of its schema."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from collections.abc import Mapping
 import click
 
 SCHEMA_VERSION = 1
-"""Raised when a field goes, or means something else. New fields come without."""
+"""Increased when a field is removed or changes its meaning; new fields do not change it."""
 
 
 def json_text(document: Mapping[str, object], *, indent: int | None = None) -> str:
-    """An object as text, with its ``schema_version`` first."""
+    """Return an object as JSON text with its ``schema_version`` first."""
     return json.dumps({"schema_version": SCHEMA_VERSION, **document}, indent=indent, ensure_ascii=False)
 
 
 def print_document(document: Mapping[str, object]) -> None:
-    """Print the object that a command answers, over several lines."""
+    """Print the object that is the answer of a command, on several lines."""
     click.echo(json_text(document, indent=2))
 
 
 def print_line(**content: object) -> None:
-    """Print one object of many, in a line of its own."""
+    """Print one object of a sequence on a line of its own."""
     click.echo(json_text(content))

@@ -1,4 +1,4 @@
-"""What commands share: paths, files and folders that they write, signals that end them."""
+"""Helpers that commands share: paths, output files and folders, and signals that end a command."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ MOST_SEED = 2**32 - 1
 
 
 class PathName(click.Path):
-    """Becomes a `Path`; an empty text, as an unset variable of a shell leaves it, is not the current folder."""
+    """An option type that becomes a `Path`. It refuses an empty text, which an unset shell variable leaves, instead of
+    using the current folder.
+    """
 
     def __init__(self, **options: Any) -> None:
         super().__init__(path_type=Path, **options)
@@ -29,7 +31,7 @@ class PathName(click.Path):
     def convert(
         self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
     ) -> str | bytes | os.PathLike[str]:
-        """The path; ends in a usage error when it is empty."""
+        """Return the path; fail with a usage error if the text is empty or the path cannot be reached."""
         if value == "":
             self.fail("It is empty. Write '.' for the current folder.", param, ctx)
         try:
@@ -47,12 +49,12 @@ class PathName(click.Path):
 
 
 def seed_option(*, default: int | None, help: str) -> Callable[[Decorated], Decorated]:
-    """``--seed N``: of what is drawn in a simulation."""
+    """Return the option ``--seed N``: the seed of the random values of a simulation."""
     return click.option("--seed", default=default, metavar="N", type=click.IntRange(0, MOST_SEED), help=help)
 
 
 def end_in_order() -> None:
-    """Have SIGTERM and SIGHUP raise SystemExit in the main thread: what was begun is ended, nothing is left."""
+    """Make SIGTERM and SIGHUP raise SystemExit in the main thread, so that all work in progress is ended properly."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _end)
 
@@ -62,14 +64,14 @@ def _end(number: int, _frame: FrameType | None) -> None:
 
 
 def the_folder(path: Path) -> Path:
-    """A folder, made if it does not exist."""
+    """Return the folder after making it if it does not exist."""
     with os_errors("The folder cannot be made", path):
         path.mkdir(parents=True, exist_ok=True)
     return path
 
 
 def refuse_inputs(output: Path, inputs: Iterable[Path]) -> None:
-    """Raises UsageError when one of the files that a command reads is what it would write, by whatever name."""
+    """Raise UsageError if the output is one of the files that the command reads, also under another name."""
     for each in inputs:
         with suppress(OSError):  # one of them does not exist
             if output.samefile(each):
@@ -78,10 +80,10 @@ def refuse_inputs(output: Path, inputs: Iterable[Path]) -> None:
 
 
 def write_or_print(output: Path | None, text: str, inputs: Iterable[Path]) -> None:
-    """Write a text to a file, whole, and say where it is; without one print it.
+    """Write a text to a file, completely or not at all, and print its path; without a file print the text.
 
     Raises:
-        UsageError: it cannot be written, or is one of the ``inputs``.
+        UsageError: the file cannot be written, or is one of the ``inputs``.
     """
     if output is not None:
         refuse_inputs(output, inputs)
@@ -93,7 +95,7 @@ def write_or_print(output: Path | None, text: str, inputs: Iterable[Path]) -> No
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all; into what is no file, such as /dev/stdout or a pipe, as it comes."""
+    """Write a file completely or not at all; write directly into a device or pipe such as /dev/stdout."""
     beside: Path | None = None
     try:
         if path.exists() and not path.is_file():

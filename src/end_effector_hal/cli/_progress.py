@@ -1,4 +1,4 @@
-"""Says that something takes its time, and how long already."""
+"""Shows that an operation takes long, and for how long it has been running."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from typing import Self
 import click
 
 FIRST_S, EVERY_S = 1.0, 0.2
-"""On a terminal: what takes less is not mentioned."""
+"""Time before the first message on a terminal, and interval of its updates, s. A shorter operation is not mentioned."""
 LINE_S = 30.0
-"""Elsewhere, in the log of a build: a line each."""
+"""Interval of the lines in a log that is no terminal, such as that of a build, s."""
 
 
 class Progress:
-    """A line on stderr that is overwritten, from one second on; gone when it is left. No terminal: a line now and then.
+    """A line on stderr that is overwritten while an operation runs. It appears after one second and is removed at the
+    end. Without a terminal a line is printed every 30 s.
 
     Args:
-        what: is being done.
-        shown: whether the command prints for a person, no JSON.
+        what: the running operation.
+        shown: whether the command prints for a person and not JSON.
     """
 
     def __init__(self, what: str, *, shown: bool = True) -> None:
@@ -30,11 +31,11 @@ class Progress:
         self._thread = threading.Thread(target=self._run, name="progress", daemon=True)
 
     def __call__(self, what: str) -> None:
-        """Something else is being done, or more of it."""
+        """Replace the text that describes the operation."""
         self._what = what
 
     def clear(self) -> None:
-        """Take the line away before something else is printed."""
+        """Remove the line, so that other text can be printed."""
         with self._lock:
             if self._visible:
                 click.echo("\r\x1b[K", err=True, nl=False)

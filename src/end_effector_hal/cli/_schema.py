@@ -1,4 +1,4 @@
-"""``eehal schema``: what a description may contain, for editors and for people."""
+"""``eehal schema``: the possible content of a description, for editors and for people."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``--sweep``: proofs of many descriptions come from the development tools, found by an entry point."""
+"""``--sweep``: proves many descriptions with a function of the development tools, which is found by an entry point."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NAME = "lab"
 
 
 class Sweep(Protocol):
-    """What the entry point names."""
+    """The function that the entry point names."""
 
     def __call__(
         self,
@@ -27,7 +27,7 @@ class Sweep(Protocol):
         output: Path | None,
         as_json: bool,
     ) -> int:
-        """Prove each combination and print it; the exit code."""
+        """Prove every combination and print the results; return the exit code."""
         ...
 
 
@@ -41,11 +41,11 @@ _SWEEPS: Plugins[Sweep] = Plugins(GROUP, "sweep", {}, _checked, make=False)
 
 
 def sweep() -> Sweep:
-    """The function that proves a grid.
+    """Return the function that proves a grid of values.
 
     Raises:
-        MissingExtraError: it is not installed.
-        UsageError: it cannot be loaded.
+        MissingExtraError: the function is not installed.
+        UsageError: the function cannot be loaded.
     """
     if NAME not in _SWEEPS.names:
         raise MissingExtraError(

@@ -1,4 +1,4 @@
-"""Tables that commands print."""
+"""Prints tables for the commands."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 LEAST, MOST = 120, 400
-"""Columns where it is no terminal: a file has no width of its own, and a row stays in one line."""
+"""Smallest and largest width without a terminal, columns: a file has no width of its own, and a row must stay on one
+line.
+"""
 
 
 def print_table(table: Table) -> None:
-    """Print a table. What stands in it is the user's: none of it is markup."""
+    """Print a table. Its cells contain texts of the user, so that nothing in them is read as markup."""
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)

@@ -1,4 +1,4 @@
-"""``eehal verify``: every requirement of the model with its verdict, the worst cases, counterexamples."""
+"""``eehal verify``: proves every requirement of the model and prints verdicts, worst cases and counterexamples."""
 
 from __future__ import annotations
 
@@ -82,34 +82,34 @@ def command(
     most_gib: float | None,
     scheduler: str | None,
 ) -> None:
-    """Prove what the automata must do, with the constants of DESCRIPTION, or show a run that does not.
+    """Prove the requirements of the automata with the constants of DESCRIPTION, or show a run that violates one.
 
-    It says how many requirements hold, the worst cases, and of each requirement that does not hold the shortest run
-    that shows it, and why; --all lists every requirement.
+    The command prints how many requirements hold, the worst cases, and for every requirement that does not hold the
+    shortest run that violates it, with the reason; --all lists every requirement.
 
-    Of each output of two coils a network of its own is proven as well: what the automata may assume of it.
-    DESCRIPTION defaults to the shipped one; --model checks a UPPAAL file as it stands, with its own queries. The
-    exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
-    ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, by its content.
+    For every output with two coils a separate network is proven as well: it justifies what the automata assume about
+    that output. DESCRIPTION defaults to the shipped one; --model checks a UPPAAL file unchanged, with its own queries.
+    The exit code is 4 when a requirement does not hold. The verdict about a DESCRIPTION is kept in
+    ${XDG_STATE_HOME:-~/.local/state}/end-effector-hal/verdicts, named by the content of the description.
 
-    With --deaths another network is proven, once for all tools: whichever process dies, whenever and how often, no
-    line of a held part goes inactive except after a Drop. It takes some seconds.
+    With --deaths another network is proven, which is the same for all tools: no matter which process dies, when and
+    how often, no line of a held part becomes inactive except after a Drop. This takes some seconds.
 
-    With --registers NAME the network of an actuator that is commanded over a bus is proven instead: a command counts as
-    done only when its device has done it, although the bus loses, delays and doubles answers. The proof of the
-    DESCRIPTION does not contain it.
+    With --registers NAME the network of an actuator that is commanded over a bus is proven instead: a command counts
+    as done only when its device has executed it, although the bus loses, delays and duplicates answers. The proof of
+    the DESCRIPTION does not contain this network.
 
-    With --free-sensors the automata alone are proven, in a world whose sensors have no memory and no least time between
-    two changes: that the ordinary, smaller world leaves nothing out. Time need not diverge there, since a sensor may
-    flicker for ever at one instant: the requirement [time] becomes [timelock]. No verdict is kept. With three
-    steps it takes some twenty times as long; all some hundred times, and 1.3 GB.
+    With --free-sensors the automata alone are proven, with sensors that have no memory and no least time between two
+    changes. This shows that the ordinary, smaller model of the sensors leaves nothing out. Time need not diverge
+    there, since a sensor may change for ever at one instant: the requirement [time] becomes [timelock]. No verdict is
+    kept. With three steps the proof takes about twenty times as long; with all, about a hundred times, and 1.3 GB.
 
-    A proof that takes too much memory is stopped: it says what it leaves open, the exit code is 4, and no verdict is
-    kept.
+    A proof that needs too much memory is stopped: it lists the requirements that are not decided, the exit code is 4,
+    and no verdict is kept.
 
-    With --sweep the values of some keys are varied: which combinations hold, what fails first, the worst cases.
-    KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR it writes a table and
-    JSON there. The exit code is 4 when no combination holds. No verdict is kept.
+    With --sweep the values of some keys are varied. The result lists the combinations that hold, the first requirement
+    that fails, and the worst cases. KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table and
+    JSON are written there. The exit code is 4 when no combination holds. No verdict is kept.
     """
     from end_effector_hal.description import profile_path
     from end_effector_hal.recording import check_replaceable, content_hash
@@ -176,7 +176,7 @@ def command(
 
 
 def _set_free(source: Source, which: str) -> Source:
-    """The same automata in a world whose sensors are free."""
+    """Return the same automata with sensors that may change at any time."""
     from end_effector_hal.control import model_constants
     from end_effector_hal.verification.proof import free_constants
     from timed_automata import make_network
@@ -191,7 +191,7 @@ def _set_free(source: Source, which: str) -> Source:
 
 
 def _keep(description: Description, content: str, proof: Proof) -> None:
-    """A managed node of ROS 2 asks for it before it moves a line."""
+    """Store the verdict; a managed node of ROS 2 requires it before it moves a line."""
     from end_effector_hal.recording import content_hash
     from end_effector_hal.verification.proof import keep_verdict, proof_verdict
 
@@ -224,7 +224,9 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every:
 
 
 def _print_what_is_to_be_said(source: Source, proof: Proof, what: str) -> None:
-    """Of each requirement that does not hold why; how many do not apply; what was asked for as a number."""
+    """Print the reason for every requirement that does not hold, the number of those that do not apply, and those that
+    are open or have an answer.
+    """
     from end_effector_hal.verification.proof import UNMET
 
     failing = [each for each in proof.findings if not each.holds and each.decided]
@@ -260,7 +262,7 @@ def _print_bounds(proof: Proof) -> None:
 
 
 def _print_runs(source: Source, proof: Proof, files: dict[str, list[Path]], *, every: bool) -> None:
-    """The runs that refute; in short some steps of the first one."""
+    """Print the runs that refute a requirement; in the short form, only some steps of the first one."""
     refuted = [finding for finding in proof.findings if finding.trace is not None]
     if every:
         for finding in refuted:
@@ -335,7 +337,9 @@ def _print_line(finding: Finding, most: int | None = None) -> None:
 
 
 def _print_run(source: Source, finding: Finding, files: list[Path], most: int | None = None) -> None:
-    """A run with all that is said of it; ``most``: so many of its steps, each on a line of a terminal."""
+    """Print a run with all its remarks; ``most`` limits the number of steps, and every step is cut to one line of a
+    terminal.
+    """
     from end_effector_hal.verification.proof import told_run
 
     cut = (lambda line: line) if most is None else _cut

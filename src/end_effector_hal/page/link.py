@@ -1,4 +1,4 @@
-"""The sockets of the programs and of a testbench, as the page reads them: records in, commands out."""
+"""The page's clients for the sockets of the programs and of a testbench: records in, commands out."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ RESET_S = 5.0
 
 
 class ToolLink:
-    """Passes the records on to a view, and commands to the programs.
+    """Passes records to a view, and commands to the programs.
 
     Args:
         description: the tool.
-        view: gets the records.
+        view: receives the records.
     """
 
     def __init__(self, description: Description, view: ToolView) -> None:
@@ -51,7 +51,7 @@ class ToolLink:
         }
 
     async def run(self) -> None:
-        """Follow both programs until it is cancelled."""
+        """Follow both programs until cancelled."""
         await asyncio.gather(*(link.run() for link in self._links.values()))
 
     async def command(self, word: str, actuator: str = "") -> Answer:
@@ -66,7 +66,7 @@ class ToolLink:
         return Answer(*await self._links[program_of(word)].request(command=word, actuator=actuator))
 
     async def _reset(self) -> Answer:
-        """Reset as `EndEffector.reset` does: the tool changer, then the latched faults of programs and line arbiter."""
+        """Reset the tool changer, then the latched faults of programs and line arbiter, as `EndEffector.reset` does."""
         answers = []
         status = self._view.status()
         if status is not None and status.changer_fault:
@@ -79,7 +79,7 @@ class ToolLink:
         )
 
     async def _at_the_arbiter(self, word: str, ask: Callable[[], Answer]) -> Answer:
-        """Each word has a thread of its own: a stop never waits for a reset."""
+        """Send a command to the line arbiter; each word has its own thread: a stop never waits for a reset."""
         return await asyncio.get_running_loop().run_in_executor(self._workers[word], ask)
 
     async def _reset_changer(self) -> Answer:
@@ -101,18 +101,18 @@ class ToolLink:
 
 
 class _Acknowledged:
-    """The gripping program was asked first."""
+    """A stand-in for the gripping program, which has been asked before."""
 
     def acknowledge(self) -> None:
         pass
 
 
 class TestbenchLink:
-    """Passes the records of a testbench on to a view, and asks the testbench.
+    """Passes the records of a testbench to a view, and requests to the testbench.
 
     Args:
         description: the tool.
-        view: gets the records.
+        view: receives the records.
     """
 
     __test__ = False  # no test class for pytest
@@ -128,7 +128,7 @@ class TestbenchLink:
             missing="",  # a tool without a testbench needs no sentence
         )
         self.run = self._client.run
-        """Follow the testbench until it is cancelled."""
+        """Follow the testbench until cancelled."""
 
     async def ask(self, word: str, scenario: str) -> Answer:
         """Check a scenario (``check``) or play it (``choose``); always return an answer."""

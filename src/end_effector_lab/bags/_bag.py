@@ -68,7 +68,7 @@ class Bag:
                 yield BagMessage(one.topic, one.msgtype, at // 1000, data, definition, syntax)
 
     def _check_closed(self) -> None:
-        """Refuse what a killed recorder of ROS 2 leaves: the library would read less than the bag holds."""
+        """Refuse an incomplete bag of a killed ROS 2 recorder: the library would read less than the bag contains."""
         folder = self._path if self._path.is_dir() else self._path.parent
         if self._path.is_dir() and not (folder / "metadata.yaml").exists():
             if any(each.suffix in _ROS2 for each in folder.iterdir()):

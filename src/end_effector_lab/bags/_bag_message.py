@@ -1,4 +1,4 @@
-"""Read the messages of a bag as the bag defines them: their version may be another one."""
+"""Reads the messages of a bag by the definitions in the bag, since their version may differ."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from end_effector_hal.plugins import named
 
 ROS1, MSG, IDL = "ros1msg", "ros2msg", "ros2idl"
-"""How a definition is written, in the words of MCAP."""
+"""The names of MCAP for the formats of message definitions."""
 _IDL_BEGIN = "=" * 80 + "\n"
 
 
 @dataclass(frozen=True, slots=True)
 class BagMessage:
-    """A message as it stands in a bag.
+    """A message as it is stored in a bag.
 
     Attributes:
-        topic: where it was published.
+        topic: the topic on which it was published.
         type: such as ``std_msgs/msg/String``.
-        log_us: when it was written down, µs of the time of day.
+        log_us: the time of day at which it was recorded, µs.
         data: its bytes.
-        definition: what its fields are; empty: the bag does not say.
-        syntax: of the definition.
+        definition: the definition of its fields; empty: the bag does not contain it.
+        syntax: format of the definition.
     """
 
     topic: str
@@ -38,22 +38,22 @@ class BagMessage:
 
     @property
     def generation(self) -> int:
-        """Of ROS, 1 or 2: who wrote it."""
+        """The generation of ROS that wrote the message, 1 or 2."""
         return 1 if self.syntax == ROS1 else 2
 
     def read(self) -> Any:
-        """An object with its fields; raises ValueError with a reason."""
+        """Return an object with the fields of the message; raises ValueError with a reason."""
         return _reader(self.type, self.definition, self.syntax)(self.data)
 
 
 def plain_type(name: str) -> str:
-    """``package/Name``, as the table of the interface has it."""
+    """Return ``package/Name``, the form in the table of the interface."""
     package, _, message = name.partition("/")
     return f"{package}/{message.removeprefix('msg/')}"
 
 
 def reason_of(error: BaseException) -> str:
-    """What a library says, within a sentence."""
+    """Return the message of a library's error for use within a sentence."""
     return named(error).rstrip(".")
 
 

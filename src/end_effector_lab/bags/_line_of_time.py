@@ -1,18 +1,18 @@
-"""Stamps of the monotonic clock on one line of time, also when a machine was restarted in the middle of a bag."""
+"""Places stamps of monotonic clocks on one time axis, even if a machine was restarted in the middle of a bag."""
 
 from __future__ import annotations
 
 BACK_US = 2_000_000
-"""A stamp further back than this is of a clock that began again."""
+"""A stamp that is further back than this belongs to a restarted clock, µs."""
 AHEAD_US = 3_600_000_000
-"""A stamp that is so much further ahead than the bag's own time has moved is of another clock, or is broken."""
+"""A stamp that is further ahead of the bag's own time than this is of another clock, or invalid, µs."""
 
 
 class LineOfTime:
-    """Places stamps; where the clock jumps, the time at which messages were written down says how long it took.
+    """Places stamps on one time axis. When the clock jumps, the recording times of the messages give the elapsed time.
 
     Attributes:
-        jumps: how often the clock jumped.
+        jumps: number of jumps of the clock.
     """
 
     def __init__(self) -> None:
@@ -21,13 +21,13 @@ class LineOfTime:
         self._last: dict[str, tuple[int, int | None]] = {}
 
     def place(self, stream: str, at: int, log_us: int, *, fresh: bool) -> int:
-        """Where a stamp stands, µs.
+        """Return the place of a stamp, µs.
 
         Args:
-            stream: stamps of one stream are in order.
-            at: µs on the monotonic clock of the machine that made it.
-            log_us: when the message was written down, µs.
-            fresh: whether also the first stamp of the stream was made when its message was published.
+            stream: name of the stream; the stamps of one stream are in order.
+            at: time on the monotonic clock of the machine that made the stamp, µs.
+            log_us: time at which the message was recorded, µs.
+            fresh: whether the first stamp of the stream was made when its message was published.
         """
         placed = at + self._shift
         if stream not in self._last:

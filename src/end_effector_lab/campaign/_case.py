@@ -1,4 +1,4 @@
-"""A case: what happens to a tool, one thing after the other, and its file."""
+"""A case: a sequence of events for a tool, and its file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WAIT = "wait"
 STORES = ("journal", "sessions", "mark")
 TROUBLES = ("full", "fails", "hangs", "well")
 MOST, LONGEST_S, LARGEST_BYTES = 500, 3600.0, 1_000_000
-"""Happenings of a case, its length, and what its file may have."""
+"""Limits of a case: number of events, length in seconds, and size of its file in bytes."""
 _KNOWN = (
     f"There are: {', '.join(COMMANDS)}; scenario S; kill, end or start PROCESS ({', '.join(PROCESSES)}); "
     f"disk {'|'.join(STORES)} {'|'.join(TROUBLES)}; power."
@@ -29,12 +29,12 @@ _KNOWN = (
 
 
 class Happening(NamedTuple):
-    """One thing that happens.
+    """One event of a case.
 
     Attributes:
-        at: µs after the tool has come to rest.
+        at: time after the tool has come to rest, µs.
         what: a command; ``scenario S`` of the testbench; ``kill``, ``end`` or ``start`` and a process; ``disk`` with
-            what the line arbiter keeps there, and how it is; ``power``: it is lost, and comes back.
+            the arbiter's store and its trouble; ``power``: the power fails and returns.
     """
 
     at: int
@@ -42,38 +42,38 @@ class Happening(NamedTuple):
 
     @property
     def verb(self) -> str:
-        """Its first word."""
+        """The first word."""
         return self.what.partition(" ")[0]
 
     @property
     def rest(self) -> str:
-        """All behind it."""
+        """The text after the first word."""
         return self.what.partition(" ")[2]
 
 
 @dataclass(frozen=True)
 class Case:
-    """What happens to a tool, in the order of time.
+    """The events of a tool in order of time.
 
     Attributes:
-        seed: of the valves, the noise, and the chance in faults.
-        happenings: in order.
+        seed: seed of the valves, the noise, and the random faults.
+        happenings: the events in order.
     """
 
     seed: int
     happenings: tuple[Happening, ...]
 
     def with_(self, happenings: Iterable[Happening]) -> Case:
-        """The same with other happenings, put in order."""
+        """Return the case with other events, sorted by time."""
         return Case(self.seed, tuple(sorted(happenings, key=lambda each: each.at)))
 
     def as_json(self) -> dict[str, Any]:
-        """As it stands in a file: seconds and words."""
+        """Return the case in the form of its file, with seconds and words."""
         return {"seed": self.seed, "happenings": [[each.at / 1e6, each.what] for each in self.happenings]}
 
     @property
     def words(self) -> str:
-        """In one line: ``grip; wait 0.5; kill hal``."""
+        """The case in one line: ``grip; wait 0.5; kill hal``."""
         said, now = [], 0
         for each in self.happenings:
             wait = f"{(each.at - now) / 1e6:.6f}".rstrip("0").rstrip(".")
@@ -84,7 +84,7 @@ class Case:
 
 
 def case_from_json(found: object, description: Description, where: str = "") -> Case:
-    """A case from what stands in a file; raises UsageError if it cannot be played with the tool."""
+    """Return a case from the content of a file; raises UsageError if it cannot be played with the tool."""
     try:
         assert isinstance(found, Mapping)
         seed, listed = found["seed"], found["happenings"]
@@ -107,7 +107,7 @@ def case_from_json(found: object, description: Description, where: str = "") -> 
 
 
 def case_from_words(text: str, description: Description, *, seed: int = 0, where: str = "") -> Case:
-    """A case from words, as `Case.words` has them: ``grip; wait 0.5; kill hal``; raises UsageError."""
+    """Return a case from words in the form of `Case.words`: ``grip; wait 0.5; kill hal``; raises UsageError."""
     found, at = list[list[object]](), 0.0
     for part in (each.strip() for line in text.splitlines() for each in line.split(";")):
         verb, _, rest = part.partition(" ")
@@ -122,7 +122,7 @@ def case_from_words(text: str, description: Description, *, seed: int = 0, where
 
 
 def read_case(path: Path, description: Description) -> Case:
-    """The case in a file, as JSON or in words; raises UsageError."""
+    """Return the case in a file, as JSON or in words; raises UsageError."""
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST_BYTES + 1)
@@ -138,7 +138,7 @@ def read_case(path: Path, description: Description) -> Case:
 
 
 def check(what: str, description: Description, where: str = "") -> None:
-    """Raise UsageError if this cannot happen to the tool."""
+    """Raise UsageError if this event is not possible for the tool."""
     verb, _, rest = what.partition(" ")
     if verb == SCENARIO:
         parse_scenario(rest, description)

@@ -1,4 +1,4 @@
-"""What of the executed automata was reached: locations, edges, and each edge while each fault was there."""
+"""Coverage of the executed automata: locations, edges, and each edge in combination with each fault."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ NONE = "nominal"
 
 
 class CoverageMap:
-    """All that could be reached, by number: edges as they were drawn, for each process that is executed.
+    """Everything that can be reached, by number: the drawn edges of each executed process.
 
     Edges that the constants of the description switch off are left out, as `eehal verify` leaves them out.
 
     Attributes:
         edges: names, such as ``Gripper Step → Gripped``, with the place in the file.
         locations: names, such as ``Gripper.Step``.
-        faults: names of those that the tool can have, after ``nominal``.
+        faults: names of the faults that the tool can have, after ``nominal``.
     """
 
     def __init__(self, description: Description) -> None:
@@ -49,20 +49,20 @@ class CoverageMap:
         self.faults = (NONE, *(each for each in offered if each != NONE))
 
     def pair(self, edge: int, fault: int) -> int:
-        """The number of an edge with a fault."""
+        """Return the number of an edge combined with a fault."""
         return edge * len(self.faults) + fault
 
     def in_words(self, pair: int) -> str:
-        """``Gripper Step → Gripped, leak``."""
+        """Return a pair as text, such as ``Gripper Step → Gripped, leak``."""
         edge, fault = divmod(pair, len(self.faults))
         return f"{self.edges[edge]}, {self.faults[fault]}"
 
     def edge(self, process: str, index: int) -> int | None:
-        """The number of an edge; None: it does not count."""
+        """Return the number of an edge; None: it is not counted."""
         return self._edges.get((process, index))
 
     def location(self, process: str, name: str) -> int | None:
-        """The same of a location."""
+        """Return the number of a location; None: it is not counted."""
         return self._places.get((process, name))
 
 
@@ -86,14 +86,14 @@ def _name(process: Process, edge: Edge) -> str:
 
 @dataclass
 class Reached:
-    """What was reached, as numbers of a `CoverageMap`."""
+    """The reached edges, locations and pairs, as numbers of a `CoverageMap`."""
 
     edges: set[int] = field(default_factory=set)
     locations: set[int] = field(default_factory=set)
     pairs: set[int] = field(default_factory=set)
 
     def add(self, other: Reached) -> Reached:
-        """Add what another one has; returns what of it is new."""
+        """Add another result; return the part of it that is new."""
         new = Reached(other.edges - self.edges, other.locations - self.locations, other.pairs - self.pairs)
         self.edges |= other.edges
         self.locations |= other.locations
@@ -104,17 +104,17 @@ class Reached:
         return bool(self.edges or self.locations or self.pairs)
 
     def as_json(self) -> dict[str, list[int]]:
-        """As it is kept."""
+        """Return the numbers in the form of the file."""
         return {name: sorted(getattr(self, name)) for name in ("edges", "locations", "pairs")}
 
     @classmethod
     def from_json(cls, found: dict[str, list[int]]) -> Reached:
-        """As it was kept."""
+        """Return the numbers from the form of the file."""
         return cls(*(set(found[name]) for name in ("edges", "locations", "pairs")))
 
 
 class Coverer:
-    """Notes what a run reaches; ``faults`` are the names of those that are there now."""
+    """Records the coverage of a run; ``faults`` are the numbers of the present faults."""
 
     def __init__(self, known: CoverageMap) -> None:
         self._map = known
@@ -122,12 +122,12 @@ class Coverer:
         self.reached = Reached(locations=set(known.initial))
 
     def suffer(self, scenario: str) -> None:
-        """Another scenario of the testbench is there now."""
+        """Set the present scenario of the testbench."""
         names = [part.strip().partition(":")[0] for part in scenario.split(",")]
         self.faults = tuple(self._map.faults.index(name) for name in names if name in self._map.faults)
 
     def watch(self, _program: str) -> Callable[[Observation], None]:
-        """A `Watch` of a `VirtualTool`."""
+        """Return the `Watch` function for a `VirtualTool`."""
         return self._note
 
     def _note(self, observation: Observation) -> None:

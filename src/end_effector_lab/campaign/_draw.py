@@ -1,4 +1,4 @@
-"""Cases by chance: each from a swarm of its own (a few kinds of happenings only), or a mutant of one that is kept."""
+"""Draws random cases: each from its own small selection of kinds of events (a swarm), or as a mutant of a kept case."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from ._case import (
 MOST_HAPPENINGS, LONGEST_US = 14, 60_000_000
 NEAR_US = 1_000
 COMMANDS_SHARE = 3
-"""Of these to one to three of faults, and one or two of deaths."""
+"""Weight of commands; faults have one to three, deaths one or two."""
 WEIGHTS = {"grip": 8, "drop": 5, "cancel": 3, "lock": 2, "unlock": 3, "arm": 1, "reset": 2}
 KILLED = ("grip", "tool_change", HAL, ARBITER, "all")
 Draw = Callable[[Random], list[tuple[int, str]]]
-"""Gives what happens together: µs after each other, and what."""
+"""Returns events that belong together: the time after the previous one in µs, and the event."""
 
 
 class CaseSource:
     """Draws cases for a tool.
 
     Args:
-        description: its faults, processes and times.
+        description: provides the faults, processes and times.
     """
 
     def __init__(self, description: Description) -> None:
@@ -57,7 +57,7 @@ class CaseSource:
         self._deadlines = sorted(round(each * 1e6) for each in seconds)
 
     def fresh(self, random: Random) -> Case:
-        """A new one from a swarm of its own: a few kinds of happenings, a few faults."""
+        """Return a new case from its own selection: a few kinds of events, a few faults."""
         kinds = self._swarm(random)
         if random.random() < 0.5:
             return self._disturbed_grip(random, kinds)
@@ -71,7 +71,7 @@ class CaseSource:
         return Case(random.getrandbits(31), ()).with_(happenings)
 
     def _disturbed_grip(self, random: Random, kinds: Sequence[Draw]) -> Case:
-        """A grip and perhaps a drop, with a few happenings anywhere in them."""
+        """Return a grip and perhaps a drop, with a few events at any time in them."""
         drop_at = random.randint(1_000_000, 4_000_000)
         rarely_commands = [*dict.fromkeys(kinds), *kinds[COMMANDS_SHARE:]]
         happenings = [Happening(0, "grip")]
@@ -85,7 +85,7 @@ class CaseSource:
         return Case(random.getrandbits(31), ()).with_(happenings)
 
     def mutant(self, random: Random, case: Case, moments: Sequence[int], other: Case) -> Case:
-        """A case that is a little different; ``moments``: when something moved in it, µs."""
+        """Return a slightly changed case; ``moments`` are the times at which something moved in it, µs."""
         happenings = list(case.happenings)
         for _ in range(random.randint(1, 3)):
             self._mutate(random, happenings, moments, other)
@@ -120,7 +120,9 @@ class CaseSource:
                 happenings.append(Happening(at, what))
 
     def _moment(self, random: Random, happenings: Sequence[Happening], moments: Sequence[int]) -> int:
-        """Where something moved, or a deadline after it, a millisecond before or behind that; or anywhere."""
+        """Return a time at which something moved, or a deadline after it, exactly or a millisecond earlier or later;
+        sometimes any time.
+        """
         times = [*moments, *(each.at for each in happenings)]
         if not times or random.random() < 0.2:
             return random.randint(0, 10_000_000)
@@ -128,7 +130,7 @@ class CaseSource:
         return max(0, at + random.choice((-NEAR_US, 0, 0, NEAR_US)))
 
     def _gap(self, random: Random) -> int:
-        """Between two happenings, µs: often none, or short, or near a deadline."""
+        """Return the time between two events, µs: often zero, short, or near a deadline."""
         choice = random.random()
         if choice < 0.1:
             return 0
@@ -141,7 +143,7 @@ class CaseSource:
         return random.randint(0, 9_000_000)
 
     def _swarm(self, random: Random) -> list[Draw]:
-        """A few kinds of happenings."""
+        """Return a few kinds of events."""
         commands = [name for name in COMMANDS if name == "grip" or random.random() < 0.5]
         names = random.sample([*self._faults], min(len(self._faults), random.randint(1, 5)))
         faults = [random.choice(self._faults[name]) for name in names]

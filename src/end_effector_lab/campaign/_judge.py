@@ -1,31 +1,32 @@
-"""What must hold whatever happens, by the description and by what the simulated devices really do.
+"""The rules that must always hold, judged by the description and by the real state of the simulated devices.
 
-Nothing here is shared with the controller or the line arbiter, and nothing was observed.
+The rules share no code with the controller or the line arbiter, and were not derived from observed behaviour.
 
-Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip goes inactive
-    (IL-09).
-Rule 2 (order): what is released goes inactive in the release order, each one when the one before is gone, or its time
-    is over; a step that is tried again, as the last one.
-Rule 3 (activation): an output of the grip becomes active only in an accepted grip that is not over, behind all steps
-    before it, in its attempts and with the pause between them, with the tool really locked and a link that can say so
-    (IL-05, IL-11), and not while the emergency stop is open.
+Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip becomes inactive
+(IL-09).
+Rule 2 (order): released outputs become inactive in the release order, each one when the previous device is gone or its
+time is over; a retried step, as the last one.
+Rule 3 (activation): an output of the grip becomes active only in an accepted, running grip, after all earlier steps,
+within its attempts and with the pause between them, with the tool really locked and a link that can report it (IL-05,
+IL-11), and not while the emergency stop is open.
 Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and the
-    tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not for longer
-    than its longest time while the line arbiter lives (IL-03).
-Rule 5 (switching): a line stays as it is for its least time (IL-10); only an arbiter that ends cuts a pulse.
-Rule 6 (evidence): GRIPPED only while every device really grips, a leave to lift only while a link can say so, and the
-    tool is locked and present; a release ends in STAND_BY only when every device is gone. What has changed within
-    the time of a reading may not be known yet.
-Rule 7 (refusals): a grip is not accepted while a device is still gripping, the air is too low, the link is silent or
-    the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
-Rule 8 (unwound): what a gripping program that died had engaged is deactivated as declared, while the arbiter lives.
-Rule 9 (told): where it comes to rest, lines and state agree; a latched error, a loss and blindness have been told.
-Rule 10 (latched): what the line arbiter has latched, and the sensor fault of the tool changer, stay until a reset, also
-    when a program or the arbiter dies in between, or the power is lost.
-Rule 11 (late): a command is accepted only while a line arbiter lives that can carry it out, and once it has its result
-    no output of the grip goes inactive for it; a device on a bus may hear it later.
+tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not longer than its
+longest time while the line arbiter lives (IL-03).
+Rule 5 (switching): a line keeps its level for its least time (IL-10); only an arbiter that ends may cut a pulse short.
+Rule 6 (evidence): GRIPPED holds only while every device really grips; a lift is allowed only while a link can report
+it and the tool is locked and present; a release ends in STAND_BY only when every device is gone. Changes younger than
+the time of a reading may not be known yet.
+Rule 7 (refusals): a grip is refused while a device still grips, the supply pressure is too low, the link is silent, or
+the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
+Rule 8 (unwound): the actuators that a dead gripping program had engaged are deactivated as declared, while the arbiter
+lives.
+Rule 9 (told): at rest, lines and state agree; a latched error, a loss and missing sensor data have been reported.
+Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of the tool changer, stay until a reset,
+even if a program or the arbiter dies in between, or the power is lost.
+Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
+output of the grip becomes inactive because of it; a device on a bus may receive it later.
 
-Where a sensor lies, nobody can know: rules 3, 6 and 7 do not ask then about what is really there.
+While a sensor lies, the truth cannot be known: rules 3, 6 and 7 then ignore the real state.
 """
 
 from __future__ import annotations
@@ -49,14 +50,16 @@ RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND
 GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
 MARGIN_US = 1_000_000
 NEAR_US = 5_000
-"""By so much a pause may seem to be shorter than it is: what is due at one time is done one after the other."""
+"""Time by which a pause may appear too short, µs: actions that are due at the same time are executed one after the
+other.
+"""
 
 
 class Judge:
-    """Follows a tool; `look` is called at each instant at which something happens.
+    """Judges a tool; `look` is called at each instant at which something happens.
 
     Attributes:
-        objections: rule and sentence, in the order in which they were found; each rule once for each line or device.
+        objections: rule and sentence, in the order in which they were found; each rule once.
     """
 
     def __init__(self, description: Description, tool: VirtualTool) -> None:
@@ -96,11 +99,11 @@ class Judge:
     # What happens to the tool
 
     def suffers(self, scenario: str) -> None:
-        """Another scenario of the testbench is there now."""
+        """Process a new scenario of the testbench."""
         self._reality.suffers(scenario)
 
     def commanded(self, name: str, answer: Answer, at: int) -> None:
-        """A command was given at ``at`` µs, and answered."""
+        """Process a command that was given at ``at`` µs, and its answer."""
         if name == "reset":
             self._arbiter.reset(answer)
         if not answer.accepted:
@@ -121,7 +124,7 @@ class Judge:
                 self._object("refusals", f"a grip was accepted while {why}", at)
 
     def grip_dies(self) -> None:
-        """The gripping program is about to die, or to be ended."""
+        """Process the coming death or end of the gripping program."""
         tool = self._tool
         if "grip" in tool.living:
             self._grip_runs, self._let_go = False, {}
@@ -132,7 +135,7 @@ class Judge:
                 self._expect_unwinding()
 
     def _look_at_arbiter(self) -> None:
-        """Who measures the unlock, and executes last wills, may have gone or come."""
+        """Process the end or start of the arbiter, which measures the unlock and executes last wills."""
         gone, came = self._arbiter.look()
         if gone:
             self._unlocked_since = None
@@ -146,12 +149,16 @@ class Judge:
             self._unwound_by += LEASE_US
 
     def disturbed(self) -> None:
-        """What the arbiter keeps may be gone: in doubt it holds, and no last will is demanded of it."""
+        """Process a disturbed store: the arbiter's data may be lost. In doubt it holds, and no last will is required
+        of it.
+        """
         self._disturbed, self._unwound_by = True, None
         self._arbiter.forget()
 
     def power_lost(self) -> None:
-        """Everything has died, every line is inactive; valves of two coils stay; the journal has what is latched."""
+        """Process a loss of power: all programs have died and all lines are inactive; valves with two coils keep their
+        position; the journal keeps the latched faults.
+        """
         edges, statuses = self._tool.edges, self._tool.statuses
         self._seen = len(edges), len(statuses)
         self._active = {name: self._stays_without_power(name) for name in self._active}
@@ -161,7 +168,7 @@ class Judge:
         self._unlocked_since = self._unwound_by = None
 
     def _stays_without_power(self, name: str) -> bool:
-        """Whether a valve of two coils stands, or is going, where its first one has moved it: it stays there."""
+        """Return whether a valve with two coils is, or is moving, where its first coil moves it: it stays there."""
         if self._description.actuators[name].line not in self._description.opposites:
             return False
         valve = self._tool.bench.devices[name].valve
@@ -170,7 +177,7 @@ class Judge:
     # What is seen of it
 
     def look(self) -> bool:
-        """Judge what is new; returns False, as what `VirtualTool.run_until` asks."""
+        """Judge the new events; return False, as `VirtualTool.run_until` expects."""
         tool, (edges, statuses) = self._tool, self._seen
         self._reality.look()
         self._look_at_arbiter()
@@ -193,7 +200,7 @@ class Judge:
         return False
 
     def at_rest(self, *, still: bool) -> None:
-        """Nothing happens any more: ``still``, or the time was over."""
+        """Judge the tool at the end: ``still`` if it came to rest, else the time was over."""
         status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
         if "grip" not in self._tool.living:
             return
@@ -209,7 +216,9 @@ class Judge:
             self._object("told", f"{status.ee.name} without a reason")
 
     def _cannot_deactivate(self, status: Status) -> bool:
-        """Whether no arbiter is there that could, which has been told; a sensor may lie that nothing is held."""
+        """Return whether no arbiter is present to deactivate outputs, which was reported; a sensor may wrongly show
+        that nothing is held.
+        """
         return not self._arbiter.lives and bool(status.alarms)
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
@@ -301,7 +310,7 @@ class Judge:
                 self._object("order", f"{name} was deactivated before {other}")
 
     def _is_late(self, each: Switching) -> bool:
-        """Whether no command was at work, nor has begun or ended just then, and no program has just started."""
+        """Return whether no command was active at that time, and no program has just started."""
         on_bus = self._description.actuators[each.name].line in self._description.register_outputs
         if on_bus or self._tool.statuses[-1].ee == EndEffectorState.OFF:
             return False
@@ -313,12 +322,12 @@ class Judge:
         return True
 
     def _unwinds(self) -> bool:
-        """Whether a deactivation now belongs to a release, not to an attempt that has failed."""
+        """Return whether a deactivation now belongs to a release, not to a failed attempt."""
         tool = self._tool
         return "grip" not in tool.living or tool.statuses[-1].ee in (RELEASING, RELEASE_ERROR, STAND_BY)
 
     def _paused(self, each: Switching, before: tuple[str, ...]) -> None:
-        """The device before has the time of its release, or does not grip any more."""
+        """Check that the previous device had its release time, or no longer grips."""
         let_go = [other for other in before if other in self._let_go]
         if not let_go or not self._arbiter.has_lived_since(self._grip_since) or not self._reality.is_known:
             return
@@ -333,13 +342,15 @@ class Judge:
             )
 
     def _unwound(self) -> None:
-        """The time of a last will is over."""
+        """Check the outputs after the time of a last will."""
         self._unwound_by = None
         if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
             self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
 
     def _may_be_let_go(self, name: str) -> bool:
-        """Whether any ending is declared that does (only without IL-09), or its device hears nothing."""
+        """Return whether any ending is declared that releases the actuator (only without IL-09), or its device
+        receives nothing.
+        """
         endings = self._description.endings_of(name)
         held = endings.held
         return "release" in (
@@ -350,7 +361,7 @@ class Judge:
         ) or self._reality.lets_go(name)
 
     def _is_unwound(self, name: str) -> bool:
-        """Whether every ending before GRIPPED releases it."""
+        """Return whether every ending before GRIPPED releases the actuator."""
         found = self._description.endings_of(name).gripping
         every = (found.cancel, found.timeout, found.abort, found.sigterm, found.process_death)
         return all(each == "release" for each in every)
@@ -388,7 +399,7 @@ class Judge:
                     self._object("evidence", f"a release has ended in STAND_BY, and {name} is not gone")
 
     def _is_held(self, status: Status) -> None:
-        """Whether GRIPPED, and a leave to lift, are still justified."""
+        """Check that GRIPPED, and the permission to lift, are still justified."""
         if status.ee != GRIPPED:
             return
         if status.lift_allowed and (why := next(self._reality.against_a_lift(), "")):

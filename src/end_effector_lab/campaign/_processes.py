@@ -1,7 +1,7 @@
-"""A case on real processes, in real time: the testbench, the line arbiter, and `eehal run` as the whole HAL.
+"""Plays a case on real processes in real time: the testbench, the line arbiter, and `eehal run` as the whole HAL.
 
-What has died is started again as a service manager does it: until it stays. A process takes a second for that, which
-it does not in virtual time; so a case whose happenings are closer than that may end otherwise.
+A dead process is restarted as a service manager does, until it keeps running. A restart takes a second, but no virtual
+time; so a case whose events are closer together may end differently.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ START_S, POLL_S, AGAIN_S, STILL_S = 60.0, 0.05, 0.3, 1.0
 
 
 def play_on_processes(description: Description, case: Case, folder: Path) -> CaseEnd:
-    """Play a case for real; ``folder`` gets the logs.
+    """Play a case on real processes; ``folder`` receives the logs.
 
     Raises:
-        UsageError: something in it has no counterpart: a full disk, a loss of power, one program alone.
+        UsageError: an event has no counterpart: a full disk, a loss of power, one program alone.
         ReportedError: a process does not start, or the tool does not come to rest.
     """
     for each in case.happenings:
@@ -61,7 +61,7 @@ class _ProcessRun:
         self._lives = 0
 
     def played(self, case: Case) -> CaseEnd:
-        """Play it, once."""
+        """Play the case once."""
         self._wait_until_at_rest(START_S, {EndEffectorState.STAND_BY})
         self._keep(0.5)
         marks = len(self._edges())
@@ -111,14 +111,14 @@ class _ProcessRun:
                 child.wait_for_end(timeout_s=START_S)
 
     def _take(self, name: str) -> Child | None:
-        """It, if it lives; from now on another one counts."""
+        """Remove and return the process if it lives; afterwards another one replaces it."""
         child, self._children[name] = self._children[name], None
         return child if child is not None and child.code is None else None
 
     # Who is to live, lives
 
     def _keep(self, seconds: float) -> None:
-        """Wait, and start what has ended and is to live."""
+        """Wait, and restart processes that have ended but should run."""
         until = time.monotonic() + seconds
         while True:
             for name in (ARBITER, HAL):
@@ -144,7 +144,7 @@ class _ProcessRun:
         )
 
     def _wait_until_at_rest(self, seconds: float, states: set[EndEffectorState]) -> EndEffectorState:
-        """Until the HAL is in one of these states for a while, and does nothing."""
+        """Wait until the HAL has been in one of these states for a while without activity."""
         limit, since, last = time.monotonic() + seconds, time.monotonic(), ("", -1)
         while time.monotonic() < limit:
             self._keep(POLL_S * 4)
@@ -162,7 +162,7 @@ class _ProcessRun:
         )
 
     def _status(self) -> dict[str, object]:
-        """The newest status that the HAL has told, after it was asked for one."""
+        """Request a status from the HAL and return the newest one."""
         hal = self._children[HAL]
         if hal is None or hal.code is not None:
             return {}

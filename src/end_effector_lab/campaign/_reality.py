@@ -1,4 +1,4 @@
-"""What is really the case, whatever the sensors and the programs say, and since when."""
+"""The real state of the devices, independent of sensors and programs, and since when it has lasted."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ from end_effector_lab.testbench import TOOL_CHANGER
 from end_effector_lab.virtual import VirtualTool
 
 SEEN_US = 1_500_000
-"""By then everything that is the case has been read, filtered and told: a link is down after 1 s."""
+"""Time after which a fact has been read, filtered and reported, µs: a link counts as down after 1 s."""
 BELIEVED_US = 1_000_000
-"""So long after its end a lie may still be believed: filters, and readings that are not stale yet."""
+"""Time after the end of a false reading for which it may still be believed, µs: filters, and readings that are not
+stale yet.
+"""
 NOISE_KPA, FRAMES_US = 1.0, 100_000
-"""By so much, and for so long, what is read differs from what is there."""
+"""Largest difference between a reading and the real value, kPa, and its longest duration, µs."""
 NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
 _LOOSE = {
     "unlocked": "the tool is not locked", "absent": "there is no tool", "fault": "the tool changer is in FAULT",
@@ -26,7 +28,7 @@ _LOOSE = {
 
 
 class Reality:
-    """Looks at the simulated devices of a tool; `look` is called at each instant at which something happens."""
+    """Observes the simulated devices of a tool; `look` is called at each instant at which something happens."""
 
     def __init__(self, description: Description, tool: VirtualTool) -> None:
         self._description, self._tool = description, tool
@@ -49,13 +51,13 @@ class Reality:
         self._since = {what: tool.at - SEEN_US for what, so in self._found().items() if so}
 
     def suffers(self, scenario: str) -> None:
-        """Another scenario of the testbench is there now."""
+        """Process a new scenario of the testbench."""
         self._note_lies()
         self._faults = frozenset(part.strip() for part in scenario.split(","))
         self._note_lies()
 
     def look(self) -> None:
-        """Note since when something is so."""
+        """Record since when each fact has been true."""
         self._note_lies()
         links = self._description.links
         unasked = (
@@ -76,11 +78,11 @@ class Reality:
                 self._since.setdefault(what, self._tool.at)
 
     def lasts(self, what: str, us: int = SEEN_US) -> bool:
-        """Whether it has been so for long enough, by default that everybody knows."""
+        """Return whether a fact has been true long enough, by default until every program has detected it."""
         return self._tool.at - self._since.get(what, self._tool.at) > us
 
     def lets_go(self, name: str) -> bool:
-        """Whether its device may let go by itself, because it hears nothing (`on_link_loss`)."""
+        """Return whether the device may release by itself, because it receives nothing (`on_link_loss`)."""
         output, tool = self._description.actuators[name].modbus, self._tool
         if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
             return False
@@ -89,26 +91,26 @@ class Reality:
 
     @property
     def is_known(self) -> bool:
-        """Whether no sensor lies, or did a moment ago."""
+        """Whether no sensor lies, now or shortly before."""
         return self._tool.at - self._lied_at > BELIEVED_US
 
     @property
     def is_read(self) -> bool:
-        """Whether no sensor lies, no link is silent, or was a moment ago."""
+        """Whether no sensor lies and no link is silent, now or shortly before."""
         return self.is_known and self._tool.at - self._silent_at > SEEN_US
 
     def grips(self, name: str) -> bool:
-        """Whether a device really does, by its switch or by what the description asks of its pressure."""
+        """Return whether a device really grips, by its switch or by the thresholds for its pressure."""
         return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
 
     def surely_grips(self, name: str) -> bool:
-        """As `grips`, and no noise makes the switch on a pressure open already."""
+        """Return whether a device grips, as in `grips`, even if noise opens its pressure switch."""
         opens_kpa = self._opens_kpa.get(name)
         kpa = self._tool.bench.devices[name].pressure_kpa
         return self.grips(name) and (opens_kpa is None or kpa is None or abs(kpa) > opens_kpa + NOISE_KPA)
 
     def closes(self, name: str) -> bool:
-        """Whether it has lost what it had gripped, and its switch shows that only at the end of its way."""
+        """Return whether a device has lost its part, which its switch shows only at the end of the stroke."""
         device = self._tool.bench.devices[name]
         return (
             name in self._has_gripped
@@ -117,7 +119,7 @@ class Reality:
         )
 
     def against_a_grip(self) -> Iterator[str]:
-        """Why no grip may begin now, clauses."""
+        """Yield clauses why no grip may begin now."""
         rules, supply = self._description.interlocks, self._description.supply
         if self.lasts("silent"):
             yield "the link is silent (IL-07)"
@@ -132,21 +134,21 @@ class Reality:
         yield from self._loose()
 
     def against_a_lift(self) -> Iterator[str]:
-        """Why what is held may not be lifted, clauses."""
+        """Yield clauses why the held part may not be lifted."""
         if self.lasts("silent"):
             yield "the link is silent"
         if self.is_known:
             yield from self._loose()
 
     def _loose(self) -> Iterator[str]:
-        """What speaks against the tool, by IL-05."""
+        """Yield clauses about the tool that violate IL-05."""
         if self._description.interlocks.il_05:
             for what, clause in _LOOSE.items():
                 if self.lasts(what):
                     yield f"{clause} (IL-05)"
 
     def against_an_unlock(self) -> Iterator[str]:
-        """Why the unlock output may not become active now, clauses."""
+        """Yield clauses why the unlock output may not become active now."""
         rules, changer = self._description.interlocks, self._description.tool_changer
         if changer is None:
             return
@@ -184,12 +186,12 @@ class Reality:
         return found
 
     def _is_left(self, name: str) -> bool:
-        """Whether something is left of it, by what the description asks of a release."""
+        """Return whether a device is not completely released, by the thresholds of the description."""
         over = name not in self._by_conditions and self._is_over(name, "gone_kpa", NOISE_KPA)
         return over or self._tool.bench.devices[name].grips
 
     def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
-        """Whether a pressure that somebody reads is over a threshold of the description."""
+        """Return whether a pressure with a sensor is above a threshold of the description."""
         device, part = self._tool.bench.devices[name], self._description.actuators[name]
         kpa = kind_of(part).limits(part, self._description.supply).get(limit)
         if name not in self._by_pressure or kpa is None or device.pressure_kpa is None:

@@ -1,4 +1,6 @@
-"""The smallest case that still fails for the same reason: delta debugging over its happenings, then simpler values."""
+"""Finds the smallest case that still fails for the same reason: delta debugging over its events, then
+simpler values.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,17 @@ from ._play import play_case
 
 MOST_PLAYS = 300
 MOST_S = 60.0
-"""Each play of a large tool takes seconds: the smallest case by then is one to work with."""
+"""Longest time for shrinking, s: one play of a large tool takes seconds, and the smallest case found by then is
+useful.
+"""
 
 
 def shrunk(
     description: Description, case: Case, same: Callable[[Mapping[str, str]], bool], known: CoverageMap
 ) -> Case:
-    """The smallest case found within `MOST_S` whose failures are still the ``same``; those of the case itself are."""
+    """Return the smallest case found within `MOST_S` for whose failures ``same`` is true; it is true for the case
+    itself.
+    """
     until = time.monotonic() + MOST_S
 
     def fails(tried: Case) -> bool:
@@ -29,7 +35,9 @@ def shrunk(
 
 
 def shrunk_by(case: Case, fails: Callable[[Case], bool], most: int = MOST_PLAYS) -> Case:
-    """The smallest case found for which ``fails`` holds, asked at most ``most`` times; it holds for ``case``."""
+    """Return the smallest case found for which ``fails`` is true, with at most ``most`` calls; it is true for
+    ``case``.
+    """
     asked: dict[Case, bool] = {case: True}
 
     def asks(tried: Case) -> bool:
@@ -49,7 +57,7 @@ def shrunk_by(case: Case, fails: Callable[[Case], bool], most: int = MOST_PLAYS)
 
 
 def _with_fewer(case: Case, fails: Callable[[Case], bool]) -> Case:
-    """Delta debugging (Zeller and Hildebrandt, 2002): leave out halves, then quarters, down to single happenings."""
+    """Leave out halves, then quarters, down to single events: delta debugging (Zeller and Hildebrandt, 2002)."""
     left, parts = case.happenings, 2
     while left:
         parts = min(parts, len(left))
@@ -67,7 +75,7 @@ def _with_fewer(case: Case, fails: Callable[[Case], bool]) -> Case:
 
 
 def _simpler(case: Case) -> Iterator[Case]:
-    """The same with one thing simpler, the boldest first."""
+    """Yield the case with one simplification, the largest first."""
     yield from _if_other(case, Case(0, case.happenings))
     for place, each in enumerate(case.happenings):
         for what in _simpler_words(each):
@@ -85,20 +93,20 @@ def _if_other(case: Case, tried: Case) -> Iterator[Case]:
 
 
 def _simpler_words(each: Happening) -> Iterator[str]:
-    """Fewer faults at once."""
+    """Yield the event with fewer simultaneous faults."""
     parts = each.rest.split(",")
     if each.verb == SCENARIO and len(parts) > 1:
         yield from (f"{SCENARIO} {part.strip()}" for part in parts)
 
 
 def _rounder(gap: int) -> Iterator[int]:
-    """Shorter or rounder waits, µs; each is smaller, or has fewer digits, so that this ends."""
+    """Yield shorter or rounder waits, µs; each is smaller, or has fewer digits, so that shrinking ends."""
     found: Sequence[int] = (0, *(gap // unit * unit for unit in (1_000_000, 500_000, 100_000, 10_000, 1_000)))
     yield from sorted({each for each in found if each < gap})
 
 
 def _moved(case: Case, place: int, by: int) -> Case:
-    """All happenings from a place on come earlier."""
+    """Return the case with all events from a position on moved by ``by`` µs."""
     later = (each._replace(at=each.at + by) for each in case.happenings[place:])
     return Case(case.seed, (*case.happenings[:place], *later))
 

@@ -58,13 +58,13 @@ def command(
 ) -> None:
     """Play random sequences of commands, faults, deaths and restarts in virtual time, and judge each of them.
 
-    What must hold is computed from the description, by rules that share nothing with what controls the tool; the
-    monitor judges it besides, and each run ends with a grip and a drop, with everything put right. Runs that reach an
-    edge of the automata, or an edge with a fault, for the first time are kept, and later ones are mutants of them.
+    The requirements are computed from the description, by rules that share no code with the controller; the monitor
+    judges each run as well, and each run ends with a grip and a drop after all faults are removed. Runs that reach an
+    edge of the automata, or an edge with a fault, for the first time are kept, and later runs are mutants of them.
 
-    FOLDER gets runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which --play
-    plays. Without TOOL: the shipped one. Exit code 4: a run has failed; with --processes: what was played there
-    ended otherwise than in virtual time.
+    FOLDER receives runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which
+    --play plays. Without TOOL: the shipped one. Exit code 4: a run has failed; with --processes: the case ended
+    differently than in virtual time.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path

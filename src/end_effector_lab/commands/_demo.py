@@ -1,4 +1,4 @@
-"""``eehal demo``: the paper, end to end."""
+"""``eehal demo``: plays the scenarios of the paper from end to end."""
 
 from __future__ import annotations
 
@@ -80,12 +80,12 @@ def command(
     output: Path,
     as_json: bool,
 ) -> None:
-    """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw what was recorded.
+    """Play the paper's three scenarios (Figs. 7, 8 and 9) and draw the recordings.
 
-    For each of them a virtual chip, the line arbiter and the testbench are started, and with ROS the nodes, the
-    DataLogger and the Supervisor; on its own wires there is no virtual chip, and the testbench (or
-    the tool itself) is at their other end already. Without DESCRIPTION: the shipped tool. Exit code 1: a
-    scenario did not run as expected, or a time-out or reset was not within 100 ms after its nominal time.
+    For each scenario a virtual chip, the line arbiter and the testbench are started, and with ROS the nodes, the
+    DataLogger and the Supervisor. With --own-wires there is no virtual chip, and the testbench (or the tool itself) is
+    at the other end already. Without DESCRIPTION: the shipped tool. Exit code 1: a scenario did not run as expected,
+    or a time-out or reset was not within 100 ms after its nominal time.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -126,7 +126,7 @@ def command(
 
 
 def tell(reports: Sequence[Report], *, as_json: bool) -> None:
-    """Print the reports; the command ends with 1 when one of the scenarios did not run as expected."""
+    """Print the reports; end the command with 1 if a scenario did not run as expected."""
     from end_effector_lab.demo import print_table
 
     if as_json:
@@ -138,7 +138,7 @@ def tell(reports: Sequence[Report], *, as_json: bool) -> None:
 
 
 def figures_wanted(no_figures: bool, progress: Console) -> bool:
-    """Whether to draw; says so where figures are wanted and the extra for them is not installed."""
+    """Return whether to draw; print a note if figures are wanted but the extra for them is not installed."""
     from end_effector_hal.cli import figures
     from end_effector_hal.errors import MissingExtraError
 
@@ -153,7 +153,7 @@ def figures_wanted(no_figures: bool, progress: Console) -> bool:
 
 
 def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[DemoScenario]:
-    """Those of these names; without a name the paper's three, or all. Raises UsageError."""
+    """Return the scenarios with these names; without a name, the paper's three or all. Raises UsageError."""
     from end_effector_lab.demo import scenarios, unplayable
 
     known = scenarios(description, everything=everything or bool(names))
@@ -170,7 +170,7 @@ def chosen(description: Description, names: Sequence[str], *, everything: bool) 
 
 
 def console(*, stderr: bool = False, quiet: bool = False) -> Console:
-    """Wide where it is no terminal: a file has no width of its own."""
+    """Return a console; without a terminal it has a fixed width, since a file has none."""
     from rich.console import Console
 
     console = Console(stderr=stderr, quiet=quiet)

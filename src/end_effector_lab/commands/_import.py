@@ -1,4 +1,4 @@
-"""``eehal import``: a ROS bag becomes a recording."""
+"""``eehal import``: converts a ROS bag to a recording."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def command(
     namespace: str | None,
     as_json: bool,
 ) -> None:
-    """Make a recording of the states and sensor frames in BAG, as DataLogger would have written it.
+    """Convert the states and sensor frames in BAG to a recording, as DataLogger would have written it.
 
-    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. Messages that cannot
-    be understood are listed, and the rest is imported. A damaged bag is refused, with the tool that repairs it.
+    BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. Messages that cannot be read
+    are listed, and the rest is imported. A damaged bag is refused with the name of the tool that repairs it.
 
-    Exit code 0: all of it was imported; 1: a part; 2: nothing.
+    Exit code 0: everything was imported; 1: a part; 2: nothing.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import tool_path

@@ -1,4 +1,4 @@
-"""``eehal matrix``: every fault at every moment, with every command."""
+"""``eehal matrix``: plays every fault at every moment, with every command."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ def command(
 ) -> None:
     """Play every fault of the testbench at every moment of a grip and a drop, with every command, in virtual time.
 
-    What may become of each cell is computed from the description, by rules that share nothing with what controls the
-    tool; the monitor judges it besides. FOLDER gets report.html, report.json, cells.jsonl and fmea.csv, the failure
-    modes and effects of the tool, with empty columns for severity and occurrence.
+    The allowed outcomes of each cell are computed from the description, by rules that share no code with the
+    controller; the monitor judges each run as well. FOLDER receives report.html, report.json, cells.jsonl and
+    fmea.csv, the failure modes and effects of the tool, with empty columns for severity and occurrence.
 
-    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was
-    dropped, or something is not explained.
+    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped,
+    or a result is not explained.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -144,7 +144,7 @@ def _write(
     found: dict[str, Any],
     results: ResultsFolder,
 ) -> list[Path]:
-    """Returns what somebody had changed, and stays."""
+    """Write the results; return the copies of files that a person had changed."""
     from end_effector_lab.matrix import FIGURES, FMEA, PAGE, fmea, page, signed_cells
 
     signed = signed_cells(results.read(FMEA))

@@ -1,4 +1,4 @@
-"""Options of what plays thousands of runs: where the results go, and who plays them."""
+"""Options of commands that play thousands of runs: the folder of the results, and the workers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 
 def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:
-    """``-o FOLDER``, ``--jobs N``, ``--scheduler ADDRESS`` and ``--json``.
+    """Return the options ``-o FOLDER``, ``--jobs N``, ``--scheduler ADDRESS`` and ``--json``.
 
     Args:
-        noun: of the command, which is the name of its folder, too.
-        gets: what the folder gets, as a sentence without its dot.
+        noun: name of the command and of its folder.
+        gets: the help text on the folder's content, as a sentence without its full stop.
     """
     options = (
         click.option(

@@ -1,4 +1,4 @@
-"""``eehal plot``: figures of a recording."""
+"""``eehal plot``: draws figures of a recording."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from end_effector_lab.figures import RecordedRun
 
 STYLES = ("timeline", "paper")
-"""Those of the figures, which would be loaded whenever somebody asks for help."""
+"""The styles of the figures, repeated here so that help does not load the drawing module."""
 
 
 @click.command("plot", short_help="draw a recorded run")
@@ -29,8 +29,8 @@ STYLES = ("timeline", "paper")
 def command(recording: Path, style: str, output: Path | None, csv: bool, as_json: bool) -> None:
     """Draw a recording: STATES.csv, or the folder of a run.
 
-    Pressures and the source of the run are taken from pressures.csv and run.json beside it. Without -o the
-    figure is written beside the recording, as PNG and as SVG.
+    Pressures and the source of the run are read from pressures.csv and run.json beside it. Without -o the figure is
+    written beside the recording, as PNG and as SVG.
     """
     from end_effector_lab.figures import RecordedRun
 

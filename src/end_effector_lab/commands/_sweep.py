@@ -1,4 +1,4 @@
-"""``eehal verify --sweep``: a grid over values of a description."""
+"""``eehal verify --sweep``: proves a grid over values of a description."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def run(
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Prove each combination, print which hold and write the results; return the exit code.
+    """Prove each combination, print those that hold and write the results; return the exit code.
 
     Args:
-        path: of the description.
+        path: path of the description.
         wanted: axes as they were typed.
-        scheduler, jobs: who proves, see `open_workers`.
+        scheduler, jobs: select the workers, see `open_workers`.
         output: the folder of the results; None: nothing is written.
         as_json: print JSON.
     """

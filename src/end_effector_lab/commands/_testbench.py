@@ -1,4 +1,4 @@
-"""``eehal testbench``: the end-effector's other end, simulated."""
+"""``eehal testbench``: simulates the hardware at the other end of the wires."""
 
 from __future__ import annotations
 
@@ -75,11 +75,12 @@ def command(
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Play the end-effector at the other end of the wires.
+    """Simulate the end-effector at the other end of the wires.
 
-    Sees the lines of DESCRIPTION (default: the shipped tool) and answers with sensor frames, until SIGTERM or
-    Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, "quit" ends it; so does the
-    page of the tool (`eehal page`), if --lines and --port are those of DESCRIPTION.
+    The testbench reads the lines of DESCRIPTION (default: the shipped tool) and answers with sensor frames, until
+    SIGTERM or Ctrl-C. While it runs, a line "scenario S" on standard input chooses another scenario, and "quit" ends
+    it. The page of the tool (`eehal page`) can choose a scenario as well, if --lines and --port are those of
+    DESCRIPTION.
     """
     if listed:
         _list_faults(as_json=as_json)

@@ -1,4 +1,4 @@
-"""How the tool is driven in a run: the one place where the demo chooses between ROS and no ROS."""
+"""Drives the tool in a run; this is the only place where the demo chooses between ROS and no ROS."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from ._world import World
 
 START_S = 120.0  # on a small board every interpreter takes seconds
 AFTER_OTHERS = ("nice", "-n", "10")
-"""Who gives the commands takes no processor time from who controls: its start would make readings late."""
+"""Prefix that lowers the priority of the commanding process, whose start would otherwise delay readings of the
+controller.
+"""
 
 
 class Drive(Protocol):
-    """Has the orders of a scenario carried out on the lines and the link of a world, and recorded in its folder.
+    """Executes the orders of a scenario on the lines and the link of a world, and records them in its folder.
 
     It starts processes through ``world.children``, which ends those that are left.
     """
@@ -26,18 +28,18 @@ class Drive(Protocol):
     """The generation of ROS whose nodes carry the states, for ``run.json``; 0: none."""
 
     def check(self) -> None:
-        """Raise RosError when what it needs is not here; it says how to get it."""
+        """Raise RosError with the remedy if something that the drive needs is missing."""
         ...
 
     def play(self, world: World, script: str, longest_s: float) -> None:
-        """Give the commands of a script, and return when its end is recorded.
+        """Execute the commands of a script, and return when its end is recorded.
 
-        ``states.csv``, ``alarms.csv``, ``pressures.csv`` and the traces of both programs are in the folder then.
+        The folder then contains ``states.csv``, ``alarms.csv``, ``pressures.csv`` and the traces of both programs.
 
         Args:
             world: the hardware, with the description that every process reads.
-            script: as `eehal run` and the Supervisor take it.
-            longest_s: how long the script may take.
+            script: in the form of `eehal run` and the Supervisor.
+            longest_s: longest time of the script.
 
         Raises:
             ReportedError: a process does not start or does not end; with the last lines of its log.
@@ -46,12 +48,12 @@ class Drive(Protocol):
 
 
 class WithoutRos:
-    """The tool in one process: `eehal run`. ``tool.log`` tells its states, and what it answered."""
+    """Runs the tool in one process with `eehal run`; ``tool.log`` contains its states and answers."""
 
     ros = 0
 
     def check(self) -> None:
-        """Nothing more is needed."""
+        """Do nothing, since nothing more is needed."""
 
     def play(self, world: World, script: str, longest_s: float) -> None:
         folder = str(world.folder)
@@ -73,14 +75,14 @@ def give_recorded(
     supervisor: Sequence[str],
     longest_s: float,
 ) -> None:
-    """Have the Supervisor give its script while DataLogger records; DataLogger is ended before the nodes are.
+    """Let the Supervisor execute its script while DataLogger records; end DataLogger before the nodes.
 
     Args:
         world: the hardware.
-        nodes: a process of the nodes, whose end is the end of all.
+        nodes: a process of the nodes; if it ends, the run fails.
         start: starts a process in the environment of the nodes: name, command, ``log``.
         logger, supervisor: the commands of both.
-        longest_s: how long the script may take.
+        longest_s: longest time of the script.
     """
     folder = world.folder
     recording = start("DataLogger", list(logger), log=folder / "data_logger.log")

@@ -1,4 +1,4 @@
-"""What is going on, on standard error: one line that changes on a terminal, else a line per change."""
+"""Shows the progress on standard error: one changing line on a terminal, else one line per change."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 
 def _log_of(path: Path) -> StatesLog | None:
-    """The recording so far; None: nothing is there yet."""
+    """Return the recording so far; None if it is still empty."""
     if not path.exists() or os.path.getsize(path) == 0:
         return None
     try:
@@ -28,7 +28,7 @@ def _log_of(path: Path) -> StatesLog | None:
 
 
 def last_state(path: Path) -> EndEffectorState | None:
-    """The newest state of the end-effector; None: nothing is there yet."""
+    """Return the newest state of the end-effector; None if nothing is recorded yet."""
     log = _log_of(path)
     return log.rows[-1].end_effector if log and log.rows else None
 
@@ -37,12 +37,12 @@ PERIOD_S = 0.2
 
 
 class StatusLine:
-    """A line that changes, where the console is a terminal; elsewhere it is printed once.
+    """A changing line on a terminal; elsewhere it is printed once.
 
     Args:
         console: where it is shown.
-        title: what it begins with, such as ``[1/3] nominal``.
-        begin: what it says at first.
+        title: its beginning, such as ``[1/3] nominal``.
+        begin: its first text.
     """
 
     def __init__(self, console: Console, title: str, begin: str) -> None:
@@ -64,7 +64,7 @@ class StatusLine:
             self._line.stop()
 
     def show(self, text: str) -> bool:
-        """Change it; False where that is not possible."""
+        """Change the line; return False if that is not possible."""
         if self._line is None:
             return False
         self._line.update(f"{self.title}: {text}")
@@ -72,12 +72,12 @@ class StatusLine:
 
 
 class Progress(StatusLine):
-    """Follows the recording of one scenario while it is played.
+    """Shows the progress of the recording of one scenario.
 
     Args:
         console, title: see `StatusLine`.
         states: the recording.
-        info: kinds of its actuators, for their words.
+        info: the kinds of its actuators, for their words.
     """
 
     def __init__(self, console: Console, title: str, states: Path, info: RunInfo) -> None:
@@ -107,7 +107,7 @@ class Progress(StatusLine):
             self.show(f"{self._doing}  {time.monotonic() - self.begun:.0f} s")
 
     def news(self) -> list[str]:
-        """Each state since the last call, also one that lasted for an instant, as a GRIP_ERROR that is unwound."""
+        """Return all states since the last call, including momentary ones such as a GRIP_ERROR before a release."""
         log = _log_of(self._states)
         if log is None:
             return []
@@ -115,7 +115,7 @@ class Progress(StatusLine):
         return [self._describe(log, row) for row in rows]
 
     def _describe(self, log: StatesLog, row: StatesRow) -> str:
-        """For example ``GRIPPING, Cylinder PENDING EXTEND``."""
+        """Return a row as text, for example ``GRIPPING, Cylinder PENDING EXTEND``."""
         words = [row.end_effector.label]
         words += [
             f"{display_name(name)} {recorded_kind(name, self._info.actuators).states(value).label}"

@@ -35,12 +35,12 @@ WITHOUT = "Without ROS: `eehal demo --no-ros`."
 
 
 class Ros1:
-    """All nodes of the launch file, HALMain's actions; DataLogger records."""
+    """Drives the tool with the nodes of the launch file and the actions of HALMain; DataLogger records."""
 
     ros = 1
 
     def check(self) -> None:
-        """Raise RosError when ROS or its messages are not here; it says how to get them."""
+        """Raise RosError with the remedy if ROS or its messages are missing."""
         missing = [name for name in PROGRAMS if shutil.which(name) is None]
         missing += [] if importlib.util.find_spec("rospy") else ["rospy"]
         if missing:
@@ -77,13 +77,13 @@ def start_nodes(world: World, env: Mapping[str, str], *arguments: str) -> Child:
 
 
 class Master:
-    """A ROS master on a free port of the loopback, so that nothing else of ROS on this machine is touched.
+    """A ROS master on a free loopback port, so that other ROS programs on this machine are not affected.
 
     Args:
         logs: a folder for the logs of ROS; it is made.
 
     Attributes:
-        env: what its nodes need in their environment.
+        env: environment variables for its nodes.
     """
 
     def __init__(self, logs: Path) -> None:
@@ -101,10 +101,10 @@ class Master:
         }
 
     def start(self, children: Children, log: Path, *, patience_s: float) -> Child:
-        """A roscore that answers.
+        """Start a roscore and wait until it answers.
 
         Raises:
-            RosError: it did not within ``patience_s``; with the last lines of its log.
+            RosError: it did not answer within ``patience_s``; with the last lines of its log.
         """
         command = ["roscore", "-p", str(self._port)]
         child = children.start(
@@ -120,7 +120,7 @@ class Master:
 
 
 def free_port() -> int:
-    """One of the loopback that nobody has now."""
+    """Return a port of the loopback that is free now."""
     with socket.socket() as probe:
         probe.bind((LOOPBACK, 0))
         return int(probe.getsockname()[1])

@@ -24,12 +24,12 @@ END_S = 20.0
 PROGRAM = (sys.executable, "-P", "-m", "end_effector_hal.ros2")
 ONE, FIVE = ("hal",), ("pressure", "position", "grip", "tool_change", "hal_main")
 MOST_DOMAIN = 101
-"""The ports of a larger number of a domain are those that Linux gives to others."""
+"""Largest domain number; the ports of larger ones are among those that Linux assigns to other programs."""
 _MOST_CLAIMS = 16
 
 
 class Ros2:
-    """The nodes, HALMain's actions; DataLogger records.
+    """Drives the tool with the nodes and the actions of HALMain; DataLogger records.
 
     Args:
         five: a process for each node, as the paper draws them.
@@ -41,7 +41,7 @@ class Ros2:
         self._programs = FIVE if five else ONE
 
     def check(self) -> None:
-        """Raise RosError when ROS 2 or its messages are not here; it says how to get them."""
+        """Raise RosError with the remedy if ROS 2 or its messages are missing."""
         for package, todo in (
             ("rclpy", "Source ROS 2, such as `. /opt/ros/jazzy/setup.bash`, or run `make demo-ros2`."),
             ("end_effector_msgs", "Build the workspace with colcon and source its install/setup.bash."),
@@ -73,11 +73,13 @@ class Ros2:
 
 
 _claims: deque[int] = deque()
-"""Descriptors: they are closed by the end of the process."""
+"""Sockets that claim domain numbers; they close with the process."""
 
 
 def _free_domain() -> int:
-    """One that no other process of this machine has from here; the newest ones stay claimed until it ends."""
+    """Return a domain number that no other process of this machine has claimed here; the newest numbers stay claimed
+    until this process ends.
+    """
     if len(_claims) == _MOST_CLAIMS:
         os.close(_claims.popleft())
     numbers = list(range(1, MOST_DOMAIN + 1))
@@ -95,7 +97,7 @@ def _free_domain() -> int:
 
 
 def apart(logs: Path) -> dict[str, str]:
-    """What processes of ROS 2 need in their environment to hear only each other, and nobody outside this machine.
+    """Return the environment variables for processes of ROS 2 that communicate only with each other on this machine.
 
     Args:
         logs: folder for the logs of ROS.

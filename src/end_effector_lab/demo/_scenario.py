@@ -1,4 +1,4 @@
-"""What the demo plays: what goes wrong at the testbench, what is commanded, and what is expected.
+"""The scenarios of the demo: the fault at the testbench, the commands, and the expected result.
 
 The scenarios of the paper (Figs. 7 to 9) and those of ``make demo-all`` are made for any description.
 """
@@ -19,8 +19,8 @@ from end_effector_hal.vocabulary import Command, EndEffectorState
 class Order:
     """One command to the end-effector, then a wait.
 
-    ``wait_s``: seconds before the next order; ``background``: counted from the command, not from its outcome;
-    ``arm``: an unlock that is armed first (IL-02).
+    ``wait_s``: seconds before the next order; ``background``: counted from the command, not from its outcome; ``arm``:
+    the unlock is armed first (IL-02).
     """
 
     command: Command
@@ -31,13 +31,13 @@ class Order:
 
 @dataclass(frozen=True)
 class Expected:
-    """The story, in the terms of a recording.
+    """The expected story, in the terms of a recording.
 
     Args:
-        states: of the end-effector, from STAND_BY on, without repetitions.
-        commands: what the command column shows, without NONE and repetitions.
-        attempts: how many each actuator takes; what is missing is never activated.
-        timeouts: how many of them time out.
+        states: states of the end-effector, from STAND_BY on, without repetitions.
+        commands: values of the command column, without NONE and repetitions.
+        attempts: number of attempts of each actuator; a missing one is never activated.
+        timeouts: number of its attempts that time out.
         slow_release: the actuator whose feedback stays for its whole release time.
     """
 
@@ -50,7 +50,7 @@ class Expected:
 
 @dataclass(frozen=True)
 class DemoScenario:
-    """``bench`` is the scenario as ``eehal testbench`` takes it; ``figure`` that of the paper, if any."""
+    """A scenario; ``bench`` is the scenario of ``eehal testbench``, ``figure`` that of the paper, if any."""
 
     name: str
     title: str
@@ -59,11 +59,11 @@ class DemoScenario:
     expected: Expected
     figure: str = ""
     rest_s: float = 0.5
-    """What the recording shows before the first order."""
+    """Time recorded before the first order, s."""
 
     @property
     def script(self) -> str:
-        """The orders as the Supervisor takes them."""
+        """The orders as a script for the Supervisor."""
         steps = [f"wait {self.rest_s:g}"]
         for order in self.orders:
             steps += ["arm"] if order.arm else []
@@ -72,7 +72,7 @@ class DemoScenario:
         return "; ".join([*steps, "quit"])
 
     def longest_s(self, description: Description) -> float:
-        """How long it may take at most: the waits, and the bounds that the description requires."""
+        """Return the longest duration, s: the waits, and the bounds that the description requires."""
         longest = description.durations
         waits = self.rest_s + sum(order.wait_s for order in self.orders)
         return waits + (longest.grip_ms + longest.release_ms + longest.cancel_ms) / 1000
@@ -81,10 +81,10 @@ class DemoScenario:
 UNLOCK_LOCK = "unlock-lock"
 HOLD_S = 2.0
 REST_S = 0.5
-"""What a recording shows of the state that it ends in."""
+"""Time for which the final state is recorded, s."""
 UNLOCKED_S = 1.0
 TRAVEL_S = 0.4
-"""A tool changer, with its valve, takes less."""
+"""Upper limit for the travel time of a tool changer with its valve, s."""
 
 State = EndEffectorState
 _LOCK = Order(Command.LOCK, REST_S)
@@ -95,13 +95,15 @@ _HELD = (State.STAND_BY, State.GRIPPING, State.GRIPPED, State.RELEASING)
 
 
 def culprit_of(description: Description) -> str:
-    """The actuator that fails in the demo: the first that moves after the first step, else the second step."""
+    """Return the actuator that fails in the demo: the first moving one after the first step, else the second step."""
     later = description.ordered[1:] or description.ordered
     return next((name for name, actuator in later if kind_of(actuator).moves), later[0][0])
 
 
 def scenarios(description: Description, *, everything: bool = False) -> tuple[DemoScenario, ...]:
-    """The three of the paper; with ``everything`` also a cancel, a failing release, and unlock and lock."""
+    """Return the three scenarios of the paper; with ``everything`` also a cancel, a failing release, and unlock and
+    lock.
+    """
     paper = (_nominal(description), _fails_once(description), _never_confirms(description))
     if not everything:
         return paper
@@ -113,7 +115,7 @@ def scenarios(description: Description, *, everything: bool = False) -> tuple[De
 
 
 def unplayable(description: Description) -> dict[str, str]:
-    """Scenarios that the tool would have, but for its codec: name, and why in a sentence."""
+    """Return the scenarios that the codec makes impossible, with the reason as a sentence."""
     changer, carrier = description.tool_changer, carrier_of(description)
     bits = {"locked_bit": changer.locked_bit, "unlocked_bit": changer.unlocked_bit} if changer else {}
     if missing := [key for key, bit in bits.items() if bit not in carrier.channels]:
@@ -132,7 +134,7 @@ def _gripping(
     expected: Expected,
     figure: str = "",
 ) -> DemoScenario:
-    """A scenario after a lock, if there is a tool changer."""
+    """Return a scenario that begins with a lock if there is a tool changer."""
     if description.tool_changer:
         orders = (_LOCK, *orders)
         expected = replace(expected, commands=(Command.LOCK, *expected.commands))
@@ -175,7 +177,9 @@ def _stays_on(description: Description, culprit: str) -> bool:
 
 
 def _unwound(description: Description, culprit: str, ending: str) -> tuple[State, ...]:
-    """What a cancel or an abort comes to, while one actuator is pending: what is declared to hold stays active."""
+    """Return the states after a cancel or an abort while one actuator is pending: actuators declared to hold stay
+    active.
+    """
     engaged = [*_before(description, culprit), culprit]
     holds = [getattr(description.endings_of(name).gripping, ending) == "hold" for name in engaged]
     if all(holds):
@@ -230,12 +234,12 @@ def _unlock_and_lock(description: Description, changer: ToolChanger) -> DemoScen
 
 
 def _unlocked_s(description: Description, changer: ToolChanger) -> float:
-    """How long it stays unlocked: less than IL-03 leaves once a slow link has proven it."""
+    """Return how long the tool stays unlocked, s: less than IL-03 leaves after a slow link has confirmed it."""
     shown_s = TRAVEL_S + changer.proven_s + 2 * carrier_of(description).period_us / 1e6
     left_s = 2 * UNLOCKED_S if changer.latching else changer.unlock_max_s - shown_s
     return min(UNLOCKED_S, max(0.0, left_s / 2))
 
 
 def _before(description: Description, culprit: str) -> dict[str, int]:
-    """One attempt of everything before the culprit."""
+    """Return one attempt for every actuator before the culprit."""
     return dict.fromkeys(description.sequence[: description.sequence.index(culprit)], 1)

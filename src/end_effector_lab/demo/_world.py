@@ -20,26 +20,26 @@ START_S = 60.0  # a limit, for small and busy machines
 
 
 class World:
-    """Starts it on entering; ends it on leaving, with every process that was started through ``children``.
+    """Starts the hardware on entering; ends it on leaving, with every process that was started through ``children``.
 
     Args:
         description: the tool; its lines become virtual, its link a pty.
         bench: scenario of the testbench.
         folder: receives the logs and the description that is used.
-        own_wires: leave lines and link as they are; who stands at their other end plays the scenario.
-        events: the testbench writes edges and frames into this file of the folder; empty: it does not.
-        outlives_us: the line arbiter goes on when this process is killed.
-        seed: of the noise and the dead times of the testbench.
+        own_wires: keep lines and link unchanged; the device at their other end plays the scenario.
+        events: file in the folder for the edges and frames of the testbench; empty: none.
+        outlives_us: whether the line arbiter survives a kill of this process.
+        seed: seed of the noise and the dead times of the testbench.
 
     Raises:
         UsageError: the tool cannot have this scenario.
 
     Attributes:
-        folder: of the run.
-        place: for sockets and ptys; it goes with the world.
-        description_path: the description that is used, in the folder.
+        folder: folder of the run.
+        place: folder for sockets and ptys; it is deleted with the world.
+        description_path: the used description, in the folder.
         description: the same, loaded.
-        children: what was started.
+        children: the started processes.
         arbiter, testbench: two of them.
     """
 
@@ -84,11 +84,11 @@ class World:
 
     @staticmethod
     def scenarios(description: Description) -> Iterator[str]:
-        """What can go wrong with the tool, without numbers."""
+        """Return the possible scenarios of the tool, without numbers."""
         return possible_faults(description)
 
     def choose(self, bench: str) -> None:
-        """Have another scenario at the testbench from now on; raises UsageError, and nothing has changed."""
+        """Select another scenario at the testbench; raises UsageError if it is refused, and then nothing changes."""
         parse_scenario(bench, self.description)
         said = self.testbench.text().count("scenario: ")
         self.testbench.tell(f"scenario {bench}")
@@ -120,7 +120,7 @@ class World:
         self.arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 
     def _written(self) -> Description:
-        """The description as every process of this run reads it."""
+        """Write and return the description that every process of this run reads."""
         wires = "its own wires" if self._own_wires else "virtual lines and a pty"
         write_description(self.description, self.description_path, f"the same tool on {wires}")
         return load(self.description_path)

@@ -1,4 +1,4 @@
-"""The figures of runs and of automata; matplotlib is imported only when one is drawn."""
+"""The figures of runs and of automata; matplotlib is imported only when a figure is drawn."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -20,16 +20,16 @@ __all__ = [
     "timeline",
 ]
 _MODULES = {"draw_template": "automata"}
-"""Where a function is that is not in the module of its own name."""
+"""Modules of functions that are not in the module of their own name."""
 
 
 def __getattr__(name: str) -> Any:
-    """What draws is imported when it is asked for, and matplotlib with it."""
+    """Import a drawing function, and matplotlib with it, at its first use."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{_MODULES.get(name, f'_{name}')}", __name__), name)
 
 
 def __dir__() -> list[str]:
-    """With what is imported later: the documentation lists it."""
+    """Include the lazily imported names, so that the documentation lists them."""
     return sorted({*globals(), *__all__})

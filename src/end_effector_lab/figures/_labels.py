@@ -1,4 +1,4 @@
-"""Where words go, so that none stands on another; everything in inches."""
+"""Text placement without overlaps; everything in inches."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from matplotlib.textpath import text_to_path
 Point = tuple[float, float]
 
 _HINTING = 1.04
-"""Rendered text is up to this much wider than its outlines."""
+"""Factor by which rendered text may be wider than its outlines."""
 
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float, weight: str = "normal") -> float:
-    """The width of a line of text, inches."""
+    """Return the width of a line of text, inches."""
     font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
     width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
     return float(width) / 72 * _HINTING
 
 
 def height_of(size: float) -> float:
-    """The height of a line of text, inches."""
+    """Return the height of a line of text, inches."""
     return size / 72 * 1.25
 
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle; y may run either way, as long as ``y0 <= y1``."""
+    """A rectangle; y may point either way, as long as ``y0 <= y1``."""
 
     x0: float
     y0: float
@@ -41,7 +41,7 @@ class Box:
         return self.x0 < other.x1 and other.x0 < self.x1 and self.y0 < other.y1 and other.y0 < self.y1
 
     def meets_line(self, start: Point, end: Point) -> bool:
-        """Whether a straight line passes through (Liang and Barsky's clipping)."""
+        """Return whether a straight line passes through (Liang and Barsky's clipping)."""
         enter, leave = 0.0, 1.0
         for low, high, a, b in ((self.x0, self.x1, start[0], end[0]), (self.y0, self.y1, start[1], end[1])):
             step = b - a
@@ -58,10 +58,10 @@ class Box:
 
 
 class Sheet:
-    """What is taken already: boxes, and lines that words must not stand on.
+    """The occupied places: boxes, and lines that text must not cover.
 
-    Things are kept by the columns of the page that they touch, and a line that another covers to a hundredth
-    of an inch is not kept twice: the effort grows with the page, not with the length of the recording.
+    Places are indexed by the columns of the page, and a line equal to another within a hundredth of an inch is not
+    stored: the effort grows with the page, not with the length of the recording.
     """
 
     _COLUMN_IN = 0.4
@@ -83,14 +83,14 @@ class Sheet:
         )
 
     def free_line(self, start: Point, end: Point) -> bool:
-        """Whether a line would pass through no words."""
+        """Return whether a line would cross no text."""
         columns = self._columns(start[0], end[0])
         return not any(
             box.meets_line(start, end) for column in columns for box in self._boxes.get(column, ())
         )
 
     def crosses(self, start: Point, end: Point) -> bool:
-        """Whether a line would run across another; touching an end of it does not count."""
+        """Return whether a line would cross another; touching an end does not count."""
         columns = self._columns(start[0], end[0])
         return any(_cross(start, end, *line) for c in columns for line in self._lines.get(c, {}).values())
 
@@ -112,9 +112,9 @@ def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def spread(wanted: Sequence[float], heights: Sequence[float], low: float, high: float) -> list[float]:
-    """Centres near the wanted ones for things stacked one above the other between two bounds; none overlaps.
+    """Return centres near the wanted ones for items stacked between two bounds without overlap.
 
-    Where they do not all fit they start at ``low`` and pass ``high``.
+    If not all of them fit, they start at ``low`` and pass ``high``.
     """
     order = sorted(range(len(wanted)), key=lambda index: wanted[index])
     centres = list(wanted)
@@ -130,12 +130,12 @@ def spread(wanted: Sequence[float], heights: Sequence[float], low: float, high: 
 
 
 def wrapped(text: str, size: float, weight: str, width: float) -> list[str]:
-    """The text in lines no wider than ``width``; a single word may be wider."""
+    """Return the text in lines no wider than ``width``; a single word may be wider."""
     return packed(text.split(), " ", size, weight, width)
 
 
 def packed(parts: Iterable[str], between: str, size: float, weight: str, width: float) -> list[str]:
-    """Parts in lines no wider than ``width``, with ``between`` between two on a line; a single part may be wider."""
+    """Join parts with ``between`` into lines no wider than ``width``; a single part may be wider."""
     lines: list[str] = []
     for part in parts:
         longer = f"{lines[-1]}{between}{part}" if lines else part
@@ -147,5 +147,5 @@ def packed(parts: Iterable[str], between: str, size: float, weight: str, width: 
 
 
 def first_fitting(texts: Iterable[str], size: float, width: float) -> str | None:
-    """The first text that fits into a width."""
+    """Return the first text that fits into a width."""
     return next((text for text in texts if width_of(text, size) <= width), None)

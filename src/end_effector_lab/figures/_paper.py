@@ -1,4 +1,4 @@
-"""The paper's own figure: step curves with offsets, state names at the transitions (Figs. 7 to 9); places in inches."""
+"""The paper's figure: step curves with offsets, state names at transitions (Figs. 7 to 9); in inches."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ UNIT_IN = 0.2
 TEXT = 8.5
 COLOURS = ("#0072b2", "#1d2733", "#d55e00", "#009e73", "#aa4499", "#b08800", "#4f9fd4")
 _FOOT, _BETWEEN = 1.2, 2.0
-"""Units below the lowest curve and between two, for the names."""
+"""Room for the names, in units: below the lowest curve, and between two curves."""
 
 _AGAIN_IN = 0.15
-"""Where a state comes again within so little room, there is no place for its name either."""
+"""Width in inches within which the name of a repeated state is not tried again."""
 
 _NEAR = [(dx, dy) for dx in (0.04, -0.04) for dy in (0.1, -0.1)]
 _FAR = [
@@ -40,12 +40,12 @@ _TRIALS = [
     *product((False,), (*_NEAR, *_FAR)),
     *product((True,), ((dx, dy) for dx, dy in _FAR if max(abs(dx), abs(dy)) < 0.4)),
 ]
-"""(whether the leader may cross a curve, offset), the best first."""
+"""Pairs of (whether the leader may cross a curve, offset), the best first."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One element: its value plus ``offset`` is drawn."""
+    """The curve of one element: its value plus ``offset`` is drawn."""
 
     lane: Lane
     title: str
@@ -53,13 +53,13 @@ class Curve:
     offset: float
 
     def level(self, segment: Segment) -> float:
-        """In units from the foot of the figure."""
+        """Return the height of a segment, in units from the foot of the figure."""
         return self.offset + segment.level
 
 
 @dataclass(frozen=True)
 class Name:
-    """The name of a state: the middle of its words, and the leader where they stand further away."""
+    """The name of a state: the middle of its text, and a leader if the text is further away."""
 
     curve: Curve
     segment: Segment
@@ -68,7 +68,7 @@ class Name:
 
 
 def curves_of(lanes: list[Lane]) -> tuple[list[Curve], float]:
-    """Commands on top, then the end-effector, then the actuators in sequence order; and their units."""
+    """Return the curves (command, end-effector, actuators in sequence) and their total height in units."""
     end_effector, command, *actuators = lanes
     titles = ["HAL command", "End-effector", *(lane.title for lane in actuators)]
     curves: list[Curve] = []
@@ -81,13 +81,13 @@ def curves_of(lanes: list[Lane]) -> tuple[list[Curve], float]:
 
 
 def place_names(curves: list[Curve], start_s: float, per_second: float, frame: Box) -> list[Name]:
-    """A place for the name at each transition, so that it stands on no other and on no curve.
+    """Find a place for the name at each transition that overlaps no other name and no curve.
 
-    Just after the transition and above the new level; where that is taken, further away with a leader; where
-    there is no room, nowhere.
+    The first choice is just after the transition and above the new level; then further away with a leader; a name
+    without room is omitted.
 
     Args:
-        curves: all of them.
+        curves: all curves.
         start_s: the time at the left edge.
         per_second: inches per second.
         frame: names stay inside of it.
@@ -142,7 +142,7 @@ _DOT_IN = 0.03
 
 
 def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
-    """Offset step curves with the state names at the transitions, as in Figs. 7 to 9 of the paper.
+    """Draw offset step curves with the state names at the transitions, as in Figs. 7 to 9 of the paper.
 
     Raises UsageError for a recording without a row.
     """
@@ -176,7 +176,7 @@ def paper(log: StatesLog, info: RunInfo | None = None) -> Figure:
 
 
 def _columns(curves: Sequence[Curve], width: float) -> int:
-    """Of the legend; every column has room for the longest name and its line."""
+    """Return the number of legend columns; each has room for the longest name and its line."""
     return max(1, int(width / (max(width_of(curve.title, _LEGEND) for curve in curves) + 0.62)))
 
 
@@ -221,7 +221,7 @@ def _write_name(axes: Axes, name: Name, start_s: float, per_second: float) -> No
 
 
 def _label_axes(axes: Axes, curves: Sequence[Curve]) -> None:
-    """The integers of Table II stand at the left of each curve, in its colour."""
+    """Label the axes; the integers of Table II are left of each curve, in its colour."""
     ticks = sorted(
         {(curve.level(s), str(s.level), curve.colour) for curve in curves for s in curve.lane.segments}
     )

@@ -1,4 +1,4 @@
-"""Figures to files, the same bytes for the same figure."""
+"""Functions that write figures to files; the same figure gives the same bytes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DPI = 120
 
 
 def save(figure: Figure, path: str | Path) -> Path:
-    """Save as PNG or SVG, by the suffix, whole or not at all; the same figure gives the same bytes.
+    """Save as PNG or SVG, by the suffix, completely or not at all; the same figure gives the same bytes.
 
     Raises UsageError.
     """

@@ -1,4 +1,4 @@
-"""Colours, type and words of the figures."""
+"""Colours, fonts and wording of the figures."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ FILLS = {
     "error": "#b8232f",
     "command": "#5d6fb0",
 }
-"""Kinds of state, in the order of the legend; told apart under colour blindness too."""
+"""Colours of the kinds of state, in the order of the legend; distinguishable with colour blindness."""
 
 NOTHING = "#f1f3f6"
 WRONG = FILLS["error"]
 WATCHED = "#e4e3f2"
-"""A value of what a requirement speaks of, or of a switch that proves neither: no state of Table II."""
+"""Colour of a value in a requirement, or of a switch that proves neither; not a state of Table II."""
 BAND, BAND_INK = "#e6f3ed", "#1f7a55"
 THRESHOLDS = {"secure": (BAND_INK, (0, (1, 2))), "lost": ("#b8232f", (0, (5, 2, 1, 2)))}
-"""What is drawn as a line: its colour and its dashes."""
+"""Colour and dashes of each threshold line."""
 PROOFS = {
     "confirmed": (BAND_INK, (0, (5, 2))),
     "lost": THRESHOLDS["lost"],
     "gone": (MUTED, (0, (1, 2))),
     "empty": (MUTED, (0, (5, 2))),
 }
-"""The same of a quantity that is no pressure, by what a condition on it proves."""
+"""The same for a quantity other than pressure, by the evidence that its condition gives."""
 CURVES = ("#0072b2", "#d55e00", "#cc79a7", "#009e73", "#b08800", "#56b4e9")
-"""Okabe and Ito's, its yellow darkened for lines on white."""
+"""Okabe and Ito's colours, with the yellow darkened for lines on white."""
 
 SUPPLY = "#7d8794"
 MARKERS = {
@@ -59,7 +59,7 @@ MARKERS = {
     "disturbed": ("s", "#b0104f"),
     "gripped": ("*", "#1f7a55"),
 }
-"""Kind of moment -> its mark and colour."""
+"""Mark and colour of each kind of moment."""
 
 _SHORT = {
     "PENDING EXTEND": ("PENDING EXT", "PENDING", "PEND."),
@@ -89,14 +89,14 @@ _OF_CHANGER = {
     ChangerState.FAULT: "error",
 }
 OPEN = "open"
-"""What an e-stop says that refuses every activation."""
+"""State of an e-stop that refuses every activation."""
 _OF_SWITCH = {"confirmed": "confirmed", "gone": "inactive", OPEN: "error"}
 _OF_ACTUATOR = {INACTIVE: "inactive", PENDING: "waiting for sensor", ACTIVE: "confirmed"}
 
 
 @dataclass(frozen=True)
 class ShownValue:
-    """A value of what a requirement speaks of, in words; ``wrong``: it is the one that must not be."""
+    """A value in a requirement, in words; ``wrong``: the value that violates it."""
 
     label: str
     wrong: bool = False
@@ -104,7 +104,7 @@ class ShownValue:
 
 @dataclass(frozen=True)
 class ShownLevel:
-    """The level of a switch or an e-stop, in words; None: not known. ``proven``: by it alone, in a word; or nothing."""
+    """Level of a switch or an e-stop, in words; None: unknown. ``proven``: the evidence it gives alone, or ""."""
 
     label: str
     level: bool | None
@@ -112,11 +112,11 @@ class ShownLevel:
 
 
 Shown = TableState | ShownValue | ShownLevel
-"""What a segment of a lane is."""
+"""The types of value that a segment of a lane can show."""
 
 
 def kind_of(state: Shown) -> str:
-    """The kind of a state, a key of `FILLS`; empty for the command NONE, and for what is not known."""
+    """Return the kind of a state, a key of `FILLS` or "watched"; empty for NONE and unknown states."""
     if isinstance(state, ShownValue):
         return "error" if state.wrong else "watched"
     if isinstance(state, ShownLevel):
@@ -135,24 +135,24 @@ def fill_of(kind: str) -> str:
 
 
 def ink_of(kind: str) -> str:
-    """The colour of words on it."""
+    """Return the colour of text on a kind's fill."""
     return "white" if kind in ("error", "command") else INK
 
 
 def wordings(state: Shown) -> tuple[str, ...]:
-    """What may be written for a state, the longest first."""
+    """Return the texts for a state, the longest first."""
     return (state.label, *_SHORT.get(state.label, ()))
 
 
 def plain(text: str, longest: int = 60) -> str:
-    """Somebody else's text as the font can show it, on one line."""
+    """Return foreign text with characters that the font has, on one line."""
     shown = "".join(char if char.isprintable() and ord(char) < 0x530 else "?" for char in text)
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """The same figure whatever the user's matplotlibrc says."""
+    """Draw with fixed settings, independent of the user's matplotlibrc."""
     own = {
         "font.family": "DejaVu Sans",
         "text.color": INK,

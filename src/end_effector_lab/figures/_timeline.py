@@ -1,4 +1,4 @@
-"""The default figure of a run: events, lanes, pressures, and the verdict as its title."""
+"""The default figure of a run: events, lanes and pressures, with the verdict as its title."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ def timeline(
     changer: Sequence[ChangerRow] = (),
     switches: SwitchesLog | None = None,
 ) -> Figure:
-    """States as lanes with their names inside, events on top, switches and pressures with their thresholds below.
+    """Draw states as lanes with their names inside, events above, and switches and pressures with thresholds below.
 
-    ``moments``: to be marked besides those of the story; ``changer``: the lane of the tool changer; ``switches``: a
-    lane for each that the run says what it proves, and one for the e-stop.
+    ``moments``: marked in addition to those of the story; ``changer``: the lane of the tool changer; ``switches``: a
+    lane for each switch whose meaning the run gives, and one for the e-stop.
 
     Raises UsageError for a recording without a row.
     """

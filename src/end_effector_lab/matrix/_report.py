@@ -1,4 +1,4 @@
-"""The matrix for people: one page that asks no host for anything, and its figures as JSON."""
+"""The report of a matrix: one self-contained HTML page, and its figures as JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._cells import COMMANDS, Cell
 from ._script import PHASES
 
 MOST_SHOWN = 500
-"""Cells that are not explained and stand in the page with all that happened."""
+"""Largest number of unexplained cells that the page shows in detail."""
 STYLE = """
 :root { color-scheme: light dark; font: 15px/1.45 system-ui, sans-serif; }
 body { margin: 2rem auto; max-width: 80rem; padding: 0 1rem; }
@@ -24,7 +24,7 @@ thead th { position: sticky; top: 0; background: Canvas; }
 
 
 def summary(cells: Sequence[Cell], played: Sequence[Mapping[str, Any]], left_out: int) -> dict[str, Any]:
-    """The figures of a matrix: dimensions, how many of each outcome, what is not explained."""
+    """Return the figures of a matrix: dimensions, number of each outcome, unexplained cells."""
     return {
         "cells": len(played),
         "dropped": sum(each["dropped"] for each in played),
@@ -42,12 +42,12 @@ def summary(cells: Sequence[Cell], played: Sequence[Mapping[str, Any]], left_out
 
 
 def let_go(found: Mapping[str, Any]) -> str:
-    """A phrase about parts that devices let go, as their description says; empty: none did."""
+    """Return a phrase about parts that devices released as declared; "" if there are none."""
     return f"{found['let_go']} let go by a device that hears nothing, " if found["let_go"] else ""
 
 
 def page(name: str, found: Mapping[str, Any], played: Sequence[Mapping[str, Any]]) -> str:
-    """The report as HTML."""
+    """Return the report as HTML."""
     wrong = [each for each in played if not each["explained"]]
     parts = [
         f"<!doctype html><html lang=en><meta charset=utf-8><title>Matrix of {escape(name)}</title>",

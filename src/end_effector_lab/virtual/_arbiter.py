@@ -1,4 +1,4 @@
-"""The process of the line arbiter in virtual time: its rules, its session record and its journal, without a socket."""
+"""The line arbiter in virtual time: its rules, session record and journal, without a socket."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ RETRY_US = 1_000_000
 
 @dataclass
 class Memories:
-    """What outlives the process of the arbiter.
+    """The stores that outlive the process of the arbiter.
 
     Attributes:
         sessions, mark: the session record and its number, in memory that a loss of power clears.
         journal: the latched faults, on a disk.
-        boot: names this start of the machine.
+        boot: name of this start of the machine.
     """
 
     sessions: VirtualDisk = field(default_factory=VirtualDisk)
@@ -31,7 +31,7 @@ class Memories:
     boot: str = "boot 0"
 
     def lose_power(self, boot: str) -> None:
-        """Only what the disk has taken is left; ``boot`` names the start that comes."""
+        """Keep only the synced content of the disk; ``boot`` names the next start."""
         self.journal.lose_power()
         self.sessions.remove()
         self.mark.remove()
@@ -39,14 +39,14 @@ class Memories:
 
 
 class VirtualJournal:
-    """As a `JournalThread`, for which a disk that works takes no time."""
+    """Replaces a `JournalThread`; a working disk takes no time."""
 
     def __init__(self, disk: VirtualDisk, boot: str, clock: Callable[[], int]) -> None:
         self._disk, self._clock = disk, clock
         self._journal = Journal(disk, boot, clock)
         self._is_read = False
         self.due: int | None = None
-        """µs at which it tries to write again; None: all is written."""
+        """Time of the next attempt to write, µs; None: everything is written."""
 
     @property
     def trouble(self) -> str:
@@ -93,9 +93,9 @@ class VirtualArbiter:
 
     Args:
         lines: the outputs.
-        policy: of the tool.
-        memories: of the lives before.
-        clock: µs.
+        policy: the policy of the tool.
+        memories: the stores of the earlier lives.
+        clock: returns the time, µs.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class VirtualArbiter:
 
     @property
     def due(self) -> int | None:
-        """µs at which `step` is to be called."""
+        """Time at which `step` must be called, µs."""
         waits_until = None if self._asked_at is None else self._asked_at + self.rules.policy.lease_us
         if waits_until is not None and waits_until <= self._clock():
             waits_until = None
@@ -120,20 +120,20 @@ class VirtualArbiter:
 
     @property
     def ends(self) -> bool:
-        """Whether it was asked to end."""
+        """Whether the arbiter was asked to end."""
         return self._asked_at is not None
 
     @property
     def is_over(self) -> bool:
-        """Whether it was asked to end, and waits for nothing any more."""
+        """Whether the arbiter was asked to end and has nothing left to wait for."""
         return self._asked_at is not None and self.rules.may_end(self._asked_at, self._clock())
 
     def end(self) -> None:
-        """Ask it to end in good order."""
+        """Ask the arbiter to end properly."""
         self._asked_at = self._clock()
 
     def step(self) -> None:
-        """Do what is due: leases, waiting writes, last wills, the journal."""
+        """Process all that is due: leases, waiting writes, last wills, the journal."""
         at = self._clock()
         self.rules.expire(at)
         self.rules.advance(at)
@@ -141,29 +141,29 @@ class VirtualArbiter:
         self.keep()
 
     def keep(self) -> None:
-        """Keep the records: before a client learns of what has changed."""
+        """Store the records before a client learns of a change."""
         self._records.keep(self.rules)
 
     def reset(self) -> dict[str, str]:
-        """As `LineArbiter.reset`."""
+        """Reset as `LineArbiter.reset` does."""
         try:
             return self.rules.reset(self._clock(), self._records.troubles())
         finally:
             self.keep()
 
     def told(self, predicates: Mapping[str, bool], at_us: int) -> None:
-        """What the process that reads the sensors has proven; raises UsageError."""
+        """Process predicates from the process that reads the sensors; raises UsageError."""
         latched = len(self.rules.predicates.faults)
         self.rules.predicates.update(predicates, at_us, self._clock())
         if len(self.rules.predicates.faults) != latched:
             self.keep()
 
     def read(self, predicates: Mapping[str, bool], at_us: int) -> None:
-        """What its own inputs have proven."""
+        """Process predicates from the arbiter's own inputs."""
         self.rules.predicates.read(predicates, at_us)
         self.keep()
 
     def close(self) -> None:
-        """It ends now; the lines stay as they are."""
+        """End now; the lines keep their levels."""
         self.rules.end_pulses()
         self._records.close(self.rules.state, self.rules.policy)

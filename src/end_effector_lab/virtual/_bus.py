@@ -1,4 +1,4 @@
-"""A bus that is commanded, in virtual time: the devices at its far end, and who masters it."""
+"""A commanded bus in virtual time: its devices and its master."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
 from end_effector_lab.testbench import Bench, CommandedRegisters, SensorBoard, Sent
 
 ADOPT_US, FLUSH_US = 1_000_000, 1_000_000
-"""How long a start waits for what the devices report, and an end for what is still to be written."""
+"""Longest wait of a start for the devices' reports, and of an end for pending writes, µs."""
 TURN_US = 100
-"""The master does one thing at a time."""
+"""Time that the master needs for one action, µs; it does one at a time."""
 NEVER = 2**62
 
 
 class BusDevices:
-    """What is at the far end of a bus; it outlives the arbiter.
+    """The devices of a bus; they outlive the arbiter.
 
     Args:
-        description: of the tool.
-        name: of the link.
-        bench: what is measured.
-        obey: called with the name and the level of an output that was commanded.
+        description: the description of the tool.
+        name: name of the link.
+        bench: provides the measured values.
+        obey: called with the name and level of a commanded output.
     """
 
     def __init__(
@@ -45,37 +45,37 @@ class BusDevices:
         self._obey = obey
 
     def start(self, active: Mapping[str, bool], at: int) -> None:
-        """Outputs that are active at the start."""
+        """Set the outputs that are active at the start."""
         self._registers.start(dict(active), at)
 
     @property
     def due(self) -> int | None:
-        """µs at which `advance` is to be called; None: nothing happens by itself."""
+        """Time at which `advance` must be called, µs; None: nothing happens by itself."""
         return self._registers.due
 
     def advance(self, at: int) -> None:
-        """What they do when nobody speaks."""
+        """Process what the devices do without communication."""
         self._registers.advance(at)
 
     def lose_power(self, at: int) -> None:
-        """Nobody is activated any more; what its device does not keep without power, goes off."""
+        """Cut the power: no output is active any more, except those that their devices keep without power."""
         self._registers.start({}, at)
         for name in self._outputs.keys() - self._kept:
             self._obey(name, False)
 
     def answer(self, request: bytes, at: int) -> Sent | None:
-        """What they answer; None: nothing."""
+        """Return the answer of the devices; None: none."""
         return self._board.answer(request, at)
 
 
 class VirtualBus:
-    """A `LineBackend` and `RemoteLines` of registers for one life of the arbiter, as `BusLines` are on a real port.
+    """A `LineBackend` and `RemoteLines` of registers for one life of the arbiter, as `BusLines` on a real port.
 
     Args:
-        description: of the tool.
-        name: of the link.
-        devices: at its far end.
-        clock: µs.
+        description: the description of the tool.
+        name: name of the link.
+        devices: the devices of the bus.
+        clock: returns the time, µs.
     """
 
     def __init__(
@@ -100,12 +100,12 @@ class VirtualBus:
 
     @property
     def due(self) -> int:
-        """µs at which `frames` is to be called."""
+        """Time at which `frames` must be called, µs."""
         coming = min((at for at, _ in self._coming), default=NEVER)
         return min(coming, max(self._traffic.due, self._busy_until), self._ends_at)
 
     def frames(self, at: int) -> list[Frame]:
-        """What the programs are handed on of the cycles that have ended by ``at`` µs."""
+        """Return the frames for the programs from the cycles that have ended by ``at`` µs."""
         self._coming.sort()
         cycles = []
         while self._coming and self._coming[0][0] <= at:
@@ -123,22 +123,22 @@ class VirtualBus:
 
     @property
     def adopted(self) -> bool:
-        """Whether all that a start waits for is there, or it has waited long enough."""
+        """Whether a start has all it waits for, or has waited long enough."""
         return not self.unsure() or self._clock() >= self._adopts_until
 
     @property
     def news(self) -> bool:
-        """Whether `unsure` or `troubles` have changed since it was asked last."""
+        """Whether `unsure` or `troubles` have changed since the last query."""
         before, self._told = self._told, (self.unsure(), self.troubles())
         return before != self._told
 
     def end(self) -> None:
-        """The arbiter ends in order: what is still to be written has a moment."""
+        """Begin the proper end of the arbiter: pending writes get some time."""
         self._ends_at = self._clock() + FLUSH_US
 
     @property
     def over(self) -> bool:
-        """Whether it has given the port back, after `end`."""
+        """Whether the port has been released after `end`."""
         return self._ends_at != NEVER and (not self._outputs.pending or self._clock() >= self._ends_at)
 
     # For the arbiter
@@ -156,7 +156,7 @@ class VirtualBus:
         self._outputs.command(levels, self._clock())
 
     def close(self) -> None:
-        """The registers stay as they are."""
+        """Do nothing; the registers keep their values."""
 
     def unsure(self) -> frozenset[str]:
         """See `RemoteLines`."""
@@ -183,7 +183,7 @@ class VirtualBus:
         return self._outputs.troubles(self._clock())
 
     def filenos(self) -> tuple[int, ...]:
-        """None: `news` is asked instead."""
+        """Return an empty tuple: `news` is used instead."""
         return ()
 
     def heard(self) -> None:

@@ -1,4 +1,4 @@
-"""All buses of a tool that are commanded, in virtual time."""
+"""All commanded buses of a tool in virtual time."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class VirtualBuses:
-    """All buses of a tool that are commanded.
+    """All commanded buses of a tool.
 
     Args:
-        description: of the tool.
-        bench: what is measured.
-        obey: called with the name and the level of an output that was commanded.
-        clock: µs.
+        description: the description of the tool.
+        bench: provides the measured values.
+        obey: called with the name and level of a commanded output.
+        clock: returns the time, µs.
         active: outputs that are active at the start.
     """
 
@@ -33,7 +33,7 @@ class VirtualBuses:
     ) -> None:
         self._description, self._clock = description, clock
         self.devices: dict[str, BusDevices] = {}
-        """At the far ends, by their links."""
+        """The devices of the buses, by their links."""
         if description.buses:  # a tool without one needs no pymodbus
             from ._bus import BusDevices
 
@@ -41,10 +41,10 @@ class VirtualBuses:
         for each in self.devices.values():
             each.start(active, clock())
         self.masters: list[VirtualBus] = []
-        """Of the arbiter that lives, is starting, or ends."""
+        """Bus masters of the living, starting or ending arbiter."""
 
     def open(self) -> dict[str, VirtualBus]:
-        """A new arbiter takes the ports; each output with its bus."""
+        """Open the ports for a new arbiter; return the bus of each output."""
         if not self.devices:
             return {}
         from ._bus import VirtualBus
@@ -58,30 +58,30 @@ class VirtualBuses:
 
     @property
     def adopted(self) -> bool:
-        """Whether an arbiter need not wait any more for what the devices report."""
+        """Whether an arbiter no longer waits for the devices' reports."""
         return all(each.adopted for each in self.masters)
 
     @property
     def news(self) -> bool:
-        """Whether a device has done something since it was asked last."""
+        """Whether a device has changed since the last query."""
         return any(each.news for each in self.masters)
 
     def end(self) -> None:
-        """The arbiter ends in order."""
+        """Begin the proper end of the arbiter."""
         for each in self.masters:
             each.end()
         self.forget_ended()
 
     def forget_ended(self) -> None:
-        """Those that have given their port back are gone."""
+        """Remove the masters that have released their port."""
         self.masters = [each for each in self.masters if not each.over]
 
     def kill(self) -> None:
-        """The arbiter dies, and nobody speaks to the devices any more."""
+        """Remove all masters, since the arbiter dies; no request reaches the devices any more."""
         self.masters = []
 
     def lose_power(self) -> None:
-        """The devices are without power, too."""
+        """Cut the power of the devices as well."""
         self.kill()
         for each in self.devices.values():
             each.lose_power(self._clock())

@@ -1,4 +1,4 @@
-"""A program's connection to the line arbiter in virtual time, as an `ArbiterClient` has it over a socket."""
+"""A program's connection to the line arbiter in virtual time; replaces the socket of an `ArbiterClient`."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ RENEW_US = 250_000
 
 
 class VirtualConnection:
-    """A message is answered at once; when the arbiter has died, one call fails, and the next one connects again.
+    """A connection whose messages are answered at once. After the death of the arbiter one call fails, and the next
+    one reconnects.
 
     Args:
-        arbiter: the one that lives now; None: there is none.
+        arbiter: returns the living arbiter; None: there is none.
         client: name of the program.
-        token: identifies it when it connects again.
-        lines: that it writes.
-        clock: µs.
+        token: identifies the program when it reconnects.
+        lines: the lines that it writes.
+        clock: returns the time, µs.
     """
 
     def __init__(
@@ -44,22 +45,22 @@ class VirtualConnection:
         self._faults: dict[str, str] = {}
         self._latched: dict[str, str] = {}
         self.renews_at = clock() + RENEW_US
-        """µs at which `renew` is to be called."""
+        """Time at which `renew` must be called, µs."""
         self._connect()
 
     def levels(self) -> Mapping[str, bool]:
-        """Of all lines, read back."""
+        """Return the levels of all lines, read back."""
         return self._call(lambda arbiter, _: arbiter.rules.read_levels())
 
     def declared_dead(self) -> bool:
-        """Whether the arbiter has declared this program dead since the last call."""
+        """Return whether the arbiter has declared this program dead since the last call."""
         declared, self._declared_dead = self._declared_dead, False
         return declared
 
     def ask(
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
-        """Write; what is returned has µs until it is applied, or raises."""
+        """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:
@@ -73,21 +74,21 @@ class VirtualConnection:
         return lambda: delay_us
 
     def status(self) -> dict[str, Any]:
-        """The faults that are latched."""
+        """Return the latched faults."""
         return self._call(lambda arbiter, _: {"faults": dict(arbiter.rules.predicates.faults)})
 
     def latch(self, fault: str, why: str) -> None:
-        """Have one latched."""
+        """Latch a fault."""
         self._latched[fault] = why
         self._tell_fault(lambda arbiter, session: arbiter.rules.latch(session, fault, why))
 
     def clear(self, fault: str) -> None:
-        """End one that this program has latched."""
+        """Clear a fault that this program has latched."""
         self._latched.pop(fault, None)
         self._tell_fault(lambda arbiter, session: arbiter.rules.clear(session, fault))
 
     def renew(self) -> tuple[ArbiterError | None, dict[str, str] | None]:
-        """Renew the lease; returns why the connection was lost just now, and the faults if they are others."""
+        """Renew the lease; return why the connection was just lost, and the faults if they have changed."""
         self.renews_at = self._clock() + RENEW_US
         known = self._session is not None
         try:
@@ -101,13 +102,13 @@ class VirtualConnection:
         return None, faults if changed else None
 
     def close(self, will: Sequence[LastWillStep]) -> None:
-        """Leave in good order; raises ArbiterError if the will could not be delivered."""
+        """Leave properly; raises ArbiterError if the last will could not be delivered."""
         steps = read_last_will(will)
         self._exchange(lambda arbiter, session: arbiter.rules.bye(session, steps, self._clock()))
         self._session = None
 
     def die(self) -> None:
-        """The process has died: its socket is closed."""
+        """Close the socket of the dead process."""
         arbiter, session, self._session = self._living(), self._session, None
         if arbiter is not None and arbiter is self._arbiter and session is not None and not session.ended:
             arbiter.rules.declare_dead(session, "its socket was closed", self._clock())

@@ -1,4 +1,4 @@
-"""A disk in virtual time: it may be full, fail, or hang, and it loses what was not synced with the power."""
+"""A disk in virtual time: it may be full, fail, or hang, and a loss of power discards data that was not synced."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ class VirtualDisk:
     """A `Storage`: the bytes of one file.
 
     Attributes:
-        content: what a process reads.
-        safe: what a loss of power leaves.
-        full: there is no room for a new file.
-        fails: every access is an error of input and output.
-        hangs: nothing that is read at a start or written comes to an end.
+        content: the bytes that a process reads.
+        safe: the bytes that survive a loss of power.
+        full: no room for a new file.
+        fails: every access raises an I/O error.
+        hangs: a read at the start and every write never end.
     """
 
     def __init__(self) -> None:
@@ -23,37 +23,37 @@ class VirtualDisk:
         self.full = self.fails = self.hangs = False
 
     def read(self) -> bytes:
-        """Everything."""
+        """Return the whole content."""
         self._check(0)
         return bytes(self.content)
 
     def create(self, content: bytes, size: int) -> None:
-        """A new file in one step, which also survives a loss of power."""
+        """Create a new file in one step; it survives a loss of power."""
         self._check(size)
         self.content = bytearray(content.ljust(size, b"\0"))
         self.sync()
 
     def write(self, at: int, data: bytes) -> None:
-        """In place."""
+        """Overwrite bytes in place."""
         self._check(0)
         if not self.content:
             raise OSError(errno.ENOENT, os.strerror(errno.ENOENT))
         self.content[at : at + len(data)] = data
 
     def sync(self) -> None:
-        """Make it safe."""
+        """Make the content safe against a loss of power."""
         self._check(0)
         self.safe = bytes(self.content)
 
     def remove(self) -> None:
-        """Delete the file; possible also on a disk that is full."""
+        """Delete the file; this works on a full disk as well."""
         self.content = bytearray()
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""
 
     def lose_power(self) -> None:
-        """What was not synced is lost."""
+        """Discard the content that was not synced."""
         self.content = bytearray(self.safe)
 
     def _check(self, room: int) -> None:

@@ -1,4 +1,4 @@
-"""Frames between two events that would change nothing, and so need not be played one by one."""
+"""Skips frames between two events that would change nothing."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from end_effector_hal.signals import Value
 from ._sources import StreamedLink
 
 FEW, MOST = 6, 50
-"""So many frames it is looked ahead at first: as long as a reading stays fresh; and as far as it pays later."""
+"""Number of frames to look ahead: at first (as long as a reading stays fresh), and later at most."""
 LEAST = 3
-"""Fewer frames are played: to look ahead takes as long."""
+"""Smallest number of skipped frames; for fewer, looking ahead takes as long as playing them."""
 AGAIN_AFTER = 2, 6
-"""After so many frames it is looked ahead again, where something was going to change: at first, and later."""
+"""Number of frames before the next look ahead if a change is expected: at first, and later."""
 
 
 class Leap:
-    """Says which frame of the only link of a tool is to be played next; see `FrameJudge.stays`.
+    """Decides which frame of a tool's only link is played next; see `FrameJudge.stays`.
 
     Args:
-        description: of the tool.
-        link: that brings its readings.
-        judge: of those who get them now.
+        description: the description of the tool.
+        link: the link with the readings.
+        judge: returns the judge of the programs that receive the readings.
     """
 
     def __init__(self, description: Description, link: StreamedLink, judge: Callable[[], FrameJudge]) -> None:
@@ -32,11 +32,11 @@ class Leap:
         self.forget()
 
     def forget(self) -> None:
-        """Something happens to what is measured, or to those who get it: the next frame is played."""
+        """Play the next frame, because the measured values or the receivers change."""
         self._stays_until, self._look_at, self._ahead, self._again = -1, self.link.due + 1, FEW, 0
 
     def next(self, at: int, limit: int) -> int:
-        """µs of the frame that is played next, at or before ``limit`` or the next one that comes, after ``at``."""
+        """Return the time of the next played frame, µs: at or before ``limit``, or the next frame after ``at``."""
         due, period = self.link.due, self.link.period_us
         if limit < due:
             return due
@@ -55,22 +55,24 @@ class Leap:
         return due + (min(limit, self._stays_until) - due) // period * period
 
     def covers(self, at: int) -> bool:
-        """Whether the frame of ``at`` µs itself changes nothing."""
+        """Return whether the frame at ``at`` µs changes nothing."""
         return at <= self._stays_until
 
     def _quiet(self, at: int) -> int:
-        """How many of the next frames come before anything happens by itself."""
+        """Return the number of next frames before anything happens by itself."""
         until, first = self.link.quiet_until(at), self.link.due
         return self._ahead if until is None else min(self._ahead, (until - first) // self.link.period_us + 1)
 
     def _stays(self, at: int, ahead: int) -> bool:
-        """Whether so many of the next frames change nothing."""
+        """Return whether the next ``ahead`` frames change nothing."""
         first, period = self.link.due, self.link.period_us
         corners = self.link.corners(at, first + (ahead - 1) * period)
         return corners is not None and self._judge().stays(self._apart(*corners), first, period, ahead)
 
     def _apart(self, low: Mapping[str, Value], high: Mapping[str, Value]) -> tuple[Mapping[str, Value], ...]:
-        """The least with the most supply, and the reverse: a pressure is compared with it."""
+        """Return the lowest values with the highest supply, and the reverse, since pressures are compared with the
+        supply.
+        """
         if self._supply not in low:
             return low, high
         return {**low, self._supply: high[self._supply]}, {**high, self._supply: low[self._supply]}

@@ -1,4 +1,4 @@
-"""What brings the readings of a tool in virtual time: links that stream, links that are asked, inputs of the board."""
+"""The sources of readings in virtual time: streaming links, polled links, inputs of the board."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_lab.testbench import Bench, SensorBoard, carried
 
 LOOK_US = 5_000
-"""So often an edge of an input is looked for."""
+"""Interval at which inputs are checked for an edge, µs."""
 
 
 class Source(Protocol):
-    """Something that brings frames."""
+    """A source of frames."""
 
     @property
     def due(self) -> int:
-        """µs at which `frames` is to be called."""
+        """Time at which `frames` must be called, µs."""
         ...
 
     def frames(self, at: int) -> list[Frame]:
-        """The frames that have come by ``at`` µs."""
+        """Return the frames that have arrived by ``at`` µs."""
         ...
 
 
 class StreamedLink:
-    """A device that sends by itself; a frame arrives at the instant at which it was measured."""
+    """A device that sends by itself; a frame arrives at the instant of its measurement."""
 
     def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
         self._codec = codec_of(description, name)
@@ -49,13 +49,13 @@ class StreamedLink:
         return self.decoder.feed(sent.data, at) if sent.data else []
 
     def passing(self, at: int) -> Mapping[str, Value]:
-        """What the frame of ``at`` (µs) shows, which comes as `quiet_until` has said, and changes nothing."""
+        """Return the content of the frame at ``at`` (µs), which `quiet_until` predicted and which changes nothing."""
         self.due = at + self.period_us
         sample = self._bench.sample(at)
         return self._carried(sample) if self._is_exact else self._as_it_comes(sample)
 
     def pass_by(self, to: int, *, unheard: bool) -> None:
-        """Let the frames until ``to`` (µs) go by that nobody gets: ``unheard``, or while the link is silent."""
+        """Skip the frames until ``to`` (µs) that no program receives: ``unheard``, or while the link is silent."""
         while self.due <= to and self._bench.leaves_no_trace(self.due, self._name, unheard=unheard):
             self._board.count(self.due)
             self.due += self.period_us
@@ -65,7 +65,7 @@ class StreamedLink:
         return self._bench.quiet_until(at, self._name)
 
     def corners(self, at: int, until: int) -> tuple[Mapping[str, Value], Mapping[str, Value]] | None:
-        """The least and the most that frames bring until then; see `Bench.corners`."""
+        """Return the lowest and highest values of the frames until then; see `Bench.corners`."""
         found = self._bench.corners(at, until)
         if found is None:
             return None
@@ -86,7 +86,7 @@ class StreamedLink:
 
 
 def carries_exactly(codec: Codec) -> bool:
-    """Whether what a codec carries comes as it was sent: neighbours stay apart, at low and at high values."""
+    """Return whether a codec transmits values exactly: neighbouring values stay distinct, at low and high values."""
     for many in (-60_000, 0, 99_990, 500_000):
         for more in range(10):
             values: dict[str, Value] = {
@@ -103,7 +103,7 @@ def carries_exactly(codec: Codec) -> bool:
 
 
 class PolledLink:
-    """A device that answers; requests and answers take their time on the wire."""
+    """A device that answers requests; requests and answers take time on the wire."""
 
     def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
         codec = codec_of(description, name)
@@ -142,7 +142,7 @@ class PolledLink:
 
 
 class BoardInputSource:
-    """Inputs of the board: read with their period, and a level that has changed at once."""
+    """Inputs of the board: read periodically, and at once after a level change."""
 
     def __init__(self, description: Description, names: frozenset[str], bench: Bench, start: int) -> None:
         self._description, self._bench = description, bench
@@ -170,7 +170,9 @@ class BoardInputSource:
         return [Frame(at, None, None, values)] if values else []
 
     def _read(self, at: int) -> dict[str, Value]:
-        """A sensor that shows nothing lets its line go to its pull; while all are silent, lines stay as they are."""
+        """Read the inputs: a sensor without a value leaves its line to its pull; while all are silent, lines keep
+        their levels.
+        """
         shown = carried(self._bench.sample(at), self._kinds, self._description)
         silent, read = self._bench.silent(at), dict[str, Value]()
         for name, channel in self._channels.items():
@@ -187,7 +189,7 @@ class BoardInputSource:
 
 
 def sources_of_bench(description: Description, bench: Bench, start: int) -> Iterator[Source]:
-    """The links that nobody commands, and the inputs of the board that the process of the programs reads."""
+    """Yield the links that are not commanded, and the board inputs that the programs' process reads."""
     for name in (name for name in description.links if name not in description.buses):
         kind = PolledLink if is_polled(codec_of(description, name)) else StreamedLink
         yield kind(description, name, bench, start)
@@ -197,7 +199,7 @@ def sources_of_bench(description: Description, bench: Bench, start: int) -> Iter
 
 
 def arbiter_source(description: Description, bench: Bench, start: int) -> BoardInputSource | None:
-    """The inputs that the arbiter reads; None: there are none."""
+    """Return the inputs that the arbiter reads; None: there are none."""
     if not description.arbiter_inputs:
         return None
     return BoardInputSource(description, description.arbiter_inputs, bench, start)

@@ -143,7 +143,9 @@ def grips_on_a_full_disk(run: Run, disk: SmallDisk) -> None:
     run.begin_grip()  # the first attempt of the top vacuum fails: there is time
     disk.fill()
     wait_until("an alarm of the trace", lambda: "The trace of grip is not recorded" in run.alarms(over=False))
-    wait_until("an alarm of the rows", lambda: "Rows of the recording cannot be written" in run.alarms(over=False))
+    wait_until(
+        "an alarm of the rows", lambda: "Rows of the recording cannot be written" in run.alarms(over=False)
+    )
     result = run.wait("GRIP", event="result", command="GRIP")
     assert result["succeeded"], result
 

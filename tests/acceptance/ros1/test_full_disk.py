@@ -47,7 +47,9 @@ def test_a_full_disk_is_an_alarm_and_the_part_is_gripped_and_dropped(
         status, result = goal.result()
         assert status == 3, result.reason
         system.until("diagnostics", lambda: "is not recorded" in said("Grip"))
-        system.until("those of the rows", lambda: "Rows of the recording cannot be written" in said("DataLogger"))
+        system.until(
+            "those of the rows", lambda: "Rows of the recording cannot be written" in said("DataLogger")
+        )
         status, result = system.run("Drop")
         assert status == 3, result.reason
     finally:

@@ -107,7 +107,10 @@ SECOND = ", other: {modbus: {unit: 1, address: 16, register_type: input, value_t
 FAULTS = [
     ((7, 16), "Unit 7, input registers 16 to 17 (cup): no answer. Check its power"),
     ((2, 40), "Unit 2, input registers 40 to 41 (cup): refused with exception 2, illegal data address. Does"),
-    ((2, 16), "Unit 2, input registers 16 to 17 (cup): no sensor can send this value of cup (0x800 0x0). Check"),
+    (
+        (2, 16),
+        "Unit 2, input registers 16 to 17 (cup): no sensor can send this value of cup (0x800 0x0). Check",
+    ),
 ]
 
 

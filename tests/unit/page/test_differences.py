@@ -174,14 +174,17 @@ def test_what_cannot_be_compared_says_why() -> None:
     nothing = run(log(), "torn")
     for pair in ((nothing, run(NOMINAL)), (run(NOMINAL), nothing)):
         assert compare_recordings(*pair) == {
-            "said": "They cannot be compared. torn holds no state that can be read.",
+            "said": "The recordings cannot be compared. torn holds no state that can be read.",
             "rows": [],
             "more": "",
         }
     many = log(*((float(i), 6, -1 + i % 2, 0) for i in range(2_002)), names=["a_vacuum"])
     found = compare_recordings(run(replace(many, source="many")), run(many))
     assert found["rows"] == []
-    assert "They cannot be compared. many: Command has 2002 changes; 2000 can be compared." in found["said"]
+    assert (
+        "The recordings cannot be compared. many: Command has 2002 changes; 2000 can be compared."
+        in found["said"]
+    )
 
 
 def test_what_could_not_be_read_is_told() -> None:

@@ -170,7 +170,7 @@ def test_each_is_opened_by_its_id(app: ASGIApp) -> None:
         assert status == 200
         assert json.loads(body)["traces"]
         status, body = await finished(app, f"/past/{ids['linked']}/recording/0")
-        assert (status, body) == (500, b"There are links in it, which are not followed.\n")
+        assert (status, body) == (500, b"The recording contains symbolic links, which are not followed.\n")
 
     asyncio.run(run())
 
@@ -213,9 +213,12 @@ def test_a_recording_that_is_none_is_not_found(number: str) -> None:
 @pytest.mark.parametrize(
     ("script", "said"),
     [
-        ("import time; time.sleep(600)", "It was not read within 0.5 s."),
-        ("import os; os.abort()", "It cannot be read: the process that reads it has ended."),
-        ("raise SystemError('x' * 100_000)", "It cannot be read: the process that reads it has ended."),
+        ("import time; time.sleep(600)", "The recording was not read within 0.5 s."),
+        ("import os; os.abort()", "The recording cannot be read: the process that reads it has ended."),
+        (
+            "raise SystemError('x' * 100_000)",
+            "The recording cannot be read: the process that reads it has ended.",
+        ),
     ],
 )
 def test_a_reader_that_hangs_or_dies_ends_nothing_else(

@@ -1,1 +1,1 @@
-"""The line arbiter from any terminal: it is started, and asked for a stop, a reset, a reload."""
+"""Commands for the line arbiter, usable from any terminal: start it, and request a stop, a reset or a reload."""

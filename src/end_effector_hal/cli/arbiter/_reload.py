@@ -1,4 +1,4 @@
-"""``eehal reload``: whether what runs may be started again with its description as it is in the file now."""
+"""``eehal reload``: checks whether the running programs can be restarted with the changed description."""
 
 from __future__ import annotations
 

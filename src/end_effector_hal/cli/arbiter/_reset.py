@@ -1,4 +1,4 @@
-"""``eehal reset``: clears what the line arbiter has latched, from any terminal."""
+"""``eehal reset``: clears the latched faults of the line arbiter from any terminal."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from end_effector_hal.cli._options import PathName
 def command(description: Path, as_json: bool) -> None:
     """Clear what the line arbiter of a DESCRIPTION has latched: a stop, an e-stop that is closed again, other faults.
 
-    What still is the case stays. What a program latches itself (a sensor fault of the tool changer, an alarm about
-    what is held) ends with the reset at the prompt, through ROS or on the page; GRIP_ERROR and RELEASE_ERROR need a
-    Drop. Nothing is activated by a reset.
+    A fault whose cause persists stays latched. Faults that a program latches itself (a sensor fault of the tool
+    changer, an alarm about a held part) are cleared by a reset at the prompt, through ROS or on the page; GRIP_ERROR
+    and RELEASE_ERROR need a Drop. A reset activates nothing.
 
-    Exit codes: 0 the line arbiter has nothing latched any more, 1 a fault stays, 3 the arbiter cannot be reached.
+    Exit codes: 0 the line arbiter has no latched fault left, 1 a fault stays, 3 the arbiter cannot be reached.
     """
     from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool

@@ -1,4 +1,4 @@
-"""``eehal stop``: latches a stop of a tool from any terminal, whatever runs the tool."""
+"""``eehal stop``: latches a stop of a tool from any terminal, independent of the program that runs the tool."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from end_effector_hal.cli._options import PathName
 @click.argument("description", type=PathName())
 @click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
 def command(description: Path, as_json: bool) -> None:
-    """Latch a stop of the tool of a DESCRIPTION: nothing is activated until a reset. It is no safety function.
+    """Latch a stop of the tool of a DESCRIPTION: nothing is activated until a reset. It is not a safety function.
 
-    The line arbiter latches it as it does an open e-stop (IL-13), also through a restart, and refuses every activation
-    from then on. A program that runs a grip cancels it within half a second, and does what the description declares for
-    a cancel (`endings`); what is held stays held. `eehal reset` ends it, and so does a reset at the prompt, through ROS
-    or on the page.
+    The line arbiter latches the stop like an open e-stop (IL-13), also through a restart, and refuses every activation
+    from then on. A program that executes a grip cancels it within half a second, and does what the description
+    declares for a cancel (`endings`); a held part stays held. `eehal reset` ends the stop, and so does a reset at the
+    prompt, through ROS or on the page.
 
     Exit codes: 0 the stop is latched, 3 the line arbiter cannot be reached.
     """

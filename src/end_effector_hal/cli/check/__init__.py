@@ -1,3 +1,3 @@
-"""``eehal check``: everything that is wrong with a description, with its place."""
+"""``eehal check``: finds all faults of a description and prints them with their places."""
 
 from ._check import check

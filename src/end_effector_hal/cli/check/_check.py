@@ -1,4 +1,4 @@
-"""``eehal check``: everything that is wrong with a description, or what it says in short."""
+"""``eehal check``: prints all faults of a description, or a summary if it has none."""
 
 from __future__ import annotations
 
@@ -45,9 +45,10 @@ BAD_DESCRIPTION = 2
 def command(file: Path | None, instead_of: Path | None, as_json: bool) -> None:
     """Check a description, its codec and its automata; FILE defaults to the shipped one.
 
-    Every fault is a line on stderr, file:line:column: what (offending text), expected …; hint [code], and below it the
-    line of the file with the offending text marked; the exit code is 2. Without faults: a summary, bounds that were
-    computed, what the link does not carry, and times that it is too slow for.
+    Every fault is a line on stderr, file:line:column: offending text, expected …; hint [code]. Below it the line of
+    the file is printed with the offending text marked. The exit code is then 2. Without faults the command prints a
+    summary, the computed bounds, the signals that the link does not carry, and the times for which the link is too
+    slow.
     """
     checked = check(file or profile_path())
     if instead_of is not None and not checked.faults:
@@ -65,7 +66,9 @@ def command(file: Path | None, instead_of: Path | None, as_json: bool) -> None:
 
 
 def _refuse_while_active(running: Description) -> None:
-    """What is held would be adopted by other automata; where no arbiter runs, nothing can be asked."""
+    """Raise an error if a line of the running tool is active: a held part would be adopted by other automata. Without
+    a running line arbiter nothing is checked.
+    """
     from end_effector_hal.arbiter import ArbiterClient
 
     path = socket_path(running)
@@ -93,11 +96,11 @@ def _refuse_while_active(running: Description) -> None:
 
 @dataclass(frozen=True)
 class Checked:
-    """All that there is to say of a description before it is used.
+    """The result of checking a description.
 
     Attributes:
-        description: None where its keys or values are faulty.
-        found: every fault, with its line.
+        description: the description; None if its keys or values are faulty.
+        found: every fault, with its line of the file.
         not_fitted, slow, hints: sentences about a description without faults.
     """
 
@@ -109,11 +112,11 @@ class Checked:
 
     @property
     def faults(self) -> tuple[Diagnostic, ...]:
-        """Without their lines."""
+        """The faults without the lines of the file."""
         return tuple(each.diagnostic for each in self.found)
 
     def as_json(self) -> dict[str, object]:
-        """For ``--json``."""
+        """Return the object for ``--json``."""
         return {
             "ok": not self.faults,
             "exit_code": BAD_DESCRIPTION if self.faults else 0,
@@ -126,16 +129,16 @@ class Checked:
 
 
 def computed_bounds(description: Description) -> dict[str, float]:
-    """The bounds that a description does not write, by their key, in seconds."""
+    """Return the bounds that the description does not contain and that are computed, in seconds by their key."""
     durations = description.durations
     return {key: durations.seconds(key) for key in durations.computed}
 
 
 def check(path: Path) -> Checked:
-    """A description with its codec and its automata; all faults at once.
+    """Check a description with its codec and its automata; return all faults at once.
 
-    Where a part is faulty, the others are judged all the same: with defaults in the place of what is wrong, and without
-    what only follows from it.
+    If a part is faulty, the others are checked nevertheless: defaults replace the faulty values, and faults that only
+    follow from others are left out.
     """
     examination = examine(path)
     faults, likely = list(examination.faults), examination.likely
@@ -165,7 +168,7 @@ def check(path: Path) -> Checked:
 
 
 def _carries(likely: Description, name: str) -> bool:
-    """Whether something is left that comes over a link: its frame, or each of its channels, may be faulty."""
+    """Return whether the link still carries a channel: its frame, or every one of its channels, may be faulty."""
     frame = likely.links[name].frame
     return frame is None or any(
         channel.source == frame.format for channel in likely.channels_over(name).values() if frame.format
@@ -173,11 +176,11 @@ def _carries(likely: Description, name: str) -> bool:
 
 
 MODICON = {1: "discrete_input", 3: "input", 4: "holding"}
-"""Table of a number with five digits, by the first of them."""
+"""The Modbus table that the first digit of a five-digit register number stands for."""
 
 
 def _hints(description: Description) -> Iterator[str]:
-    """What is valid and probably not meant, as sentences."""
+    """Yield a sentence for every value that is valid but probably not intended."""
     for name, channel in description.channels.items():
         place = channel.modbus
         written = description.place("channels", name, "modbus", "address").text.lower()
@@ -245,7 +248,7 @@ def _print_summary(description: Description, checked: Checked) -> None:
 
 
 def _actuators(description: Description) -> Table:
-    """In the order of a grip."""
+    """Return a table of the actuators in the order of a grip."""
     from rich.table import Table
 
     columns = ("actuator", "kind", "line", "pin", "channel", "time-out", "reset", "gone")
@@ -263,7 +266,7 @@ def _actuators(description: Description) -> Table:
 
 
 def _rest(description: Description) -> Iterator[str]:
-    """Tool changer and wires, a line each."""
+    """Yield one line for the tool changer and one for every wire."""
     from end_effector_hal.codecs import board_inputs, codec_of, line_of
 
     lines = description.lines

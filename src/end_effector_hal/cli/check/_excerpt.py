@@ -1,4 +1,4 @@
-"""The line of a file that a fault is about, with a mark under the offending text, as compilers show it."""
+"""The line of a file that contains a fault, with a mark under the offending text, as compilers show it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from end_effector_hal.description import Fault
 from end_effector_hal.errors import Diagnostic
 
 WIDTH = 100
-"""Columns of a line that are shown."""
+"""Largest part of a line that is shown, columns."""
 LEAD = 40
-"""Of them before the offending text, where the line is longer."""
+"""Columns shown before the offending text if the line is longer than WIDTH."""
 LARGEST = 1_000_000
 
 
 @dataclass(frozen=True)
 class MarkedFault:
-    """A fault, and what it is about.
+    """A fault with the offending text in its file.
 
     Attributes:
         diagnostic: the sentence with its place.
-        line: of the file; None: it is read from the file.
-        length: of the offending text in it.
+        line: the line of the file; None to read it from the file.
+        length: length of the offending text in the line.
     """
 
     diagnostic: Diagnostic
@@ -32,7 +32,7 @@ class MarkedFault:
     length: int = 1
 
     def excerpt(self) -> Iterator[str]:
-        """Three lines: a gutter, the line of the file, the mark; none where there is no such line."""
+        """Yield three lines: a gutter, the line of the file, the mark; nothing if there is no such line."""
         if not self.diagnostic.line:
             return
         line = self.line if self.line is not None else _line_of(self.diagnostic)
@@ -46,7 +46,7 @@ class MarkedFault:
 
 
 def marked(fault: Fault, name: str, text: str) -> MarkedFault:
-    """A fault of a text that was read from the file of that name."""
+    """Return a fault of a text that was read from the file of that name, with its line."""
     lines = text.split("\n")
     line = lines[fault.line - 1] if 0 < fault.line <= len(lines) else None
     return MarkedFault(fault.diagnostic(name), line, fault.length)
@@ -64,7 +64,9 @@ def _line_of(diagnostic: Diagnostic) -> str | None:
 
 
 def _shown(line: str, at: int, length: int) -> tuple[str, int, int]:
-    """The line as a terminal shows it, cut to a width; columns before the mark, and columns of the mark."""
+    """Return the line as a terminal shows it, cut to a width; the columns before the mark; and the columns of the
+    mark.
+    """
     line = line.rstrip()
     at, start = min(at, len(line)), 0
     if len(line) > WIDTH:
@@ -80,6 +82,6 @@ def _plain(text: str) -> str:
 
 
 def _columns(text: str) -> int:
-    """Of a terminal: wide characters take two, accents that stand alone none."""
+    """Return the width of a text on a terminal: wide characters count as two columns, combining accents as none."""
     wide = sum(unicodedata.east_asian_width(each) in "WF" for each in text)
     return len(text) + wide - sum(bool(unicodedata.combining(each)) for each in text)

@@ -1,1 +1,1 @@
-"""``eehal doctor``: what this machine lacks to run a tool."""
+"""``eehal doctor``: lists what this machine lacks to run a tool."""

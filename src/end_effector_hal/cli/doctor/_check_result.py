@@ -1,4 +1,4 @@
-"""What the doctor says: one finding per line."""
+"""The findings of the doctor; one finding is one line."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import NamedTuple
 
 
 class Level(Enum):
-    """How bad it is."""
+    """Severity of a finding."""
 
     OK = "ok"
     WARNING = "warning"
-    """The tool runs, perhaps not as well as it could; or it is not needed for every way to run it."""
+    """The tool runs, but perhaps not as well as it could, or not in every way of running it."""
     MISSING = "missing"
-    """The tool does not run like this."""
+    """The tool cannot run in this state."""
 
 
 class CheckResult(NamedTuple):
-    """One thing that was looked at.
+    """One finding of the doctor.
 
     Attributes:
-        part: which part of the examination, such as ``lines``.
-        level: how it is.
-        what: a sentence.
-        todo: what to do about it; "" if nothing.
+        part: the part of the examination, such as ``lines``.
+        level: the severity.
+        what: the finding as a sentence.
+        todo: the remedy; "" if none is needed.
     """
 
     part: str
@@ -33,12 +33,12 @@ class CheckResult(NamedTuple):
     todo: str = ""
 
     def as_json(self) -> dict[str, str]:
-        """For ``--json``."""
+        """Return the finding for ``--json``."""
         return {"part": self.part, "status": self.level.value, "what": self.what, "todo": self.todo}
 
     @property
     def lines(self) -> list[str]:
-        """For people: how it is, and below it what to do."""
+        """The finding for people: a line with its severity, and below it the remedy."""
         more = [f"{'':21} → {self.todo}"] if self.todo else []
         return [f"{self.level.value:8} {self.part:12} {self.what}", *more]
 
@@ -47,23 +47,23 @@ CheckResults = Iterator[CheckResult]
 
 
 class CheckedPart:
-    """Makes the findings of one part."""
+    """Makes the findings of one part of the examination."""
 
     def __init__(self, name: str) -> None:
         self._name = name
 
     def ok(self, what: str) -> CheckResult:
-        """As it should be."""
+        """Return a finding that nothing is wrong."""
         return CheckResult(self._name, Level.OK, what)
 
     def warning(self, what: str, todo: str = "") -> CheckResult:
-        """See `Level.WARNING`."""
+        """Return a warning; see `Level.WARNING`."""
         return CheckResult(self._name, Level.WARNING, what, todo)
 
     def missing(self, what: str, todo: str) -> CheckResult:
-        """See `Level.MISSING`."""
+        """Return a finding that something is missing; see `Level.MISSING`."""
         return CheckResult(self._name, Level.MISSING, what, todo)
 
     def lacks(self, what: str, todo: str, *, wanted: bool) -> CheckResult:
-        """Missing where it is wanted, as by a variable that is set; else a warning."""
+        """Return a finding of level MISSING if the thing is wanted, as by a variable that is set; else a warning."""
         return self.missing(what, todo) if wanted else self.warning(what, todo)

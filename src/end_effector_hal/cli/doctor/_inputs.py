@@ -1,4 +1,6 @@
-"""The inputs of the board: whether their lines and devices can be found, and who has them. Nothing is requested."""
+"""Checks the inputs of the board: whether their lines and devices exist, and which process uses them. Nothing is
+requested.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,12 @@ _say = CheckedPart("inputs")
 
 
 def look_at_inputs(description: Description, chips: str = CHIPS) -> CheckResults:
-    """Args: ``chips``: where the character devices are."""
+    """Check the inputs of the board.
+
+    Args:
+        description: the description of the tool.
+        chips: pattern of the paths of the character devices.
+    """
     from end_effector_hal.wires.inputs import INPUT_CONSUMER, input_lines
 
     if not any(channel.on_board for channel in description.channels.values()):

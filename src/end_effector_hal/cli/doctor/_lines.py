@@ -1,4 +1,6 @@
-"""The output lines: whether they can be found, and who has them. Nothing is requested: that would move lines."""
+"""Checks the output lines: whether they exist, and which process holds them. Nothing is requested, since a request
+would move lines.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,13 @@ class _Place(NamedTuple):
 
 
 def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> CheckResults:
-    """Args: ``lines``: all output lines of the tool; ``chips``: where the character devices are."""
+    """Check the output lines.
+
+    Args:
+        description: the description of the tool.
+        lines: all output lines of the tool.
+        chips: pattern of the paths of the character devices.
+    """
     from end_effector_hal.wires.lines import CONSUMER
 
     if description.lines.backend == "virtual":
@@ -60,7 +68,9 @@ def _virtual(description: Description, lines: tuple[str, ...]) -> CheckResult:
 def look_for_lines(
     say: CheckedPart, lines: tuple[str, ...], pattern: str, consumer: str, who: str
 ) -> CheckResults:
-    """Lines of real chips; ``consumer``: how the one who may have them is called there, ``who``: for people."""
+    """Check lines of real chips; ``consumer`` is the kernel's name of the program that may hold them, ``who`` its name
+    for people.
+    """
     from end_effector_hal.wires.lines import find_chips, line_infos, load_gpiod, open_chip
 
     try:

@@ -1,4 +1,6 @@
-"""The sensor link: its port, who reads it, and whether frames arrive. A port that is read is left alone."""
+"""Checks the sensor link: its port, the process that reads it, and whether frames arrive. A port that is being read is
+not opened.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,12 @@ _say = CheckedPart("link")
 
 
 def look_at_link(description: Description, *, listen: bool = True) -> CheckResults:
-    """Args: ``listen``: open each port for up to 2 s if nobody has it."""
+    """Check every sensor link.
+
+    Args:
+        description: the description of the tool.
+        listen: whether to open every port that no process reads, for up to 2 s.
+    """
     if not description.links:
         yield _say.ok("none: the channels are inputs of the board")
     for name in description.links:
@@ -70,16 +77,16 @@ def _held(port: str, holders: list[Holder]) -> CheckResult:
 
 
 class Heard(NamedTuple):
-    """What came over a link while it was listened to.
+    """The data that arrived over a link during the examination.
 
     Attributes:
         data: all bytes.
         frames: number of frames.
-        errors: by kind, since the first frame: a listener comes in the middle of one.
-        lost, reboots: as the decoder counts.
+        errors: number of errors by kind, counted from the first frame, because reading starts in the middle of one.
+        lost, reboots: counters of the decoder.
         invalid: channels without a value in the last frame.
-        faults: what is wrong with the answers of single devices, sentences.
-        seconds: from the first to the last frame.
+        faults: sentences about wrong answers of single devices.
+        seconds: time from the first to the last frame.
     """
 
     data: bytes
@@ -117,9 +124,9 @@ def _listen(description: Description, name: str, wire: Link) -> CheckResult:
 
 
 def _hear(link: OpenLink, listen_us: int) -> Heard:
-    """For ``listen_us``, twice that if something comes, or until there are enough frames.
+    """Receive for ``listen_us``, twice as long if data arrives, or until there are enough frames.
 
-    Raises OSError, LinkError when the port or codec fails.
+    Raises OSError or LinkError when the port or codec fails.
     """
     from end_effector_hal.wires import now_us
 
@@ -147,7 +154,13 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
 
 
 def judged(port: str, heard: Heard, codec: str) -> CheckResult:
-    """Args: ``port``: how it is called; ``codec``: the one that was expected, empty where the frame is declared."""
+    """Return the finding about a link from the data that arrived.
+
+    Args:
+        port: name of the port.
+        heard: the data that arrived.
+        codec: name of the expected codec; "" if the frame is declared in the description.
+    """
     if heard.faults and not heard.frames:
         return _say.missing(f"{port}: no frame", " ".join(heard.faults))
     if not heard.data or not heard.frames:

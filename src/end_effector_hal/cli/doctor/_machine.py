@@ -1,4 +1,4 @@
-"""Hints about time: the kernel's pre-emption, the load, and how late a wake-up is."""
+"""Hints about timing: pre-emption of the kernel, load, and lateness of a wake-up."""
 
 from __future__ import annotations
 
@@ -15,14 +15,18 @@ _say = CheckedPart("machine")
 
 
 def look_at_machine(reaction_us: int | None) -> CheckResults:
-    """Args: ``reaction_us``: D, the reaction bound of the description; None: there is none to compare."""
+    """Check the timing of this machine.
+
+    Args:
+        reaction_us: D, the reaction bound of the description, µs; None: no comparison.
+    """
     yield kernel(os.uname().version, Path("/sys/kernel/realtime").exists())
     yield load(os.getloadavg()[0], len(os.sched_getaffinity(0)))
     yield lateness(worst_wake_up_us(), reaction_us)
 
 
 def kernel(version: str, realtime: bool) -> CheckResult:
-    """From the text of ``uname -v``."""
+    """Return the finding about the kernel from the text of ``uname -v``."""
     words = version.split()
     if realtime or "PREEMPT_RT" in words:
         return _say.ok("kernel with PREEMPT_RT")
@@ -35,7 +39,7 @@ def kernel(version: str, realtime: bool) -> CheckResult:
 
 
 def load(average: float, processors: int) -> CheckResult:
-    """Over the last minute."""
+    """Return the finding about the load average of the last minute."""
     text = f"load {average:.1f} on {processors} processor{'s' if processors > 1 else ''}"
     if average <= processors:
         return _say.ok(text)
@@ -43,7 +47,7 @@ def load(average: float, processors: int) -> CheckResult:
 
 
 def lateness(worst_us: int, reaction_us: int | None) -> CheckResult:
-    """Judged against D, of which the tool needs a part for itself."""
+    """Compare the worst lateness of a wake-up with D; the tool needs a part of D for itself."""
     text = f"worst of {WAKE_UPS} wake-ups {worst_us / 1000:.1f} ms late"
     if reaction_us is None:
         return _say.ok(text)
@@ -56,7 +60,7 @@ def lateness(worst_us: int, reaction_us: int | None) -> CheckResult:
 
 
 def worst_wake_up_us() -> int:
-    """Measured now, for 50 ms."""
+    """Measure the lateness of wake-ups for 50 ms and return the largest, µs."""
     worst = 0
     for _ in range(WAKE_UPS):
         due = now_us() + EACH_US

@@ -1,4 +1,4 @@
-"""The interpreter, this distribution, and what it depends on."""
+"""Checks the interpreter, this distribution and its dependencies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _say = CheckedPart("python")
 
 
 def look_at_python() -> CheckResults:
-    """Version, packages, and a variable that breaks them."""
+    """Check the version, the packages, and an environment variable that breaks them."""
     version = ".".join(map(str, sys.version_info[:3]))
     yield _say.ok(f"Python {version} at {sys.executable}")
     try:

@@ -1,4 +1,4 @@
-"""What a bug report needs, in one file, without what concerns nobody else."""
+"""Writes all that a bug report needs into one file, without names, private paths and secrets."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ._check_result import CheckResult
 VARIABLES = (
     "LANG", "LC_ALL", "PYTHONPATH", "RMW_IMPLEMENTATION", "ROS_DISTRO", "ROS_DOMAIN_ID", "ROS_VERSION", "SHELL", "TERM",
 )  # fmt: skip
-"""Of the environment only these: any other may hold a secret."""
+"""The only environment variables in a report; any other may contain a secret."""
 LONGEST = 200_000
-"""Characters of a description."""
+"""Largest length of a description in a report, characters."""
 _SECRETS = (
     (re.compile(r"(?<=://)[^/@\s]+@"), ""),
     (
@@ -55,16 +55,16 @@ _OF_THE_SYSTEM = (
 def write_report(
     file: Path, description: Path, answer: Mapping[str, object], findings: Sequence[CheckResult]
 ) -> None:
-    """Write the report: JSON where the file is called so, else text.
+    """Write the report as JSON if the file name ends in .json, else as text.
 
     Args:
-        file: is written whole.
-        description: of the tool that was looked at.
-        answer: of the command, as ``--json`` prints it.
-        findings: the same for people.
+        file: the report; it is written completely or not at all.
+        description: the description of the tool that was examined.
+        answer: the answer of the command, as ``--json`` prints it.
+        findings: the same findings for people.
 
     Raises:
-        UsageError: it cannot be written.
+        UsageError: the file cannot be written.
     """
     facts: dict[str, object] = {
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -96,7 +96,9 @@ def write_report(
 
 
 def without_secrets(text: str) -> str:
-    """A text without the names of this user and this machine, folders of theirs, and what looks like a secret."""
+    """Return a text without the names of this user and this machine, their folders, and text that looks
+    like a secret.
+    """
     home = str(Path.home())
     if len(home) > 1:
         text = re.sub(rf"{re.escape(home)}(?![\w.-])", "~", text)
@@ -111,7 +113,9 @@ def without_secrets(text: str) -> str:
 
 
 def _shortened(found: re.Match[str]) -> str:
-    """The last name of a path: the folders say how somebody works. Names of ROS, and the system's paths, stay."""
+    """Shorten a path to its last name, because folder names reveal private details. ROS names and paths of the system
+    stay.
+    """
     first, rest = found[1], found[2]
     if first in _OF_THE_SYSTEM or not Path("/", first).is_dir():
         return found[0]
@@ -125,7 +129,7 @@ def _lines(part: str | Mapping[str, str]) -> list[str]:
 
 
 def _cleaned(value: object) -> object:
-    """Each text in it cleaned; before it is JSON, whose syntax must stay."""
+    """Clean every text inside a value; this happens before the value becomes JSON, whose syntax must stay intact."""
     if isinstance(value, str):
         return without_secrets(value)
     if isinstance(value, Mapping):
@@ -146,7 +150,7 @@ def _version(name: str) -> str:
 
 
 def _packages() -> dict[str, str]:
-    """What we need, extras included."""
+    """Return the versions of all packages that this distribution needs, extras included."""
     needed: list[str] = []
     with suppress(metadata.PackageNotFoundError):
         needed = metadata.requires(DISTRIBUTION) or []

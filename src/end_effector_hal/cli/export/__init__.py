@@ -1,1 +1,1 @@
-"""``eehal export``: the tool for other programs."""
+"""``eehal export``: writes files about the tool for other programs."""

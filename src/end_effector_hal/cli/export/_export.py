@@ -1,4 +1,4 @@
-"""``eehal export``: the tool for other programs."""
+"""``eehal export``: writes files about the tool for other programs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._urdf import export_urdf
 
 @click.group(name="export")
 def command() -> None:
-    """Write what other programs need to know of a tool."""
+    """Write files about a tool for other programs."""
 
 
 command.add_command(export_foxglove)

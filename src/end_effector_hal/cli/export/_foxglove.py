@@ -1,4 +1,6 @@
-"""A layout for Foxglove, or Lichtblick: the topics of a tool as states, pressures, reasons, log and diagnostics."""
+"""A layout for Foxglove, or Lichtblick, with the topics of the tool: states, pressures, reasons, log and
+diagnostics.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,17 @@ GREEN, GREY, RED = "#009e73", "#9e9e9e", "#d55e00"  # told apart by colour-blind
 @click.option("--namespace", metavar="NS", default="", help="ROS namespace of the tool, such as /left.")
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
 def export_foxglove(file: Path | None, namespace: str, output: Path | None) -> None:
-    """Write a layout for Foxglove of the tool that the description FILE says; default: the shipped one.
+    """Write a Foxglove layout for the tool of the description FILE; default: the shipped one.
 
-    Import it with "Import from file…" and connect to the robot by foxglove_bridge, or open a bag. It shows and commands
-    nothing.
+    Import it with "Import from file…" and connect to the robot by foxglove_bridge, or open a bag. The layout only
+    shows and commands nothing.
     """
     description = load_for_nodes(file or profile_path())
     write_or_print(output, foxglove_layout(description, namespace), description.files)
 
 
 def foxglove_layout(description: Description, namespace: str = "") -> str:
-    """The layout as JSON; the same description gives the same text."""
+    """Return the layout as JSON; the same description gives the same text."""
     panels = dict(_panels(description, namespace))
     layout = {
         "configById": panels,

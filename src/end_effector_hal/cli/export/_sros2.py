@@ -1,4 +1,6 @@
-"""The table of the ROS interface as an SROS 2 policy: each process may do what its nodes do, and nothing else."""
+"""Writes the table of the ROS interface as an SROS 2 policy: each process may do what its nodes do, and
+nothing else.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,7 @@ VERSION = "0.2.0"
 CLIENT, OPERATOR = "client", "operator"
 PROCESSES = ("one", "five", "managed")
 OWN_TOPICS = ("/rosout", "/parameter_events")
-"""What every node of rclpy publishes."""
+"""Topics that every node of rclpy publishes."""
 OWN_SERVICES = tuple(
     f"~/{each}"
     for each in (
@@ -47,7 +49,7 @@ OWN_SERVICES = tuple(
         "set_parameters_atomically",
     )
 )
-"""What every node of rclpy serves."""
+"""Services that every node of rclpy offers."""
 OF_LIFECYCLE = tuple(
     f"~/{each}"
     for each in (
@@ -58,7 +60,7 @@ OF_LIFECYCLE = tuple(
         "get_transition_graph",
     )
 )
-"""What a managed node serves besides."""
+"""Services that a managed node offers in addition."""
 CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)}
 """Public services that a node of this package calls."""
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
@@ -76,9 +78,9 @@ _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ012345678
 @click.option("--namespace", metavar="NS", default="", help="ROS namespace of the tool, such as /left.")
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
 def export_sros2(file: Path | None, processes: str, namespace: str, output: Path | None) -> None:
-    """Write policy.xml for the tool that the description FILE says; default: the shipped one.
+    """Write policy.xml for the tool of the description FILE; default: the shipped one.
 
-    It has an enclave for each process: /NAME/hal, its five programs or /NAME/lifecycle_hal, /NAME/data_logger,
+    The policy has an enclave for each process: /NAME/hal, its five programs or /NAME/lifecycle_hal, /NAME/data_logger,
     /NAME/supervisor, and /NAME/client for a program that commands the tool (managed: /NAME/operator for the program
     that configures and activates it). NAME is the namespace, or else the name of the tool.
     """
@@ -87,15 +89,15 @@ def export_sros2(file: Path | None, processes: str, namespace: str, output: Path
 
 
 def security_policy(description: Description, processes: str = "one", namespace: str = "") -> str:
-    """The text of ``policy.xml``.
+    """Return the text of ``policy.xml``.
 
     Args:
-        description: of the tool.
-        processes: of the HAL, one of `PROCESSES`.
-        namespace: of all nodes.
+        description: the description of the tool.
+        processes: how the HAL is divided into processes, one of `PROCESSES`.
+        namespace: namespace of all nodes.
 
     Raises:
-        UsageError: this is not a namespace.
+        UsageError: the namespace is not valid.
     """
     space = "/" + namespace.strip("/")
     words = space.split("/")[1:]
@@ -179,12 +181,14 @@ def _served(node: str, process: frozenset[str], description: Description) -> lis
 
 
 def _carried(topic: Topic, process: frozenset[str]) -> bool:
-    """Whether its messages stay within the process for those who are in it."""
+    """Return whether all publishers of the topic run in this process, so that its nodes receive the messages without
+    the middleware.
+    """
     return process.issuperset(topic.publishers)
 
 
 def _inside(service: Service, process: frozenset[str]) -> bool:
-    """Whether it is called within the process only, and does not pass the middleware."""
+    """Return whether the service is called only within this process and does not use the middleware."""
     return service.internal and process.issuperset(service.callers)
 
 

@@ -1,4 +1,4 @@
-"""A tool as a xacro: what its description knows, and EDIT where it knows nothing."""
+"""Writes a tool as a xacro from its description; EDIT marks the values that the description does not contain."""
 
 from __future__ import annotations
 
@@ -96,17 +96,17 @@ _ACTUATOR_STATES = ("state", "output", "evidence", "margin")
 @click.argument("file", type=PathName(), required=False)
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
 def export_urdf(file: Path | None, output: Path | None) -> None:
-    """Write a xacro of the tool that the description FILE says; default: the shipped one.
+    """Write a xacro of the tool of the description FILE; default: the shipped one.
 
-    Its names are those of joint_states. A description has no dimensions but strokes: places, axes, shapes and masses
-    stand as EDIT, and until they are edited a planner does not see the tool.
+    Its names are those of joint_states. A description contains no dimensions except strokes: places, axes, shapes and
+    masses are marked EDIT, and until they are filled in a planner does not see the tool.
     """
     description = load_for_nodes(file or profile_path())
     write_or_print(output, urdf(description), description.files)
 
 
 def urdf(description: Description) -> str:
-    """The xacro; the same description gives the same text."""
+    """Return the xacro; the same description gives the same text."""
     return "".join(_parts(description))
 
 

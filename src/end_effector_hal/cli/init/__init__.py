@@ -1,3 +1,3 @@
-"""``eehal init``: a folder with a description to start from."""
+"""``eehal init``: writes a folder with a description to start from."""
 
 from ._wanted import LINKS

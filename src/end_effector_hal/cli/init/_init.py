@@ -1,4 +1,4 @@
-"""``eehal init``: a folder to start an own tool from."""
+"""``eehal init``: writes a folder with a description to start a new tool from."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def command(
 ) -> None:
     """Write a description into FOLDER as a starting point. Change it to fit your tool.
 
-    With --actuators it describes a tool of these, and `eehal check` and `eehal verify` accept it as it stands; what
-    else there is to say is asked for on a terminal, and taken by default elsewhere. Without, it is a copy of the
-    paper's tool.
+    With --actuators the description has these actuators, and `eehal check` and `eehal verify` accept it unchanged; on
+    a terminal the command asks for all other values, elsewhere it uses the defaults. Without --actuators the
+    description is a copy of the paper's tool.
 
-    Beside it the schema that its first line names: an editor that knows the YAML language server completes and
-    checks while you type. Nothing that is there already is touched.
+    The schema that its first line names is written beside it: an editor with the YAML language server then completes
+    and checks while you type. Existing files are not changed.
     """
     files = [folder / source.name for source in (profile_path(), schema_path())]
     for path in files:

@@ -1,4 +1,4 @@
-"""Where the signals of a new tool come from: channels of its own in a declared frame, or on inputs of the board."""
+"""Assigns sources to the signals of a new tool: channels of its own in a declared frame, or inputs of the board."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ CHANGER_DEFAULTS = tuple(str(ChangerStanza.model_fields[key].default) for key in
 
 @dataclass
 class NewChannels:
-    """The signals of a tool, in the order in which they come.
+    """The signals of a tool, in the order of their channels.
 
     Attributes:
-        carried: what each carries, by name.
+        carried: the kind of every channel, by name.
         given: for each actuator, the channel of each of its keys.
-        of_codec: what the codec of the link calls those that are renamed.
+        of_codec: for renamed channels, the name that the codec of the link uses.
     """
 
     carried: dict[str, Kind] = field(default_factory=dict)
@@ -34,9 +34,10 @@ class NewChannels:
 def new_channels(
     actuators: Sequence[tuple[str, DeviceKind[Any]]], *, on_board: bool, tool_changer: bool
 ) -> NewChannels:
-    """A signal for each sensor that may prove something.
+    """Return a signal for every sensor that can confirm an actuator or the tool changer.
 
-    A kind that is proven by a pressure gets that alone, where the link carries pressures; any other its switches.
+    A kind that a pressure confirms gets only the pressure, if the link carries pressures; any other kind gets its
+    switches.
     """
     found = NewChannels()
     for name, kind in actuators:
@@ -60,13 +61,13 @@ def renamed_channels(
     *,
     tool_changer: bool,
 ) -> NewChannels:
-    """Channels of a codec under names of their own, as several links have them.
+    """Return channels of a codec under new names, which are needed if there are several links.
 
     Args:
-        actuators: that it proves.
-        chosen: for each, the channel of the codec of each of its keys.
-        carried: what the codec carries.
-        tool_changer: whether its bits come from here, as far as the codec has them.
+        actuators: the actuators that the link confirms.
+        chosen: for each actuator, the codec's channel for each of its keys.
+        carried: the kind of every channel of the codec.
+        tool_changer: whether the bits of the tool changer come from this link, as far as the codec has them.
     """
     found = NewChannels()
     for name, kind in actuators:
@@ -87,7 +88,7 @@ def _own_name(actuator: str, meaning: str, carries: Kind) -> str:
 
 
 def frame_lines(link: str, channels: NewChannels) -> Iterator[str]:
-    """The frame of a link in which the channels stand: text, binary or modbus."""
+    """Yield the lines of the declared frame that carries the channels of a link: text, binary or modbus."""
     match link:
         case "text":
             yield '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
@@ -105,7 +106,7 @@ CHANNELS_HEAD = (
 
 
 def channel_lines(link: str, name_of_link: str, channels: NewChannels) -> Iterator[str]:
-    """Where each channel of a link stands: lines of the stanza ``channels``."""
+    """Yield the lines of the stanza ``channels`` with the place of every channel in the frame of its link."""
     for name, channel in channels.of_codec.items():
         yield f"  {name}: {{link: {name_of_link}, codec: {{channel: {channel}}}}}"
     if channels.of_codec:
@@ -130,7 +131,7 @@ def _text(number: int, kind: Kind) -> str:
 
 
 def _binary(channels: NewChannels) -> Place:
-    """Pressures first, 16 bits each; then the bits, eight in a byte."""
+    """Return a function that places pressures first, 16 bits each, then the bits, eight per byte."""
     first = 2 * _count(channels, Kind.PRESSURE)
     return _counted(
         lambda index: f"record: {{byte: {2 * index}, value_type: int16}}",
@@ -146,7 +147,7 @@ def _modbus() -> Place:
 
 
 def _counted(pressure: Callable[[int], str], bit: Callable[[int], str]) -> Place:
-    """Pressures and bits are counted apart, each from 0 on."""
+    """Return a function that numbers pressures and bits separately, both from 0."""
     written, numbers = {Kind.PRESSURE: pressure, Kind.BIT: bit}, {Kind.PRESSURE: count(), Kind.BIT: count()}
     return lambda _, kind: written[kind](next(numbers[kind]))
 

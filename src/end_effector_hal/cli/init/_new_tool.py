@@ -1,4 +1,4 @@
-"""A description for tools that nobody has described yet: of its kinds and the channels of a link."""
+"""Writes a description of a new tool from the kinds of its actuators and the channels of a link."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from ._new_channels import (
 from ._wanted import BOARD, LINKS, NAME, WantedActuator, WantedLink
 
 _WHAT = 34
-"""Column of the comments."""
+"""Column at which the comments begin."""
 _TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
 Ask = Callable[[str], str]
-"""Asks the user; raises UsageError where there is none to ask."""
+"""Asks the user for a value; raises UsageError without a terminal."""
 
 
 def new_description(
@@ -45,19 +45,20 @@ def new_description(
     virtual: bool,
     ask: Ask,
 ) -> str:
-    """The text of a description that is valid as it stands.
+    """Return the text of a description that is valid unchanged.
 
     Args:
-        folder: where it will stand; names the tool.
-        actuators: in the order of a grip. One that says `BOARD` is proven by inputs of the board, also where no such
-            link is wanted.
-        links: they prove the actuators. Of several each gets those that name it, and the others in turn.
-        tool_changer: whether one is fitted.
-        virtual: on virtual lines and a pty in the folder, for the testbench.
-        ask: for what a kind needs and nobody can guess.
+        folder: the folder of the description; its name becomes the name of the tool.
+        actuators: in the order of a grip. An actuator with `BOARD` is confirmed by inputs of the board, even if no
+            such link is requested.
+        links: the links that confirm the actuators. An actuator uses the link that it names; the others are
+            distributed over the links in turn.
+        tool_changer: whether a tool changer is fitted.
+        virtual: use virtual lines and a pty in the folder, for the testbench.
+        ask: asks for the values that a kind needs and that have no default.
 
     Raises:
-        UsageError: the link carries too little, or the description would have a fault.
+        UsageError: the link carries too few channels, or the description would have a fault.
     """
     named = any(link.name for link in links if link.what != BOARD)
     shares = _shares(actuators, links, tool_changer=tool_changer)
@@ -102,7 +103,7 @@ def new_description(
 
 
 def _channels(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer: bool) -> NewChannels:
-    """What comes over a link for the actuators that it proves."""
+    """Return the channels of a link for the actuators that it confirms."""
     pairs = [(each.name, each.kind) for each in share]
     if link.what in LINKS:
         return new_channels(pairs, on_board=link.what == BOARD, tool_changer=tool_changer)
@@ -116,7 +117,9 @@ def _channels(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer
 def _shares(
     actuators: Sequence[WantedActuator], links: Sequence[WantedLink], *, tool_changer: bool
 ) -> dict[WantedLink, list[WantedActuator]]:
-    """The actuators of each link; raises UsageError where one fits nowhere, or a link would carry nothing."""
+    """Return the actuators of each link; raise UsageError if an actuator fits no link, or a link would
+    carry nothing.
+    """
     by_name = {link.said: link for link in links}
     if BOARD not in by_name and any(each.link == BOARD for each in actuators):
         by_name[BOARD] = WantedLink(BOARD, BOARD)
@@ -150,7 +153,9 @@ def _fits(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer: bo
 
 
 def _refuse_faulty(text: str, folder: Path) -> None:
-    """Whatever a kind of somebody else says of itself: nothing faulty is written."""
+    """Raise UsageError if the new description has a fault, as a third-party kind may cause: no faulty file
+    is written.
+    """
     examination = examine_text(text, folder / "end_effector.yaml")
     faults = list(examination.faults)
     if examination.description is not None:
@@ -162,7 +167,7 @@ def _refuse_faulty(text: str, folder: Path) -> None:
 
 
 class _CodecChannels:
-    """What a codec carries and nobody has yet."""
+    """Assigns the channels of a codec that are still free."""
 
     def __init__(self, codec: Codec, *, tool_changer: bool) -> None:
         self._codec = codec
@@ -175,7 +180,7 @@ class _CodecChannels:
         self._meant = own
 
     def given(self, actuators: Sequence[WantedActuator]) -> dict[str, dict[str, str]]:
-        """A channel or none for each key of each actuator; what is named alike goes first."""
+        """Return a channel or none for each key of each actuator; channels with a matching name are assigned first."""
         found: dict[str, dict[str, str]] = {each.name: {} for each in actuators}
         for exact in (True, False):
             for each in actuators:
@@ -238,7 +243,7 @@ def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
 def _link(
     folder: Path, link: WantedLink, number: int, channels: NewChannels, *, virtual: bool
 ) -> Iterator[str]:
-    """One link, under its name where it has one; ``number`` from 0 on."""
+    """Yield the lines of one link, under its name if it has one; ``number`` counts the links from 0."""
     place, indent = folder.absolute(), 4 if link.name else 2
     if link.name:
         yield f"  {link.name}:"
@@ -309,6 +314,6 @@ def _key(key: str, value: str, what: str, *, indent: int = 2) -> str:
 
 
 def _tool_name(folder: str) -> str:
-    """A name made of that of a folder."""
+    """Return a valid tool name made from the name of a folder."""
     name = re.sub(r"[^a-z0-9]+", "_", folder.lower()).strip("_")[:34]
     return name if NAME.fullmatch(name) else f"tool_{name}".rstrip("_")

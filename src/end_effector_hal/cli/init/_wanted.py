@@ -1,4 +1,4 @@
-"""What the options of ``eehal init`` ask for: the actuators of a new tool, and the links that prove them."""
+"""Parses the options of ``eehal init``: the actuators of a new tool, and the links that confirm them."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _OTHER_WORDS = ("null", "true", "false", NO_CHANNEL)
 BOARD = "none"
 LINKS = ("text", "binary", "modbus", BOARD)
-"""A frame that is declared, or inputs of the board; the name of a codec is a link as well."""
+"""Links without a codec: a frame that is declared, or inputs of the board; the name of a codec is allowed as well."""
 
 
 @dataclass(frozen=True)
 class WantedActuator:
-    """One of the tool, in the order of a grip; ``link``: what proves it, a name or a kind of link; empty: any."""
+    """One actuator of the new tool; ``link`` is the name or kind of the link that confirms it, "" for any link."""
 
     name: str
     kind: DeviceKind[Any]
@@ -31,19 +31,21 @@ class WantedActuator:
 
 @dataclass(frozen=True)
 class WantedLink:
-    """What proves actuators: one of `LINKS`, or a codec; ``name``: among several links, empty for the only one."""
+    """A link that confirms actuators: ``what`` is one of `LINKS` or a codec; ``name`` is "" if there is
+    only one link.
+    """
 
     name: str
     what: str
 
     @property
     def said(self) -> str:
-        """How an actuator says that it is this one."""
+        """The text by which an actuator refers to this link."""
         return self.name or self.what
 
 
 def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
-    """Of ``cups:vacuum,jaw:gripper``, or with what proves each, ``cups:vacuum:front``; raises UsageError."""
+    """Parse ``cups:vacuum,jaw:gripper``, or with the link of each actuator ``cups:vacuum:front``; raises UsageError."""
     found: dict[str, WantedActuator] = {}
     for each in text.split(","):
         name, colon, rest = each.strip().partition(":")
@@ -70,7 +72,7 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
 
 
 def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
-    """Of ``text``, or of ``front:text`` and ``arm:modbus``, or of one of these and ``none``; raises UsageError."""
+    """Parse ``text``, or ``front:text`` and ``arm:modbus``, or one of these and ``none``; raises UsageError."""
     each_text = [each.strip() for text in texts for each in text.split(",")]
     several = len([each for each in each_text if each != BOARD]) > 1
     found: dict[str, WantedLink] = {}

@@ -1,4 +1,4 @@
-"""What is told of the channels where nobody sees a table: each change, once."""
+"""Reports every change of the channels once, for an output that is not a terminal."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from end_effector_hal.signals import Measure, Value
 
 STEP = 5
-"""What moves by less than this in its last decimal is told as it was: 0.5 kPa."""
+"""Smallest change that is reported, in units of the last decimal: 0.5 kPa for a pressure."""
 
 
 class ChannelChanges:
-    """Tells each change once: a value, an evidence, an error of the decoder."""
+    """Reports every change of a value, an evidence or an error counter of the decoder once."""
 
     def __init__(self, heard: ChannelView, tell: Callable[[dict[str, object]], None]) -> None:
         self._heard, self._tell = heard, tell
@@ -29,7 +29,7 @@ class ChannelChanges:
         self._errors: Mapping[str, Mapping[str, int]] = {}
 
     def tell(self, now: int) -> None:
-        """What is otherwise than it was told."""
+        """Report all differences from the values reported last."""
         from end_effector_hal.sensing import why_invalid
 
         heard, seconds = self._heard, round((now - self._heard.begun) / 1e6, 3)
@@ -82,7 +82,7 @@ class ChannelChanges:
 
 
 def print_words(measure_of: Callable[[str], Measure], content: dict[str, object]) -> None:
-    """A line for people; ``measure_of``: how the values of a channel are shown."""
+    """Print a change as a line for people; ``measure_of`` returns how the values of a channel are shown."""
     at = f"{content['time_s']:9.3f} s "
     if content["event"] == "evidence":
         click.echo(f"{at} {content['actuator']} is {content['evidence']}")

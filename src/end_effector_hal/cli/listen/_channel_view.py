@@ -1,4 +1,4 @@
-"""What has arrived on each channel, and what it proves."""
+"""Collects the values of every channel and the evidence that follows from them."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from end_effector_hal.signals import Frame, Measure, Value
 
 LOST_US = 1_000_000
-"""Inputs of which nothing has come for so long bring nothing."""
+"""Time without a frame after which the inputs count as lost, µs."""
 KEPT = 64
-"""Frames over which a rate is counted."""
+"""Number of frames over which a rate is computed."""
 SHOWN = 24
-"""Bytes of the newest that are shown."""
+"""Number of the newest bytes that are shown."""
 SAMPLE = 65_536
-"""Bytes by which another codec is recognised."""
+"""Number of bytes that are kept to recognise another codec."""
 
 
 @dataclass
 class HeardLink:
-    """What came over one link: its newest bytes, its first ones, and errors that were counted before a frame."""
+    """The data of one link: its newest bytes, its first bytes, and the error counts from before the first frame."""
 
     title: str
     codec: str
@@ -40,11 +40,12 @@ class HeardLink:
 
 
 class ChannelView:
-    """What has arrived so far from every source of a tool, and what it proves; a context in which it is read.
+    """Collects the values of all sources of a tool and the evidence that follows from them; the sources are read
+    within its context.
 
     Args:
-        tool: whose channels they are.
-        begun: µs, now.
+        tool: the description of the tool.
+        begun: the time now, µs.
     """
 
     def __init__(self, tool: Description, begun: int) -> None:
@@ -86,7 +87,9 @@ class ChannelView:
         self._reader.close()
 
     def hear(self, longest_s: float) -> None:
-        """Take what comes within a time; raises LinkError when no source could be opened, not when one was lost."""
+        """Process what arrives within a time; raise LinkError if a source could not be opened, but not if one was
+        lost.
+        """
         from end_effector_hal.wires import now_us
 
         with suppress(Empty):
@@ -108,7 +111,7 @@ class ChannelView:
             raise LinkError(errors[0])
 
     def need_frames(self) -> None:
-        """Raise LinkError if nothing has come over some link, with what could be done."""
+        """Raise LinkError with the remedy if no frame has arrived over some link."""
         from ._hearing import why_no_frame
 
         for name, link in self._reader.health.links.items():
@@ -142,19 +145,19 @@ class ChannelView:
             self.sensors.frame(came)
 
     def age_s(self, channel: str, now: int) -> float | None:
-        """Since its last valid value."""
+        """Return the time since the last valid value of a channel, s; None before the first."""
         arrivals = self.arrivals[channel]
         return (now - arrivals[-1]) / 1e6 if arrivals else None
 
     def rate_hz(self, channel: str, now: int) -> float:
-        """Of valid values, lately; one that has stopped falls to 0."""
+        """Return the recent rate of valid values, Hz; it falls towards 0 after the last one."""
         arrivals = self.arrivals[channel]
         if len(arrivals) < 2:
             return 0.0
         return (len(arrivals) - 1) / (max(now, arrivals[-1]) - arrivals[0]) * 1e6
 
     def state(self, channel: str, now: int) -> str:
-        """Empty where there is a fresh value; else why there is none."""
+        """Return "" if the channel has a fresh value, else the reason why it has none."""
         if channel not in self.values:
             return "nothing yet"
         if now - self.came_at[channel] >= self.sensors.now.readings.stale_after_us(channel):
@@ -162,11 +165,13 @@ class ChannelView:
         return "invalid" if self.values[channel] is None else ""
 
     def measure(self, channel: str) -> Measure:
-        """How its values are shown."""
+        """Return how the values of a channel are shown."""
         return self.sensors.now.readings.measures.get(channel, GAUGE_PRESSURE)
 
     def raw(self, channel: str) -> float | None:
-        """What its source said, before scale and offset; of a codec's own channel, what the codec says."""
+        """Return the value that the source sent, before scale and offset; for a channel of a codec, the value from the
+        codec.
+        """
         value, declared = self.values.get(channel), self.tool.channels.get(channel)
         if value is None or declared is None or declared.codec is not None:
             return value
@@ -174,7 +179,7 @@ class ChannelView:
         return int(raw) if raw.is_integer() else raw
 
     def errors(self) -> dict[str, dict[str, int]]:
-        """Of the decoder of each link, by kind; what was lost and reboots are among them."""
+        """Return the error counts of every link's decoder by kind; lost frames and reboots are among them."""
         found: dict[str, dict[str, int]] = {}
         for name, counters in self._reader.health.links.items():
             before = self.links[name].before or {}
@@ -184,23 +189,23 @@ class ChannelView:
         return found
 
     def evidence(self) -> dict[str, str]:
-        """Of each actuator."""
+        """Return the evidence of each actuator."""
         names = (name for name, _ in self.tool.ordered)
         return {name: each.name for name, each in zip(names, self.sensors.now.evidence, strict=True)}
 
     def alarms(self, now: int) -> tuple[str, ...]:
-        """The faults that devices show now, sentences."""
+        """Return the faults that devices report now, as sentences."""
         sensed = self.sensors.now
         return tuple([fault.as_alarm().text for fault in sensed.faults.standing(sensed.readings, now)])
 
     def lost(self) -> tuple[str, ...]:
-        """Why links that were open are not, and what is wrong with the answers of single devices, in words."""
+        """Return in words why links that were open are lost, and what is wrong with the answers of single devices."""
         links = self._reader.health.links.values()
         lost = [link.error for link in links if link.error and link.opened]
         return (*lost, *(fault for link in links for fault in link.faults))
 
     def table(self, now: int) -> RenderableType:
-        """For a terminal."""
+        """Return the table for a terminal."""
         from rich.console import Group
         from rich.table import Table
         from rich.text import Text
@@ -247,7 +252,7 @@ class ChannelView:
 
 
 def scaled(value: Value, kind: Kind, measure: Measure) -> str:
-    """With its unit."""
+    """Return a value as text with its unit."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if kind is Kind.CODE:

@@ -1,4 +1,4 @@
-"""Hearing what comes over the link of a tool, without an arbiter and without moving a line."""
+"""Reads a sensor link of a tool without an arbiter and without moving a line."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ CHUNK = 4096
 
 @dataclass(frozen=True)
 class OpenLink:
-    """The port of a link, and the decoder of what it delivers.
+    """The open port of a link with the decoder of its data.
 
     Attributes:
-        name: for a sentence: port, codec and baud rate.
-        codec: of the link.
-        decoder: a new one.
-        fd: of the port.
+        name: port, codec and baud rate for a sentence.
+        codec: codec of the link.
+        decoder: a new decoder for the link.
+        fd: file descriptor of the port.
     """
 
     name: str
@@ -37,7 +37,8 @@ class OpenLink:
     fd: int
 
     def hear(self, longest_s: float) -> tuple[bytes, list[Frame]]:
-        """What comes within a time, and the frames that end in it; a codec that asks is let ask.
+        """Return the bytes that arrive within a time, and the frames that end in them; a polling codec sends its
+        requests.
 
         Raises:
             OSError: the port is gone.
@@ -58,7 +59,7 @@ class OpenLink:
 
 
 def link_title(description: Description, name: str) -> str:
-    """For a sentence: port, codec and baud rate of a link; raises UsageError like `codec_of`."""
+    """Return port, codec and baud rate of a link for a sentence; raises UsageError like `codec_of`."""
     from end_effector_hal.codecs import codec_of, line_of
 
     codec, link = codec_of(description, name), description.links[name]
@@ -67,14 +68,14 @@ def link_title(description: Description, name: str) -> str:
 
 @contextmanager
 def open_link(description: Description, name: str) -> Iterator[OpenLink]:
-    """A link of a tool, for as long as it is needed.
+    """Open a link of a tool for the duration of the context.
 
     Args:
-        description: the tool.
-        name: of the link.
+        description: the description of the tool.
+        name: name of the link.
 
     Raises:
-        LinkError: the port cannot be opened; LinkBusyError: somebody reads it.
+        LinkError: the port cannot be opened; LinkBusyError: another process reads it.
         UsageError: the codec cannot be loaded.
     """
     from end_effector_hal.codecs import codec_of, line_of
@@ -88,7 +89,7 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
 
 
 def fitting(data: bytes, but: str) -> Iterator[str]:
-    """Codecs that find frames and little else in what came; ``but``: the one that was expected."""
+    """Yield the codecs other than ``but`` that find more frames than errors in the data."""
     from end_effector_hal.codecs import codec_names, get_codec
     from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
 
@@ -107,7 +108,9 @@ def fitting(data: bytes, but: str) -> Iterator[str]:
 
 
 def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
-    """What is wrong where bytes came or none, and no frame; and what to do. ``codec``: empty where it is declared."""
+    """Return the problem and its remedy if no frame arrived; ``codec`` is "" if the frame is declared in the
+    description.
+    """
     if not data:
         return "silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
     others = ", ".join(fitting(data, but=codec))

@@ -1,4 +1,4 @@
-"""The command: live on a terminal, a line for each change elsewhere."""
+"""The command ``eehal listen``: a live table on a terminal, elsewhere a line for each change."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ TICK_S = 0.1
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(description: Path, seconds: float | None, suggest: Path | None, as_json: bool) -> None:
-    """Show what arrives on each channel of DESCRIPTION: raw, value, evidence, age, rate, errors.
+    """Show what arrives on each channel of DESCRIPTION: raw value, scaled value, evidence, age, rate, errors.
 
-    It reads links and inputs of the board, and nothing else: no output moves. What the line arbiter reads itself (a bus
-    that is commanded, inputs on which interlocks rest) comes from there, if it runs. On a terminal a
-    table that is refreshed, elsewhere a line for each change. What somebody else reads is left alone.
+    The command only reads links and inputs of the board: no output moves. Values that the line arbiter reads itself (a
+    bus that is commanded, inputs that interlocks need) come from the arbiter, if it runs. On a terminal a table is
+    refreshed, elsewhere a line is printed for each change. A port that another process reads is not opened.
 
     --suggest reads a recording (`eehal run --record FOLDER`) of a grip and a drop, and proposes thresholds with the
-    levels that speak for each.
+    recorded levels that justify them.
     """
     from end_effector_hal.codecs import load_tool
 

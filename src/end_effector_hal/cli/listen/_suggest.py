@@ -1,4 +1,4 @@
-"""Thresholds of a vacuum from a recorded grip and drop: what it was at rest, what it was while a part was held."""
+"""Proposes thresholds of a vacuum from its levels in a recorded grip and drop: at rest, and while a part was held."""
 
 from __future__ import annotations
 
@@ -26,17 +26,21 @@ SHARES = {
     "secure_kpa": 0.9,
     "secure_hysteresis_kpa": 0.15,
 }
-"""Of the way from rest to held; that of the hysteresis is a width."""
+"""Position of each threshold as a share of the way from the level at rest to the level when held; that of the
+hysteresis is a width.
+"""
 LEAST_KPA = 15.0
-"""Between rest and held: with less, noise would decide."""
+"""Smallest difference between rest and held, kPa; with less, noise would decide."""
 SETTLED, UNTIL = 0.5, 0.95
-"""Of each span: what comes before is still on its way, and what comes after may have gone already."""
+"""Part of each span that is used, as shares: earlier the level is still changing, and later it may have dropped
+already.
+"""
 LEAST_SAMPLES = 3
 
 
 @dataclass(frozen=True)
 class SeenLevel:
-    """What was seen in the settled part of some spans, kPa below ambient."""
+    """Lowest and highest level in the settled part of some spans, kPa below ambient."""
 
     low: float
     high: float
@@ -51,7 +55,7 @@ class SeenLevel:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """For one actuator: its levels, and the thresholds between them."""
+    """The levels of one actuator, and the thresholds between them."""
 
     actuator: str
     rest: SeenLevel
@@ -59,7 +63,7 @@ class Suggestion:
 
     @property
     def thresholds(self) -> dict[str, float]:
-        """By their key."""
+        """The proposed thresholds by their key."""
         way = self.held.low - self.rest.high
         return {
             key: round(way * share + (0.0 if "hysteresis" in key else max(self.rest.high, 0.0)), 1)
@@ -67,7 +71,7 @@ class Suggestion:
         }
 
     def why(self, key: str) -> str:
-        """The evidence for one of them."""
+        """Return the reason for one of the thresholds."""
         share = f"{SHARES[key]:.0%} of the way"
         if "hysteresis" in key:
             return f"{share} from rest to held: no longer secure above lost_kpa"
@@ -75,7 +79,9 @@ class Suggestion:
 
 
 def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -> Iterator[Suggestion | str]:
-    """For each actuator that has such thresholds; a sentence where the recording does not show what it takes."""
+    """Yield a suggestion for each actuator with thresholds of a vacuum, or a sentence if the recording does not allow
+    one.
+    """
     if not states.rows or not pressures.samples:
         yield "The recording is empty."
         return
@@ -108,7 +114,7 @@ def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -
 
 
 def _by_switches(tool: Description) -> frozenset[str]:
-    """Actuators that no pressure proves."""
+    """Return the actuators that no pressure confirms."""
     carried = carrier_of(tool).channels
     return frozenset(name for name, part in tool.ordered if carried.get(part.channel) is not Kind.PRESSURE)
 
@@ -116,7 +122,7 @@ def _by_switches(tool: Description) -> frozenset[str]:
 def _spans(
     log: StatesLog, actuator: int, state: EndEffectorState, end_s: float, *, active: bool
 ) -> list[tuple[float, float]]:
-    """Times in which the tool was in a state, and the actuator active or not."""
+    """Return the times in which the tool was in a state while the actuator was active or inactive."""
     found: list[tuple[float, float]] = []
     last = replace(log.rows[-1], time_s=max(end_s, log.rows[-1].time_s))
     for row, after in pairwise([*log.rows, last]):
@@ -145,10 +151,10 @@ def _level(log: PressuresLog, channel: str, spans: Sequence[tuple[float, float]]
 
 
 def print_suggestions(tool: Description, folder: Path, *, as_json: bool) -> None:
-    """Read a recording and print what it suggests.
+    """Read a recording and print the suggested thresholds.
 
     Raises:
-        UsageError: there is no recording, or it shows of no actuator what it takes.
+        UsageError: there is no recording, or it allows no suggestion for any actuator.
     """
     if len(_by_switches(tool)) == len(tool.actuators):
         raise UsageError(

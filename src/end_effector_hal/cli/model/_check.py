@@ -1,4 +1,4 @@
-"""``eehal model check``: everything that is wrong with a UPPAAL file, or what it holds."""
+"""``eehal model check``: prints all faults of a UPPAAL file, or lists its content."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 @click.argument("file", metavar="[FILE|DESCRIPTION]", type=PathName(), required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print the faults, or what the file holds, as JSON.")
 def check(file: Path | None, as_json: bool) -> None:
-    """Type-check a UPPAAL file, or that of a description with its constants put in.
+    """Type-check a UPPAAL file, or that of a description with its constants inserted.
 
-    Every fault is a line on stderr, file:line:column: what is wrong, and the exit code is 2. Without faults:
-    the processes, the clocks, the channels with both their ends, and the queries. Where only queries cannot be asked,
-    they are named on stderr, all else is listed, and the exit code is 4.
+    Every fault is a line on stderr with file:line:column, and the exit code is 2. Without faults the command lists the
+    processes, the clocks, the channels with their senders and receivers, and the queries. If only queries are faulty,
+    they are named on stderr, everything else is listed, and the exit code is 4.
     """
     from end_effector_hal.description import profile_path
 

@@ -1,4 +1,4 @@
-"""``eehal model fig5``: whether the automata do on the paper's events only what the paper's Fig. 5 does."""
+"""``eehal model fig5``: checks that a grip does, on the paper's events, only what the paper's Fig. 5 does."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ _DOES_NOT_HOLD = 4
 @DESCRIPTION
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
 def fig5(description: Path | None, as_json: bool) -> None:
-    """Prove the paper's Fig. 5 in its own size, and that a grip does on its events only what it does.
+    """Prove the paper's Fig. 5 with its own number of devices, and that a grip does, on the events of Fig. 5, only
+    what Fig. 5 does.
 
-    Fig. 5 is fig5.xml, made from the paper's text: one controller and three devices. It gets the times of the
-    description. In its world the tool is locked, commands are grip and drop, and feedback comes while an actuator is
-    active, or never, stays, and is gone in time. The exit code is 4 if something does not hold.
+    Fig. 5 is fig5.xml, made from the paper's text: one controller and three devices, with the times of the
+    description. It assumes that the tool is locked, that commands are grip and drop, and that feedback comes while an
+    actuator is active or never, stays, and is gone in time. The exit code is 4 if something does not hold.
     """
     from end_effector_hal.verification.lemmas import compare_with_fig5
 

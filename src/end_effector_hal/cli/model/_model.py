@@ -1,4 +1,4 @@
-"""``eehal model``: the automata themselves, as one would open them in UPPAAL."""
+"""``eehal model``: the automata as UPPAAL would show them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from timed_automata.document import Template, did_you_mean
 
 
 def edge_needs(template: Template) -> list[dict[str, object]]:
-    """For each edge, in the order of the file: its ends, how many edits were judged, and who has noticed how many."""
+    """Return for each edge, in the order of the file, its ends, the number of judged edits, and for every requirement
+    how many edits it detected.
+    """
     from end_effector_hal.verification.mutation import kept_record
 
     names = {each.id: each.name.text.content.strip() if each.name else each.id for each in template.locations}
@@ -39,7 +41,7 @@ def edge_needs(template: Template) -> list[dict[str, object]]:
 
 
 def told_edges(template: Template) -> Iterator[str]:
-    """A line for each edge."""
+    """Yield one line for each edge."""
     for number, each in enumerate(edge_needs(template), start=1):
         needed_by = each["needed_by"]
         assert isinstance(needed_by, dict)
@@ -58,7 +60,7 @@ def _template_names(context: click.Context) -> Iterable[str]:
 
 @click.group(name="model")
 def command() -> None:
-    """Look at the automata: simulate, draw, export for UPPAAL, check a file."""
+    """Examine the automata: simulate, draw, export for UPPAAL, check a file."""
 
 
 @command.command(short_help="Draw each template as UPPAAL shows it.")
@@ -99,10 +101,10 @@ def show(
 ) -> None:
     """Draw each template as UPPAAL shows it (Fig. 5), as PNG and as SVG.
 
-    Locations, edges and labels stand where the file says; the constants of the description that a template
-    mentions are listed under its name.
-    With --edges: a requirement needs an edge when it was seen to fail of an edit of it (make mutants). Of an
-    edge that nobody has edited yet, or that is not one of the shipped automata, nothing is known.
+    Locations, edges and labels have the positions of the file; the constants of the description that a template uses
+    are listed under its name. With --edges the requirements that need each edge are printed: a requirement needs an
+    edge if it failed after an edit of that edge (make mutants). Nothing is printed about an edge that was never edited
+    or that is not in the shipped automata.
     """
     draw, source = (
         figures().draw_template,
@@ -150,7 +152,7 @@ def _wanted(templates: Sequence[Template], name: str | None) -> list[Template]:
 
 
 def _file_names(names: list[str]) -> list[str]:
-    """Names of templates as names of files, none twice, also where case does not count."""
+    """Return file names for templates; no two are equal, even without regard to case."""
     found: list[str] = []
     for name in names:
         plain = "".join(each if each.isalnum() and each.isascii() else "_" for each in name)[:80]
@@ -171,8 +173,8 @@ def export_network(
 ) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 
-    Layout, comments and queries are those of the file; only the values of constants differ. The same
-    description gives the same bytes.
+    Layout, comments and queries are those of the file; only the values of constants differ. The same description gives
+    the same bytes.
     """
     from timed_automata import export
 

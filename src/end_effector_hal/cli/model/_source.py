@@ -1,4 +1,4 @@
-"""The network that a command is about: of a description, or of a UPPAAL file as it stands."""
+"""The network that a command uses: that of a description, or that of a UPPAAL file unchanged."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ DEATHS = click.option(
 
 @dataclass(frozen=True)
 class Source:
-    """A network, and the description whose constants were put in; ``told``: constants worth telling."""
+    """A network, and the description whose constants were inserted; ``told``: the constants that are listed for the
+    user.
+    """
 
     name: str
     network: Network = field(repr=False)
@@ -47,7 +49,7 @@ class Source:
     told: dict[str, object] = field(repr=False)
 
     def run_info(self, scenario: str = "") -> RunInfo:
-        """What a recording of a run of it says: that nothing real answered."""
+        """Return the metadata for a recording of a run, marked as simulated."""
         from end_effector_hal.recording import RunInfo, run_info
 
         if self.description is None:
@@ -63,16 +65,16 @@ def open_source(
     registers: str | None = None,
     deaths: bool = False,
 ) -> Source:
-    """The network of a description (by default the shipped one), or of a UPPAAL file.
+    """Open the network of a description (by default the shipped one), or of a UPPAAL file.
 
     Args:
         description, model: the file.
-        coils: instead of the automata of a description: an output of two coils.
-        registers: instead: an output on a bus.
-        deaths: instead: the network in which program and line arbiter die.
+        coils: use the network of an output with two coils, of this name.
+        registers: use the network of an output on a bus, of this name.
+        deaths: use the network in which program and line arbiter die.
 
     Raises:
-        DescriptionError, ModelError: it is not valid.
+        DescriptionError, ModelError: the file is not valid.
         UsageError: two networks are named, or there is no such output.
     """
     from end_effector_hal.codecs import load_tool
@@ -142,7 +144,7 @@ def _deaths_of(description: Description) -> Source:
 
 
 def _told(network: Network) -> dict[str, object]:
-    """The global constants, booleans as such."""
+    """Return the global constants; booleans have the type bool."""
     kinds = {name: getattr(symbol, "type", None) for name, symbol in network.scope.symbols.items()}
     return {
         name: _boolean(value) if (kind := kinds[name]) is not None and kind.kind == "bool" else value
@@ -155,7 +157,7 @@ def _boolean(value: object) -> object:
 
 
 def is_uppaal(path: Path) -> bool:
-    """Whether a file is XML: by its name, or else by how it begins."""
+    """Return whether a file is XML, by its suffix, or else by its first bytes."""
     suffix = path.suffix.lower()
     if suffix in (".xml", ".yaml", ".yml"):
         return suffix == ".xml"

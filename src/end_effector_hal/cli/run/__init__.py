@@ -1,3 +1,3 @@
-"""``eehal run``: one tool in this terminal, its prompt and what it tells."""
+"""``eehal run``: runs one tool in this terminal, with a prompt and its messages."""
 
 from ._simulation import possible_scenarios

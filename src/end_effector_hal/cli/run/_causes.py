@@ -1,4 +1,4 @@
-"""Why something changed: the steps of the automata, with their guards and what the sensors said then."""
+"""Explains changes by the steps of the automata, with their guards and the sensor readings at that time."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _SHOWN = ("transition", "time-out")
 
 
 class Causes:
-    """Takes the records of both programs as they come, and makes entries of their steps later.
+    """Collects the records of both programs as they arrive, and turns their steps into entries later.
 
-    `take` is called in the threads of the programs and only puts aside; `new` in any other one.
+    The programs call `take` in their threads, where it only stores the record; `new` is called in any other thread.
 
     Args:
-        description: the tool.
+        description: the description of the tool.
     """
 
     def __init__(self, description: Description) -> None:
@@ -36,7 +36,7 @@ class Causes:
         self._instants: dict[str, _Instant] = {}
 
     def take(self, program: str, kind: str, at: int, record: Any) -> None:
-        """One record of a program, of ``at`` µs."""
+        """Store one record of a program with its time ``at`` in µs."""
         if kind == "frame":
             self._readings[program].take(Frame(record.stamp, record.seq, record.device_ms, record.values))
         elif kind == "step":
@@ -44,10 +44,10 @@ class Causes:
             self._waiting.append((program, record, {name: now.get(name, at) for name in now.carried}))
 
     def new(self) -> Iterator[dict[str, Any]]:
-        """The steps since the last call that show: ``at`` (µs), ``program``, ``text``, ``kind``, and what is behind it.
+        """Yield the visible steps since the last call: ``at`` (µs), ``program``, ``text``, ``kind``, and the details.
 
-        ``cause``: the event that began the instant in which it was taken, None: time had passed; ``edges``: those that
-        led from there to it, and its own. Readings are in kPa gauge, bits as they are.
+        ``cause``: the event that began the instant of the step; None: time had passed. ``edges``: the edges from that
+        event to the step, and those of the step. Readings are in kPa gauge; bits are unchanged.
         """
         while self._waiting:
             program, step, readings = self._waiting.popleft()
@@ -61,7 +61,7 @@ class Causes:
         self._told = self._log.newest
 
     def _with_cause(self, entry: dict[str, Any]) -> Iterator[dict[str, Any]]:
-        """The entry with the event that began the instant in which its program took it, and the steps in between."""
+        """Yield the entry with the event that began its instant, and the steps in between."""
         program, at, detail = entry["who"], entry["at"], entry["detail"]
         if detail is None:
             return
@@ -87,7 +87,7 @@ class Causes:
 
 @dataclass
 class _Instant:
-    """What began it, and the edges that were taken in it since the last step that shows."""
+    """The event that began an instant, and the edges in it since the last visible step."""
 
     at: int
     event: str | None

@@ -1,4 +1,4 @@
-"""A session of ``eehal run``: commands from a script or a prompt, each with its end."""
+"""A session of ``eehal run``: executes commands from a script or a prompt and reports how they end."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from ._voices import SCENARIO, Changes, Voice
 PROMPT = "> "
 MOST_REMEMBERED = 1_000
 LOOK_S = 0.02
-"""How often a running command is looked at."""
+"""Interval at which running commands are checked, s."""
 END_S, LAST_LINES_S = 5.0, 0.5
-"""Longest waits of the end: for the ends of commands, and for who reads the output."""
+"""Longest waits at the end, s: for the ends of commands, and for the reader of the output."""
 AT_ONCE = (Command.CANCEL, Command.QUIT)
 HELP = """\
 lock, unlock     the tool changer; arm: allows an unlock where no sensor shows the tool's stand
@@ -48,7 +48,9 @@ Arrow keys and Ctrl-R search earlier commands, Tab completes. Ctrl-C ends as the
 
 
 class CommandThread:
-    """Runs steps of commands side by side in one thread, made at the start, which survives what a step raises."""
+    """Runs the steps of commands concurrently in one thread, which is made at the start and survives exceptions of a
+    step.
+    """
 
     def __init__(self) -> None:
         self._given: SimpleQueue[Iterator[None]] = SimpleQueue()
@@ -69,19 +71,20 @@ class CommandThread:
 
 
 class RunSession:
-    """Gives commands to a tool and says how they ended.
+    """Gives commands to a tool and reports how they ended.
 
     Args:
-        tool: gets them.
-        voice: says it.
-        changes: has told the states that came before.
-        choose: has another scenario at the testbench, or raises UsageError.
-        reload: whether the description can be taken over as it is in the file now.
-        commands: the thread that gives commands.
+        tool: the tool that receives the commands.
+        voice: prints the reports.
+        changes: reports the states before a result.
+        choose: selects another scenario at the testbench, or raises UsageError.
+        reload: returns whether the changed description can be used.
+        commands: the thread that gives the commands.
         ending: called when the program ends.
 
     Attributes:
-        reloads: it has ended because another description is taken over; the orders that are left follow then.
+        reloads: whether the session ended in order to use another description; the remaining commands are executed
+            afterwards.
     """
 
     def __init__(
@@ -102,11 +105,12 @@ class RunSession:
         self._succeeded = True
 
     def play(self, orders: Iterable[ScriptCommand], *, interactive: bool = False) -> bool:
-        """Whether every command succeeded.
+        """Execute the commands; return whether all of them succeeded.
 
         Args:
-            orders: one after the other.
-            interactive: somebody types them: the next one is read while one runs, so that a cancel is in reach.
+            orders: the commands, executed one after the other.
+            interactive: whether a person types them: the next command is read while one runs, so that a cancel is
+                possible.
         """
         try:
             for order in orders:
@@ -181,7 +185,7 @@ class RunSession:
         return Answer(True, scenario)
 
     def _finish(self, until_s: float = math.inf) -> None:
-        """Wait for the ends of all commands, until ``until_s`` on the monotonic clock at the latest."""
+        """Wait for the ends of all commands, at most until ``until_s`` on the monotonic clock."""
         for ended in self._running:
             self._wait(ended, until_s)
         self._running.clear()
@@ -223,10 +227,10 @@ class RunSession:
 
 
 class Prompt:
-    """Reads commands from standard input; on a terminal with history, completion and lines that come meanwhile.
+    """Reads commands from standard input; on a terminal with history, completion, and messages above the typed line.
 
     Args:
-        shown: whether somebody types; else lines are read as they come.
+        shown: whether a person types; otherwise lines are read without a prompt.
     """
 
     def __init__(self, *, shown: bool) -> None:
@@ -235,11 +239,15 @@ class Prompt:
         self._typed: Callable[[], str] = str
 
     def end(self) -> None:
-        """The program ends: from now on nothing waits for more than half a second until somebody reads the output."""
+        """End the program's output: from now on no write waits for more than half a second for the reader of the
+        output.
+        """
         self._until_s = time.monotonic() + LAST_LINES_S
 
     def write(self, text: str, *, err: bool = False) -> None:
-        """Print a line, in one thread at a time; while somebody types, above what is typed. Raises OSError."""
+        """Print a line, from one thread at a time; on a terminal it appears above the text being typed. Raises
+        OSError.
+        """
         end = "\n"
         if self._reading:
             text, end = f"\r\x1b[K{text}\n{PROMPT}{self._typed()}", ""
@@ -254,7 +262,7 @@ class Prompt:
             left = left[os.write(number, left[: select.PIPE_BUF]) :]
 
     def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:
-        """Each command that is typed, until the end of the input."""
+        """Yield each typed command until the end of the input."""
         if self.shown:
             self._with_history()
         if isinstance(sys.stdin, TextIOWrapper):
@@ -309,7 +317,7 @@ class Prompt:
 
 
 def history_file() -> Path:
-    """Where what was typed is kept."""
+    """Return the path of the command history."""
     state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     return Path(state) / "end-effector-hal" / "history"
 

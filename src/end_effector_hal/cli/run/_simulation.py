@@ -1,4 +1,6 @@
-"""A tool without hardware: the development tools have it, which a robot does not need; found by an entry point."""
+"""Runs a tool without hardware by means of the development tools, which a robot does not need; an entry point names
+them.
+"""
 
 from __future__ import annotations
 
@@ -21,24 +23,30 @@ NAME = "lab"
 
 
 class SimulatedHardware(Protocol):
-    """Virtual lines, the testbench at their other end, and the line arbiter, which run."""
+    """Running virtual lines, with the testbench at their other end and the line arbiter."""
 
     description: Description
-    """The tool on these lines."""
+    """The description of the tool on these lines."""
 
     def choose(self, bench: str, /) -> None:
-        """Have another scenario at the testbench; raises UsageError, and nothing has changed."""
+        """Select another scenario at the testbench; raises UsageError if it is refused, and then nothing changes."""
         ...
 
 
 class Simulation(Protocol):
-    """What the entry point names: starts it on entering, ends every process of it on leaving."""
+    """The entry point's object: starts the simulated hardware on entering, and ends all its processes on leaving."""
 
     def __call__(
         self, description: Description, bench: str, folder: Path, *, outlives_us: bool, seed: int
     ) -> AbstractContextManager[SimulatedHardware]:
-        """Args: the tool, a scenario of the testbench, a folder for the logs, whether the arbiter survives a kill,
-            the seed of noise and dead times.
+        """Return the simulated hardware as a context.
+
+        Args:
+            description: the description of the tool.
+            bench: a scenario of the testbench.
+            folder: the folder for the logs.
+            outlives_us: whether the arbiter survives a kill of this process.
+            seed: the seed of noise and dead times.
 
         Raises:
             UsageError: the tool cannot have this scenario.
@@ -46,7 +54,7 @@ class Simulation(Protocol):
         ...
 
     def scenarios(self, description: Description, /) -> Iterable[str]:
-        """What can go wrong with the tool, without numbers."""
+        """Return the possible scenarios of the tool, without numbers."""
         ...
 
 
@@ -60,18 +68,18 @@ _SIMULATION: Plugins[Simulation] = Plugins(GROUP, "simulation", {}, _checked, ma
 
 
 def possible_scenarios(description: Description) -> Iterable[str]:
-    """What can go wrong with the simulated tool; nothing where nothing that simulates is installed."""
+    """Return the possible scenarios of the simulated tool; empty if no simulator is installed."""
     return _SIMULATION.get(NAME).scenarios(description) if NAME in _SIMULATION.names else ()
 
 
 @contextmanager
 def simulated(description: Description, scenario: str, seed: int = 0) -> Iterator[SimulatedHardware]:
-    """The same tool on virtual lines, which run until it is left; nothing of them stays, no process and no file.
+    """Run the same tool on virtual lines for the duration of the context; afterwards no process and no file is left.
 
     Raises:
-        MissingExtraError: nothing that simulates is installed.
+        MissingExtraError: no simulator is installed.
         UsageError: the tool cannot have this scenario.
-        ReportedError: a process of it does not start.
+        ReportedError: a process of the simulation does not start.
     """
     if NAME not in _SIMULATION.names:
         raise MissingExtraError(
@@ -91,6 +99,8 @@ def simulated(description: Description, scenario: str, seed: int = 0) -> Iterato
 
 
 def _finish_undisturbed() -> None:
-    """A second Ctrl-C does not interrupt the end, which takes a few seconds at most."""
+    """Ignore further signals such as a second Ctrl-C, so that they do not interrupt the end, which takes a few seconds
+    at most.
+    """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)

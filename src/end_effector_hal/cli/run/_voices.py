@@ -1,4 +1,4 @@
-"""What ``eehal run`` says of a tool: in words, or as JSON lines."""
+"""The output of ``eehal run`` about a tool: in words, or as JSON lines."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _ENDED = {
 }
 CAUGHT_UP_S = 1.0
 SCENARIO = "SCENARIO"
-"""The name of the command that has something else go wrong; its answer is the scenario."""
+"""Name of the command that selects another scenario; its answer is the scenario."""
 
 
 def ignore_broken_output(write: Callable[..., None]) -> Callable[..., None]:
-    """Make a function that prints ignore a closed pipe or terminal: the tool goes on."""
+    """Make a printing function ignore a closed pipe or terminal, so that the tool continues."""
 
     def written(*args: Any, **options: Any) -> None:
         with suppress(OSError, MemoryError):
@@ -51,9 +51,9 @@ def ignore_broken_output(write: Callable[..., None]) -> Callable[..., None]:
 
 
 class _Clock:
-    """Seconds since the start, for lines that several threads print: no line has a time before that of the last one.
+    """Seconds since the start for lines that several threads print; the times of successive lines never decrease.
 
-    A context: only the thread in it prints.
+    It is a context: only the thread that is in it prints.
     """
 
     def __init__(self, begun: int | None) -> None:
@@ -69,19 +69,21 @@ class _Clock:
         self._lock.release()
 
     def seconds(self, at: int | None) -> float:
-        """Of a moment in µs; None: now."""
+        """Return the seconds since the start at a time in µs; None: now."""
         self._last = max(self._last, now_us() if at is None else at)
         return (self._last - self._begun) / 1e6
 
 
 class Words:
-    """All that the tool does on stdout, in one order, and errors on stderr; on a terminal with seconds since the start.
+    """Prints all events of the tool on stdout in one order, and errors on stderr; on a terminal with the seconds since
+    the start.
 
-    An alarm, and what becomes of what is held, are printed on stderr where stdout cannot be written.
+    Alarms and the fate of held parts are printed on stderr if stdout cannot be written.
 
     Args:
         write: prints a line; ``err``: on stderr; raises OSError.
         timed: whether each line begins with its time.
+        begun: time of the start, µs; None: now.
     """
 
     def __init__(
@@ -92,16 +94,16 @@ class Words:
         self._common, self._worse = Allowance(), Allowance()
 
     def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
-        """The labels of the figures."""
+        """Print the states with the labels of the figures."""
         states = ", ".join(f"{display_name(name)} {each}" for name, each in actuators.items())
         self._paced(self._common, f"{ee}: {states}", at)
 
     def event(self, at: int, text: str) -> None:
-        """A transition or a time-out."""
+        """Print a transition or a time-out."""
         self._paced(self._common, text, at)
 
     def alarm(self, at: int, alarm: Alarm, *, over: bool) -> None:
-        """One line each."""
+        """Print the begin or the end of an alarm in one line."""
         self._paced(
             self._worse,
             f"{'over' if over else 'alarm'}: {alarm.text}",
@@ -111,7 +113,7 @@ class Words:
         )
 
     def result(self, command: Command, result: Result) -> None:
-        """How a command ended, with the reason in words."""
+        """Print how a command ended, with the reason in words."""
         if result.outcome in (Outcome.REJECTED, Outcome.NOT_EXECUTED):
             self._say(refused(CHANNELS[command], result.reason), fg="red")
             return
@@ -126,7 +128,7 @@ class Words:
         self._say(f"{text}{f'. {more}' if more else ''}", fg="green" if result.succeeded else "red")
 
     def answer(self, name: str, answer: Answer) -> None:
-        """Whether something without an end of its own was accepted."""
+        """Print whether a command without an end of its own was accepted."""
         if answer.accepted and name == SCENARIO:
             self._say(f"scenario: {answer.reason}", fg="green")
         elif answer.accepted:
@@ -136,26 +138,28 @@ class Words:
             self._say(said(name.lower(), answer.reason), fg="red")
 
     def status(self, description: Description, status: Status) -> None:
-        """All of a tool at once."""
+        """Print the complete status of a tool."""
         for line in status_lines(description, status):
             self._say(line, timed=False)
 
     def ending(self, text: str) -> None:
-        """What becomes of what is active."""
+        """Print what happens to active lines at the end."""
         self._say(text, urgent=True)
 
     def help(self, text: str) -> None:
-        """What can be typed."""
+        """Print the list of commands."""
         self._say(text, timed=False)
 
     def error(self, error: ReportedError) -> None:
-        """The sentence."""
+        """Print the error as a sentence."""
         self._say(error.sentence, err=True, timed=False)
 
     def _paced(
         self, allowance: Allowance, text: str, at: int, *, urgent: bool = False, fg: str | None = None
     ) -> None:
-        """What happens by itself, at a bounded rate: a reading that flickers floods no terminal."""
+        """Print an event that no command caused, at a bounded rate: a flickering reading must not flood the
+        terminal.
+        """
         left_out = allowance.use()
         if left_out:
             self._say(
@@ -194,37 +198,39 @@ class Words:
 
 
 class JsonLines:
-    """An object a line on stdout; ``event`` says what it is, ``at_s`` when: seconds since the start."""
+    """Prints one JSON object per line on stdout; ``event`` is its type, ``at_s`` its time in seconds since
+    the start.
+    """
 
     def __init__(self, begun: int | None = None, write: Callable[..., None] = click.echo) -> None:
         self._write, self._clock = write, _Clock(begun)
 
     def state(self, at: int, ee: str, actuators: dict[str, str]) -> None:
-        """The same labels."""
+        """Print the states with the same labels."""
         self._print("state", at, end_effector=ee, actuators=actuators)
 
     def transition(self, entry: Mapping[str, Any]) -> None:
-        """What the automata did, and why: an entry of `Causes`."""
+        """Print a step of the automata with its cause: an entry of `Causes`."""
         told = {name: value for name, value in entry.items() if name != "at"}
         self._print("transition", entry["at"], **told)
 
     def event(self, at: int, text: str) -> None:
-        """The same words."""
+        """Print an event with the same words as for people."""
         self._print("log", at, text=text)
 
     def alarm(self, at: int, alarm: Alarm, *, over: bool) -> None:
-        """``over``: it has ended."""
+        """Print an alarm; ``over``: whether it has ended."""
         self._print("alarm", at, **alarm.as_json() | {"over": over})
 
     def result(self, command: Command, result: Result) -> None:
-        """With the attempts and the time of each step."""
+        """Print how a command ended, with the attempts and the time of each step."""
         self._print(
             "result", None, command=command.name, succeeded=result.succeeded, outcome=result.outcome.name,
             reason=result.reason, seconds=result.seconds, steps=[asdict(step) for step in result.steps],
         )  # fmt: skip
 
     def answer(self, name: str, answer: Answer) -> None:
-        """As a result without steps."""
+        """Print the answer as a result without steps."""
         refused = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
         outcome = (Outcome.SUCCEEDED if answer.accepted else refused).name
         self._print(
@@ -233,7 +239,7 @@ class JsonLines:
         )  # fmt: skip
 
     def status(self, description: Description, status: Status) -> None:
-        """Numbers of Table II, and the word of each beside it."""
+        """Print the status with the numbers of Table II and their names."""
         actuators = {
             name: {
                 "state": int(state), "state_name": kind_of(part).states(state).label,
@@ -253,15 +259,15 @@ class JsonLines:
         )  # fmt: skip
 
     def ending(self, text: str) -> None:
-        """What becomes of what is active."""
+        """Print what happens to active lines at the end."""
         self._print("ending", None, text=text)
 
     def help(self, text: str) -> None:
-        """What can be typed."""
+        """Print the list of commands."""
         self._print("help", None, text=text)
 
     def error(self, error: ReportedError) -> None:
-        """Its faults as everywhere."""
+        """Print the faults of the error in the common form."""
         self._print("error", None, faults=[fault.as_json() for fault in error.diagnostics])
 
     def _print(self, event: str, at: int | None, **content: Any) -> None:
@@ -275,7 +281,7 @@ Voice = Words | JsonLines
 
 
 def status_lines(description: Description, status: Status) -> Iterator[str]:
-    """A tool at a glance."""
+    """Yield the lines that show the status of a tool."""
     doing = f", executing {status.command.name}" if status.command != Command.NONE else ""
     lost = ", as last known" if status.arbiter_lost else ""
     unproven = status.cause is Cause.UNPROVEN_AT_START or status.ee is EndEffectorState.OFF
@@ -306,12 +312,13 @@ def status_lines(description: Description, status: Status) -> Iterator[str]:
 
 
 class Changes:
-    """Tells each transition, each change of an actuator and each new alarm once.
+    """Reports each transition, each change of an actuator and each new alarm once.
 
     Args:
-        description: the tool.
-        voice: tells them.
-        causes: what the automata did before each of them, for programs that read the lines; None: it is not told.
+        description: the description of the tool.
+        voice: prints the reports.
+        causes: the steps of the automata that led to each change, for programs that read the lines; None: they are not
+            printed.
     """
 
     def __init__(self, description: Description, voice: Voice, causes: Causes | None = None) -> None:
@@ -323,7 +330,7 @@ class Changes:
         self._told = threading.Condition()
 
     def status(self, status: Status) -> None:
-        """One more."""
+        """Report the changes in a new status."""
         if self._causes is not None and isinstance(self._voice, JsonLines):
             for entry in self._causes.new():
                 self._voice.transition(entry)
@@ -346,15 +353,15 @@ class Changes:
             self._told.notify_all()
 
     def catch_up(self, status: Status) -> None:
-        """Wait until a status is told, for a second at most: a result comes after its states.
+        """Wait until a status has been reported, for a second at most, so that a result is printed after its states.
 
-        Several statuses of one reaction have the same time, and the two programs tell in turn: the time alone does
-        not say which of them was told.
+        Several statuses of one reaction have the same time, and the two programs report in turn: the time alone does
+        not identify the reported status.
         """
         with self._told:
             self._told.wait_for(lambda: self._at >= status.at and self._shown == _shown(status), CAUGHT_UP_S)
 
 
 def _shown(status: Status) -> tuple[object, ...]:
-    """What `Changes` tells of a status, without its alarms."""
+    """Return the parts of a status that `Changes` reports, without its alarms."""
     return status.ee, status.actuators, status.changer

@@ -1,7 +1,7 @@
-"""A recording as the page shows it: its records are folded by the view of the live page into one JSON document.
+"""Convert a recording into one JSON document, with the same view code as the live page.
 
-The document has what is shown at every moment, so the browser scrubs it without asking anybody; `eehal page` serves it
-and `eehal report` writes it into a file.
+The document has the view of every moment, so that the browser can scrub without a server; `eehal page` serves it and
+`eehal report` writes it into a file.
 """
 
 from ._compared import ComparedRecording

@@ -1,7 +1,7 @@
-"""What the live page asks of recordings, in a process of its own: a large one must not hold the live page up.
+"""Answers requests of the live page about recordings, in a separate process so that a large one cannot block the page.
 
-``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout, how far it is on
-stderr; exit code 2 with a sentence on stderr where there is nothing to show.
+``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout, progress on stderr;
+exit code 2 with an error message on stderr if nothing can be shown.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ._tables import STATES, RecordedTables
 
 
 def answer(word: str, folder: Path, id_: str = "", description: str = "") -> bytes:
-    """What is printed; raises ReportedError."""
+    """Return the JSON to print; raises ReportedError."""
     if word == "list":
         return to_json(list_recordings(folder))
     path = recording_folders(folder).get(id_)
@@ -31,7 +31,7 @@ def answer(word: str, folder: Path, id_: str = "", description: str = "") -> byt
         raise UsageError("There is no such recording.")
     with os.scandir(path) as entries:
         if any(entry.is_symlink() for entry in entries):
-            raise UsageError("There are links in it, which are not followed.")
+            raise UsageError("The recording contains symbolic links, which are not followed.")
     files: RecordingFiles | RecordedTables
     if any(path.glob("*.mcap")) or not (path / STATES).exists():
         files = RecordingFiles(path)
@@ -53,7 +53,7 @@ def _main() -> int:
         sys.stderr.write(f"{error}\n")
         return 2
     except MemoryError:
-        sys.stderr.write("It is too large to be shown.\n")
+        sys.stderr.write("The recording is too large to be shown.\n")
         return 2
     sys.stdout.buffer.write(found)
     return 0

@@ -1,4 +1,4 @@
-"""What of a recording is compared with another one: its tables, made of the same records as its document."""
+"""The data of a recording that are compared with another: tables made of the same records as its document."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ._samples import Samples
 
 DECIMALS = 2
 SCALE = 100.0
-"""In the unit of the channel: between two samples, what moves by a hundredth of this is kept as a spike."""
+"""Scale in the channel's unit; a move of a hundredth of it between two samples is kept as a spike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,11 @@ class ComparedRecording:
     """One of two recordings that are compared.
 
     Attributes:
-        name: of the recording.
-        tables: seconds since its beginning; they may hold no row.
-        since_s, until_s: the part of it that is shown.
-        step_s: so far apart its pressures are.
-        whole: all of it could be read.
+        name: name of the recording.
+        tables: its tables, in seconds since its beginning; they may be empty.
+        since_s, until_s: bounds of the part that is shown.
+        step_s: time between two pressure samples.
+        whole: whether the whole recording could be read.
     """
 
     name: str
@@ -55,8 +55,8 @@ class TablesBuilder:
     Args:
         description: the tool.
         epoch: time zero, µs.
-        since: from when on pressures are kept, µs.
-        step_us: so far apart.
+        since: time from which pressures are kept, µs.
+        step_us: time between two pressure samples, µs.
     """
 
     def __init__(self, description: Description, epoch: int, since: int, step_us: int) -> None:
@@ -73,7 +73,7 @@ class TablesBuilder:
         self._changer: list[ChangerRow] = []
 
     def status(self, status: Status) -> None:
-        """A status of the whole tool."""
+        """Add a status of the whole tool."""
         at_s = (status.at - self._epoch) / 1e6
         self._alarms += changed_alarms(at_s, self._standing, status.alarms)
         self._standing = status.alarms
@@ -81,7 +81,7 @@ class TablesBuilder:
             self._changer.append(ChangerRow(at_s, status.changer))
 
     def frame(self, at: int, values: Mapping[str, Any]) -> None:
-        """One frame of the sensors."""
+        """Add one frame of the sensors."""
         self._values |= {name: (at, values[name]) for name in self._channels if name in values}
         if at < self._since or not self._values:
             return
@@ -92,7 +92,7 @@ class TablesBuilder:
         self._samples.take(row)
 
     def tables(self, states: StatesLog, info: RunInfo) -> RunTables:
-        """All of them, when every record was given."""
+        """Return all tables; call it after the last record."""
         self._samples.flush()
         times, *columns = self._samples.columns
         recorded = {

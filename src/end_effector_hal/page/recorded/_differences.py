@@ -1,4 +1,4 @@
-"""What differs between the two recordings of a page, as `eehal compare` says it, and where each difference leads to."""
+"""The differences between the two recordings of a page, as `eehal compare` reports them, with their times."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from end_effector_hal.vocabulary import display_name, printable
 from ._compared import ComparedRecording
 
 MOST_DIFFERENCES = 200
-"""So many are listed."""
+"""Largest number of differences that are listed."""
 LONGEST = 300
-"""Letters of one text."""
+"""Largest number of characters of one text."""
 
 
 def compare_recordings(first: ComparedRecording, second: ComparedRecording) -> dict[str, Any]:
-    """The differences as JSON, ``{said, rows, more}``; nothing in a recording can make this fail.
+    """Return the differences as JSON, ``{said, rows, more}``; no content of a recording makes this fail.
 
-    ``said`` is how many there are, or why nothing is compared; ``rows`` are the first `MOST_DIFFERENCES`: ``first_s``,
-    ``second_s`` (seconds since the beginning of each; None: it is not in that one), ``lane`` and ``what`` in words, and
-    ``shift_s``: by how much the second recording is moved so that this moment of both is at one place (None: the
-    difference has no time). ``more`` is a sentence on those that are not listed, or empty.
+    ``said`` is the number of differences, or the reason why nothing is compared. ``rows`` are the first
+    `MOST_DIFFERENCES`: ``first_s`` and ``second_s`` (seconds since the beginning of each recording; None: absent from
+    that recording), ``lane`` and ``what`` in words, and ``shift_s``: the time by which the second recording is shifted
+    to align this moment in both (None: the difference has no time). ``more`` is a sentence about the differences that
+    are not listed, or empty.
     """
     for each in (first, second):
         if not each.tables.log.rows:
@@ -48,10 +49,9 @@ def compare_recordings(first: ComparedRecording, second: ComparedRecording) -> d
 
 
 class _Places:
-    """Where the second recording stands beside the first one, moment by moment.
+    """Computes how far the second recording is shifted against the first at each difference.
 
-    A difference that is in one of them only is seen beside what the other one did then: the second one is moved as at
-    the last difference before it that is in both.
+    A difference that is in only one recording uses the shift of the last difference before it that is in both.
     """
 
     def __init__(self, found: Sequence[RunDifference], start_s: float) -> None:
@@ -75,7 +75,7 @@ class _Places:
 
 
 def _is_shown(each: RunDifference, first: ComparedRecording, second: ComparedRecording) -> bool:
-    """What has no time is; else the page can go there."""
+    """Return whether a difference has no time, or a time in the part of a recording that the page shows."""
     times = [(at, run) for at, run in ((each.first_s, first), (each.second_s, second)) if at is not None]
     return not times or any(run.since_s <= at <= run.until_s for at, run in times)
 
@@ -104,4 +104,4 @@ def _said(found: Sequence[RunDifference], within: Tolerances, parts: Sequence[st
 
 
 def _refused(why: str) -> dict[str, Any]:
-    return {"said": printable(f"They cannot be compared. {why}"), "rows": [], "more": ""}
+    return {"said": printable(f"The recordings cannot be compared. {why}"), "rows": [], "more": ""}

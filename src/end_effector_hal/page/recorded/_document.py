@@ -131,7 +131,7 @@ class _Fold:
         ):
             at_s = (self._tracks.times[-1] - self._epoch) / 1e6 if self._tracks.times else 0
             self._ended = (
-                f"More happens than a page can show: it ends at {at_s:.1f} s; see --from {at_s:.0f}."
+                f"Too many events for one page: it ends at {at_s:.1f} s; continue with --from {at_s:.0f}."
             )
         return bool(self._ended)
 
@@ -143,7 +143,7 @@ class _Fold:
             self._lost.discard(program)
             self._begin(program, record)
         elif kind == "unreadable":
-            self._lose(program, at, "It cannot be read any further.")
+            self._lose(program, at, "The rest of the recording cannot be read.")
         if program in self._lost or record is None:
             return kind == "unreadable"
         if kind == TOLD:

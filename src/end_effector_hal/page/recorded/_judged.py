@@ -1,4 +1,4 @@
-"""What the replay and the monitor say of a recording, in words for the page."""
+"""The results of replay and monitor for a recording, in words for the page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST_OBJECTIONS = 20
 
 
 def judge_recording(files: RecordingFiles | RecordedTables) -> dict[str, Any]:
-    """Replay every trace and judge it by its network: whether all is well (None: nobody can say), and why."""
+    """Replay every trace and check it against its network; return whether all is well (None: unknown), and why."""
     if isinstance(files, RecordedTables):
         return {"ok": None, "text": "Replay and monitor: there is no trace to judge.", "traces": []}
     rows: list[dict[str, Any]] = []

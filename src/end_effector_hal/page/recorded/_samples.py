@@ -1,4 +1,4 @@
-"""Measured values over a long time in a bounded number of samples; a spike is not lost."""
+"""Measured values over a long time in a bounded number of samples that preserve spikes."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 from end_effector_hal.page.view import Curve
 
 SPIKE = 0.01
-"""Of the scale; what moves by less within one step is drawn as one sample."""
+"""Share of the scale; a smaller move within one step is drawn as one sample."""
 
 
 class Samples:
-    """One row a step: the newest; and where a value moved on the way, its least and its largest before that.
+    """Keeps the newest row of each step; if a value moved within the step, also its minimum and its maximum.
 
     Args:
-        curves: what is drawn.
+        curves: the curves that are drawn.
         epoch: time zero, µs.
         step_us: length of a step.
     """
@@ -27,10 +27,10 @@ class Samples:
         self._begun: int | None = None
         self._rows: list[list[Any]] = []
         self.columns: list[list[Any]] = [[] for _ in range(1 + len(curves))]
-        """ms since time zero, then the value of each curve; None: no valid reading."""
+        """Times in ms since time zero, then the values of each curve; None: no valid reading."""
 
     def take(self, row: list[Any]) -> None:
-        """A row of the timeline: µs, then values."""
+        """Add a row of the timeline: a time in µs, then values."""
         if self._begun is None:
             self._begun = row[0]
         elif row[0] - self._begun >= self._step_us:
@@ -39,7 +39,7 @@ class Samples:
         self._rows.append(row)
 
     def flush(self) -> None:
-        """Write what belongs to the step that is over."""
+        """Write the samples of the step that has ended."""
         rows, self._rows = self._rows, []
         if not rows:
             return

@@ -1,4 +1,4 @@
-"""Views at many moments, kept as what changed: one track for each thing that is shown."""
+"""Views at many moments, stored as changes: one track for each value that is shown."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _ABSENT = object()
 
 
 class Tracks:
-    """Each track has the numbers of the moments at which its value changed, and the values."""
+    """Stores, for each track, the numbers of the moments at which its value changed, and the new values."""
 
     def __init__(self) -> None:
         self.times: list[int] = []
@@ -18,7 +18,7 @@ class Tracks:
         self.changes = 0
 
     def note(self, at: int, view: dict[str, Any]) -> None:
-        """What is shown from ``at`` µs on."""
+        """Add the view that is valid from ``at`` µs on."""
         number, leaves = len(self.times), dict(_leaves(view))
         self.times.append(at)
         for path in self._last.keys() - leaves.keys():
@@ -32,12 +32,12 @@ class Tracks:
                 self.changes += 1
 
     def as_json(self) -> dict[str, Any]:
-        """By path: ``[numbers, values]``; a number is the difference to the one before it."""
+        """Return ``[numbers, values]`` by path; a number is the difference from the one before it."""
         return {path: [_differences(numbers), values] for path, (numbers, values) in self._tracks.items()}
 
 
 def _leaves(view: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """``state.word``, ``cards.0.values``, ``interlocks.3``, ``automata.Gripper``."""
+    """Yield paths and values: ``state.word``, ``cards.0.values``, ``interlocks.3``, ``automata.Gripper``."""
     state, cards = view["state"], view["cards"]
     yield "state", state is not None
     for name, value in (state or {}).items():

@@ -1,4 +1,4 @@
-"""What is shown: records in, JSON out; sans-IO."""
+"""The view model of the page: it converts records to JSON and does no I/O."""
 
 from ._cards import Cards
 from ._curves import Curve

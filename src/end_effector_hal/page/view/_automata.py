@@ -1,4 +1,4 @@
-"""The executed automata as they stand in their file, and where they are: locations, the last edge, clocks."""
+"""The executed automata as drawn in their file, and their present locations, last edges and clocks."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _SPACING = 220
 
 
 class AutomataView:
-    """Drawn once; lit by what the controllers are in.
+    """The drawing of the automata, and the present locations to highlight in it.
 
     Args:
-        network: its document has the coordinates.
-        description: names the executed processes.
+        network: the automata; its document has the coordinates.
+        description: the tool, which names the executed processes.
     """
 
     def __init__(self, network: Network, description: Description) -> None:
@@ -53,7 +53,7 @@ class AutomataView:
         self._sequence = description.sequence
 
     def drawn(self) -> dict[str, Any]:
-        """Templates with their coordinates, and the processes that are made of them."""
+        """Return the templates with their coordinates, and their processes."""
         return {
             "templates": [
                 _template(name, each, self._spoken_of(name, each), self._needed_by(each))
@@ -70,13 +70,13 @@ class AutomataView:
         }
 
     def step(self, step: Step) -> None:
-        """Edges were taken."""
+        """Record the last edge of each process in a step."""
         for edge in step.edges:
             if (number := self._edges.get(in_file(edge.where))) is not None:
                 self._last[edge.process] = {"edge": number, "at": step.at}
 
     def now(self, controllers: Mapping[str, Controller | None]) -> dict[str, Any]:
-        """By process: its location, the last edge, since when its clocks run (µs), and their bounds (ms)."""
+        """Return by process: location, last edge, start times (µs) of its clocks, and their bounds (ms)."""
         snapshots = {name: each.locations() if each else None for name, each in controllers.items()}
         shown: dict[str, Any] = {}
         for process, program in self._processes:
@@ -91,7 +91,7 @@ class AutomataView:
         return shown
 
     def _spoken_of(self, name: str, template: Template) -> list[list[int]]:
-        """For each edge the numbers of the requirements that name one of its ends, or a variable that it writes."""
+        """Return by edge the numbers of requirements that name one of its ends or a variable that it writes."""
         places = {each.id: _name(each) for each in template.locations}
         texts = [str(each.query) for each in self._requirements]
         found = []
@@ -105,7 +105,7 @@ class AutomataView:
         return found
 
     def _needed_by(self, template: Template) -> list[dict[str, Any]]:
-        """For each edge how many edits of it were judged, and the numbers of the requirements that have noticed one."""
+        """Return by edge: how many edits were judged, and the numbers of the requirements that detected one."""
         numbers = {each: number for number, each in enumerate((*(r.id for r in self._requirements), *CHECKS))}
         found = [kept_record().of_edge(template, number) for number in range(len(template.edges))]
         return [
@@ -120,7 +120,7 @@ class AutomataView:
         return self._sequence[int(found[1])] if found and int(found[1]) < len(self._sequence) else ""
 
     def _clocks(self, template: str, process: str, snapshot: ExecutionSnapshot) -> list[dict[str, Any]]:
-        """The clocks that the invariant of its location bounds."""
+        """Return the clocks that the invariant of the process's location bounds."""
         location, zeros = snapshot.locations[process], snapshot.zeros
         drawn = next((each for each in self._templates[template].locations if _name(each) == location), None)
         text = drawn.labels["invariant"].text.content if drawn and "invariant" in drawn.labels else ""
@@ -135,7 +135,7 @@ class AutomataView:
         return clocks
 
     def _number(self, bound: str, process: str, variables: Mapping[str, int]) -> int | None:
-        """A sum of constants and numbers, such as ``T_CONFIRM[i] + D``; None: it is something else."""
+        """Return the value of a sum of constants and numbers, like ``T_CONFIRM[i] + D``; None for other texts."""
         total = 0
         for term in bound.split("+"):
             found = _TERM.fullmatch(term.strip())
@@ -212,7 +212,7 @@ def _labels(labels: list[Label], spot: tuple[int, int], dx: int, dy: int) -> lis
 
 
 def _spots(template: Template) -> dict[str, tuple[int, int]]:
-    """Where the locations are; those without coordinates stand in a row below."""
+    """Return the locations' coordinates; locations without coordinates are placed in a row below the others."""
     known = {each.id: (each.at.x, each.at.y) for each in template.locations if each.at}
     below = max((y for _, y in known.values()), default=0) + _SPACING
     missing = [each.id for each in template.locations if not each.at]

@@ -1,4 +1,4 @@
-"""A card for each actuator, in the order of a grip."""
+"""The cards of the actuators, in the order of a grip."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evide
 from ._curves import Curve, curves_of
 
 LEAKS_KPA_S = 0.02
-"""A vacuum that falls more slowly is shown as one without a leak."""
+"""Slowest fall of a vacuum that is shown as a leak, kPa/s."""
 
 
 class Cards:
-    """What of the cards never changes, and what they show now.
+    """The constant content of the cards, and their present values.
 
     Args:
         description: the tool.
@@ -33,13 +33,13 @@ class Cards:
 
     @property
     def curves(self) -> list[Curve]:
-        """What is measured of the actuators, in the order of a grip, each channel once."""
+        """The measured channels of the actuators, in the order of a grip, each channel once."""
         found = {curve.name: curve for curves in self._curves.values() for curve in curves}
         return list(found.values())
 
     @property
     def switches(self) -> dict[str, SwitchMeaning]:
-        """Channels of the bits of the actuators, in the order of a grip, with what each proves."""
+        """The bit channels of the actuators, in the order of a grip, with the meaning of each."""
         found: dict[str, SwitchMeaning] = {}
         for _, part in self._parts:
             for channel, meaning in switch_meanings(part).items():
@@ -48,7 +48,7 @@ class Cards:
         return found
 
     def drawn(self) -> list[dict[str, Any]]:
-        """What never changes."""
+        """Return the content that never changes."""
         return [self._drawn(name, part) for name, part in self._parts]
 
     def _drawn(self, name: str, part: Actuator) -> dict[str, Any]:
@@ -68,7 +68,7 @@ class Cards:
         return [name for name in kind_of(part).channel_names(part) if self._carried.get(name) is Kind.BIT]
 
     def now(self, status: Status, controller: Controller | None) -> list[dict[str, Any]]:
-        """What they show; instants are in µs, so that it stays the same until something happens."""
+        """Return the present values; times are instants in µs, so that nothing changes between two events."""
         return [self._now(index, status, controller) for index in range(len(self._parts))]
 
     def _now(self, index: int, status: Status, controller: Controller | None) -> dict[str, Any]:
@@ -118,11 +118,11 @@ class Cards:
 
     @property
     def decimals(self) -> list[list[int]]:
-        """Of the gauges of each card."""
+        """The decimals of the gauges of each card."""
         return [[curve.decimals for curve in curves] for curves in self._curves.values()]
 
     def values(self, name: str, readings: Mapping[str, Value]) -> list[float | None]:
-        """What the gauges of an actuator show."""
+        """Return the values of an actuator's gauges."""
         shown = ((curve, readings.get(curve.channel)) for curve in self._curves[name])
         return [None if value is None else curve.shown(value) for curve, value in shown]
 
@@ -147,7 +147,7 @@ class Cards:
         return hold
 
     def _timer(self, index: int, part: Actuator, status: Status) -> dict[str, Any] | None:
-        """What runs down on this card."""
+        """Return the timer that runs on this card; None if there is none."""
         if status.deadline is None:
             return None
         what, total = "", 0.0
@@ -161,14 +161,14 @@ class Cards:
         return {"what": what, "until": status.deadline, "of_s": total}
 
     def _releases(self, index: int, status: Status) -> bool:
-        """Whether the unwinding waits for this one: of those that are inactive and not gone yet, the newest."""
+        """Return whether the release waits for this actuator: the newest inactive one not yet confirmed gone."""
         order = [self._description.sequence.index(name) for name in self._description.releasing]
         waits = [i for i in order if is_releasing(status, i)]
         return bool(waits) and waits[-1] == index
 
 
 def is_releasing(status: Status, index: int) -> bool:
-    """Whether an actuator is deactivated, and its feedback is not gone yet, or it is being blown off."""
+    """Return whether an actuator is blowing off, or is deactivated and its evidence is not yet GONE."""
     if index in status.blowing:
         return True
     releasing = status.ee in (EndEffectorState.RELEASING, EndEffectorState.RELEASE_ERROR)

@@ -1,4 +1,4 @@
-"""What is measured of an actuator: a gauge on its card, with the marks of its thresholds, and a curve over time."""
+"""The measured values of an actuator: gauges on its card, with threshold marks, and curves over time."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ _MEASURED = (Kind.PRESSURE, Kind.QUANTITY)
 
 
 class Curve(NamedTuple):
-    """One channel.
+    """One measured channel.
 
     Attributes:
-        name: unique among the curves of a tool: that of the actuator, for its own pressure; else that of the channel.
-        channel: whose values they are.
-        label: for people.
-        unit: with what a pressure is counted from.
-        below: a pressure is shown as a positive number below ambient.
-        decimals: that are shown.
-        low: where its scale begins.
-        most: where its scale ends.
-        marks: its thresholds, each with its word.
-        own: it is the pressure of the actuator itself.
+        name: unique among the curves of a tool: the actuator's name for its own pressure, else the channel's name.
+        channel: the channel that has the values.
+        label: name shown to users.
+        unit: unit, with the reference of a pressure.
+        below: whether a pressure below ambient is shown as a positive number.
+        decimals: number of decimals shown.
+        low: lower end of the scale.
+        most: upper end of the scale.
+        marks: thresholds, each with its word.
+        own: whether this is the pressure of the actuator itself.
     """
 
     name: str
@@ -44,17 +44,17 @@ class Curve(NamedTuple):
     own: bool = False
 
     def shown(self, value: int) -> float:
-        """A value of the channel, in the unit."""
+        """Convert a value of the channel to the unit."""
         return (-value if self.below else value) / 1000
 
     def drawn(self) -> dict[str, Any]:
-        """What a page is told of it, once."""
+        """Return the constant properties, which are sent to a page once."""
         marks = [{"word": word.replace("_", " "), "at": at} for word, at in self.marks]
         return {**self._asdict(), "marks": marks}
 
 
 def curves_of(description: Description, carried: Mapping[str, Kind]) -> dict[str, tuple[Curve, ...]]:
-    """By actuator, in the order of a grip: its own pressure first, then what else its conditions look at."""
+    """Return curves by actuator, in grip order: its own pressure, then other channels of its conditions."""
     measures = measures_of(description)
     return {
         name: tuple(_curves(description, name, part, carried, measures)) for name, part in description.ordered

@@ -1,4 +1,4 @@
-"""What a testbench says: that it is there, what is wrong, and what could be."""
+"""The testbench as the page shows it: its presence, the active faults, and the available faults."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from end_effector_hal.recording import content_hash
 from ._log import EventLog
 
 SILENT_US = 1_000_000
-"""With the period of the page: nothing counts as present after 1.2 s."""
+"""Time after which a testbench counts as silent, µs; with the page's period, the page shows it within 1.2 s."""
 
 
 class FaultsView:
-    """Sans-IO; times in µs. Without a testbench it says nothing.
+    """The state of a testbench; does no I/O, times in µs. Without a testbench it shows nothing.
 
     Args:
         description: the tool; the testbench must simulate the same one.
-        log: gets what changes.
+        log: receives changes.
 
     Attributes:
-        there: a testbench is at the other end.
-        version: of what it offers, counted.
+        there: whether a testbench is connected.
+        version: counter that is increased when the offered faults change.
     """
 
     def __init__(self, description: Description, log: EventLog) -> None:
@@ -37,7 +37,7 @@ class FaultsView:
         self._heard_at = 0
 
     def begin(self, header: TestbenchHeader, now: int) -> None:
-        """A testbench introduces itself; raises ReportedError if it simulates another tool."""
+        """Process the header of a testbench; raises ReportedError if it simulates another tool."""
         if header.hash != self._hash:
             what = f"The testbench simulates another description ({header.tool}, {header.hash})"
             todo = "Start the testbench, or the page, with the description of the other."
@@ -47,14 +47,14 @@ class FaultsView:
         self._log.add(now, "page", "A testbench is at the other end of the wires: nothing real moves.")
 
     def scenario(self, text: str, now: int) -> None:
-        """What is wrong now, which is a sign of life as well."""
+        """Set the active faults; this message is also a sign of life."""
         self.there, self._heard_at = bool(self._faults), now
         if text != self._scenario:
             self._scenario = text
             self._log.add(now, "page", f"The testbench plays: {text}.")
 
     def lose(self, why: str, now: int) -> None:
-        """It is gone, or there is none (``why`` is empty)."""
+        """Mark the testbench as gone, or as absent (``why`` is empty)."""
         if self.there or (why and why != self._why):
             self._log.add(now, "page", why or "The testbench has gone.")
         self.there, self._why, self._faults = False, why, ()
@@ -66,7 +66,7 @@ class FaultsView:
         return found
 
     def now(self, at: int) -> dict[str, Any] | None:
-        """What is shown live; None: there is no testbench."""
+        """Return the live view; None if there is no testbench."""
         if not self.there:
             return None
         return {"scenario": self._scenario, "silent": at - self._heard_at > SILENT_US}

@@ -1,4 +1,4 @@
-"""The interlocks of the contract, IL-01 to IL-13: what each says now, and why."""
+"""The state of the contract's interlocks, IL-01 to IL-13, and the reason of each."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _OF_GRIP, _OF_CHANGE = ("IL-05", "IL-06", "IL-07"), ("IL-01", "IL-02")
 
 
 class InterlockTable:
-    """What the description says of each, and what the programs say now."""
+    """Combines the description's setting of each interlock with the present state of the programs."""
 
     def __init__(self, description: Description) -> None:
         self._description = description
@@ -49,7 +49,7 @@ class InterlockTable:
     def now(
         self, status: Status | None, grip: Controller | None, change: Controller | None
     ) -> list[dict[str, str]]:
-        """All of them, in their order."""
+        """Return the rows of all interlocks, in order."""
         said: dict[str, str] = {}
         unknown = set(RULES) if status is None else set()
         if grip is not None:
@@ -68,7 +68,7 @@ class InterlockTable:
         return [self._row(name, said, gripping=gripping, known=name not in unknown) for name in RULES]
 
     def e_stop(self, status: Status, change: Controller | None) -> dict[str, str] | None:
-        """The e-stop in a word and a sentence; None: there is no input for it, and no stop is latched."""
+        """Return the e-stop's state and a sentence; None if it has no input and no stop is latched."""
         e_stop, latched = self._description.e_stop, bool(status.alarm(STOPPED, E_STOPPED))
         closed: object = e_stop is None
         if e_stop is None and not latched:

@@ -1,4 +1,4 @@
-"""One log of transitions, time-outs, commands, refusals and alarms; each with its cause."""
+"""A log of transitions, time-outs, commands, refusals and alarms, each with its cause."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from timed_automata import Document, Step, Template
 from ._place import in_file
 
 KEPT = 1_000
-"""Entries that are remembered."""
+"""Number of entries that are kept."""
 LONGEST = 600
-"""Letters of a guard."""
+"""Largest number of characters of a guard."""
 _INDEX = re.compile(r"(\w+)\[(\d+)\]")
 
 
 class EventLog:
-    """Entries as JSON: number, time, kind, text, and what stands behind it.
+    """A log of JSON entries: number, time, kind, text, and the details.
 
     Args:
         description: the tool.
@@ -51,17 +51,17 @@ class EventLog:
         self._readers: dict[str, EventReader] = {}
 
     def since(self, number: int) -> list[dict[str, Any]]:
-        """What came after the entry of that number, by time: each program is heard on a socket of its own."""
+        """Return the entries after this number, sorted by time because each program has its own socket."""
         new = min(len(self.entries), self._count - number)
         return sorted([self.entries[index] for index in range(-new, 0)], key=lambda entry: entry["at"])
 
     @property
     def newest(self) -> int:
-        """The number of the newest entry; 0: there is none."""
+        """Number of the newest entry; 0 if there is none."""
         return self._count
 
     def take(self, program: str, kind: str, record: Any, readings: Mapping[str, Any]) -> None:
-        """One record; ``readings``: what the sensors say then."""
+        """Process one record; ``readings`` are the sensor values at that time."""
         if kind == "step":
             self._step(program, record, readings)
         elif kind == "start":
@@ -100,13 +100,13 @@ class EventLog:
         detail: Mapping[str, Any] | None = None,
         alarm: Alarm | None = None,
     ) -> None:
-        """One entry; that of an alarm has its identity."""
+        """Add one entry; an alarm's entry has the alarm's identity."""
         self._count += 1
         entry = {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
         self.entries.append(entry | ({"id": alarm.id, "about": alarm.about} if alarm else {}))
 
     def told(self, at: int, changes: Sequence[tuple[str, int]]) -> None:
-        """Variables of the automata were changed, nobody knows by which edge."""
+        """Add changes of the automata's variables whose edges are unknown."""
         if words := self._words(changes):
             self.add(at, "transition", "; ".join(words))
 
@@ -148,7 +148,7 @@ class EventLog:
         return {"process": process, "source": source, "target": target, "number": number, **labels}
 
     def _words(self, changes: Sequence[tuple[str, int]]) -> list[str]:
-        """What changed, in the words of the tool."""
+        """Return the changes in the terms of the tool."""
         parts, said = self._description.ordered, []
         for name, value in changes:
             if name == "ee":

@@ -1,8 +1,8 @@
-"""Where an edge stands in the UPPAAL file, wherever that file stands itself."""
+"""The position of an edge within the UPPAAL file, independent of the file's path."""
 
 from __future__ import annotations
 
 
 def in_file(where: str) -> str:
-    """``line:column`` of ``file:line:column``: the program's file may have another path than the same one here."""
+    """Return ``line:column`` of ``file:line:column``: the file's path may differ on the program's machine."""
     return ":".join(where.rsplit(":", 2)[1:])

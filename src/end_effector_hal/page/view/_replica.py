@@ -1,4 +1,4 @@
-"""A program as the page sees it: a controller that gets the same inputs, and so stands where that one stands."""
+"""A copy of a program's controller, which receives the same inputs and so reaches the same state."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from timed_automata import Network
 
 
 class Replica:
-    """Follows one program by its records; it decides nothing, and asks the same automata what they would say.
+    """Follows one program by its records; it decides nothing and queries the same automata.
 
     Args:
         description: the tool.
         network: its automata.
         program: ``grip`` or ``tool_change``.
-        content: the hash of the description, as headers have it.
+        content: the hash of the description, as in headers.
 
     Attributes:
-        connected: whether its stream is there.
-        why: why nothing is shown of it, a sentence; empty: it is shown.
-        heard_at: µs of the last sign of life.
+        connected: whether its stream is connected.
+        why: why nothing is shown of it, a sentence; empty if it is shown.
+        heard_at: time of the last sign of life, µs.
     """
 
     def __init__(self, description: Description, network: Network, program: str, content: str) -> None:
@@ -40,14 +40,14 @@ class Replica:
 
     @property
     def status(self) -> Status | None:
-        """As the world gets it; None: nothing is known yet."""
+        """The published status; None before the first."""
         return self.published.status if self.published else None
 
     def take(self, kind: str, record: Any) -> None:
-        """One record.
+        """Process one record.
 
         Raises:
-            ReportedError: it does not fit what came before: a new state is needed.
+            ReportedError: the record does not fit the ones before it, and a new state is needed.
         """
         if kind == "header":
             self._begin(record)
@@ -63,11 +63,11 @@ class Replica:
             self.published = record
 
     def lose(self, why: str) -> None:
-        """The stream is gone."""
+        """Mark the stream as lost."""
         self.connected, self.why = False, why
 
     def refusal(self, word: str) -> str:
-        """Why the program would refuse a command now; empty: it would accept it."""
+        """Return why the program would refuse a command now; empty if it would accept it."""
         if not self.connected:
             return self.why
         if self.published is None or self.controller is None:

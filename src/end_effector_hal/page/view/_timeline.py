@@ -1,4 +1,4 @@
-"""What is drawn over time: measured values as samples, states as lanes."""
+"""The timeline: measured values as samples, and states as lanes."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from ._curves import Curve
 
 KEPT_US = 180_000_000
 FRESH_US = 1_000_000
-"""So long a value is drawn on while the frames of other links come."""
+"""Time for which a value is still drawn while frames of other links arrive."""
 MOST_SAMPLES = 20_000
 MOST_CHANGES = 4_000
 SWITCH = "switch "
-"""Before the channel, in the name of a lane: an actuator may have the same name."""
+"""Prefix of a channel in the name of a lane, since an actuator may have the same name."""
 
 
 class TimeLine:
-    """The last three minutes, and what came since somebody looked.
+    """The samples and changes of the last three minutes, and those since a given count.
 
     Args:
         description: the tool.
-        curves: of what is drawn.
-        switches: channels of bits, with what each proves.
+        curves: the curves that are drawn.
+        switches: channels of bits, with the meaning of each.
     """
 
     def __init__(
@@ -46,10 +46,10 @@ class TimeLine:
         self._last: dict[str, str] = {}
         self._values: dict[str, tuple[int, Any]] = {}
         self.sampled = self.changed = 0
-        """How many there were."""
+        """Counts of all samples and changes."""
 
     def frame(self, at: int, values: Mapping[str, Any]) -> None:
-        """One frame of the sensors."""
+        """Add one frame of the sensors."""
         row: list[Any] = [at]
         self._values |= {name: (at, value) for name, value in values.items()}
         for curve in self.curves:
@@ -64,7 +64,7 @@ class TimeLine:
             self._samples.popleft()
 
     def status(self, status: Status) -> None:
-        """One status of the tool."""
+        """Add one status of the tool."""
         words = {"": status.ee.label}
         for index, (name, part) in enumerate(self._parts):
             state = kind_of(part).states(status.actuators[index])
@@ -74,12 +74,12 @@ class TimeLine:
         self._note(status.at, words)
 
     def gap(self, at: int) -> None:
-        """Nothing is known from here on."""
+        """Mark all lanes as unknown from this time on."""
         if self._last:
             self._note(at, dict.fromkeys(self._last, ""))
 
     def since(self, sampled: int, changed: int) -> dict[str, Any]:
-        """Samples and changes beyond these numbers."""
+        """Return the samples and changes beyond these counts."""
         new = min(len(self._samples), self.sampled - sampled)
         fresh = min(len(self._changes), self.changed - changed)
         return {
@@ -89,7 +89,7 @@ class TimeLine:
 
     @property
     def lanes(self) -> list[dict[str, str]]:
-        """Their names, from top to bottom."""
+        """The names and labels of the lanes, from top to bottom."""
         own = [{"name": "", "label": "End-effector"}]
         own += [{"name": name, "label": display_name(name)} for name, _ in self._parts]
         own += [{"name": "tool changer", "label": "Tool changer"}] if self._changer else []

@@ -1,4 +1,4 @@
-"""The whole page as JSON, from the records of both programs."""
+"""The whole page as JSON, made from the records of both programs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ._timeline import TimeLine
 
 _ASKED = {Command.GRIP: "Grip", Command.RELEASE: "Drop", Command.LOCK: "Lock", Command.UNLOCK: "Unlock"}
 STALE_US = 1_200_000
-"""No news for so long: nothing that is shown counts as present."""
+"""Silence after which nothing that is shown counts as present."""
 _RATE_US = 2_000_000
 _VERDICT_US = 2_000_000
 _BUTTONS = ("grip", "drop", "cancel", "stop", "lock", "arm", "unlock", "reset")
@@ -36,15 +36,15 @@ _GOING = {
 
 
 class ToolView:
-    """Sans-IO: records and time in, views out; times in µs on the monotonic clock.
+    """Converts records and times to views without I/O; times in µs on the monotonic clock.
 
     Args:
         description: the tool; its programs must run the same one.
-        at: now.
-        content: the hash by which the programs' headers know the description; default: as it is now.
+        at: the present time.
+        content: the hash that the programs' headers give for the description; default: its present hash.
 
     Raises:
-        ModelError, UsageError: its automata, or what brings its channels, cannot be loaded.
+        ModelError, UsageError: its automata, or the sources of its channels, cannot be loaded.
     """
 
     def __init__(self, description: Description, at: int, content: str = "") -> None:
@@ -63,7 +63,7 @@ class ToolView:
         self._command: tuple[Command, int] = (Command.NONE, at)
         self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
         self._asked: tuple[Command, int] = (Command.NONE, at)
-        """What runs may change, from a grip that fails to the release of what it engaged: this one was asked for."""
+        """The command that was requested; the running one may change, such as from a failed grip to a release."""
         self._last: dict[str, Any] | None = None
         self._kept: Verdict | None = None
         self._verdict_due = at
@@ -72,17 +72,17 @@ class ToolView:
     # What comes.
 
     def take(self, program: str, kind: str, at: int, record: Any, now: int) -> None:
-        """One record of a program.
+        """Process one record of a program.
 
         Args:
-            program: whose.
-            kind: of the record.
-            at: when it happened.
+            program: the program's name.
+            kind: the kind of the record.
+            at: time of the event.
             record: the dataclass of its kind; None for ``alive``.
-            now: the present.
+            now: the present time.
 
         Raises:
-            ReportedError: it does not fit what came before: connect again.
+            ReportedError: the record does not fit the ones before it; connect again.
         """
         replica = self._replicas[program]
         replica.heard_at = now
@@ -102,7 +102,7 @@ class ToolView:
             self._follow(status)
 
     def lose(self, program: str, why: str, now: int) -> None:
-        """The stream of a program is gone."""
+        """Mark the stream of a program as lost."""
         self._replicas[program].lose(why)
         if self._heard[program]:
             self._heard[program] = False
@@ -112,7 +112,7 @@ class ToolView:
     # What is shown.
 
     def status(self) -> Status | None:
-        """Of the whole tool; None: nothing is known yet."""
+        """Return the status of the whole tool; None before the first."""
         grip, change = (self._replicas[name].status for name in PROGRAMS)
         if grip is None:
             return None
@@ -121,7 +121,7 @@ class ToolView:
         return tool_status(grip, change, max(grip.at, change.at))
 
     def refusal(self, word: str) -> str:
-        """Why a button would be refused by the HAL now; empty: it would be accepted."""
+        """Return why the HAL would refuse a button now; empty if it would accept it."""
         if word == "stop":
             return ""  # the line arbiter is asked, whatever the programs say
         if word == "reset":  # both programs and the line arbiter are asked; what is not latched needs none
@@ -133,12 +133,12 @@ class ToolView:
 
     @property
     def buttons(self) -> tuple[str, ...]:
-        """Those that this tool has."""
+        """The buttons of this tool."""
         fitted = self.description.tool_changer is not None
         return tuple(word for word in _BUTTONS if fitted or word not in _CHANGER_WORDS)
 
     def drawn(self) -> dict[str, Any]:
-        """What never changes."""
+        """Return the content that never changes."""
         tool = self.description
         return {
             "name": tool.name,
@@ -161,7 +161,7 @@ class ToolView:
         }
 
     def now(self, at: int) -> dict[str, Any]:
-        """What is shown live at ``at``."""
+        """Return the live view at ``at``."""
         return {
             "at": at,
             "news": self._news(at),
@@ -175,7 +175,7 @@ class ToolView:
         }
 
     def moment(self) -> dict[str, Any]:
-        """What the records say, live or recorded: the same until the next one, since instants are in µs, not ages."""
+        """Return the view of the records, live or recorded; constant between records, as it has instants, not ages."""
         status = self.status()
         grip, change = (self._replicas[name].controller for name in PROGRAMS)
         return {
@@ -186,13 +186,13 @@ class ToolView:
         }
 
     def _rates_hz(self, at: int) -> list[float]:
-        """Of each source, in the order in which they are drawn."""
+        """Return the frame rate of each source, in the order in which they are drawn."""
         window_us = max(_RATE_US // 4, min(_RATE_US, at - self.begun_at))
         counts = [sum(each > at - window_us for each in frames) for frames in self._frames]
         return [count / (window_us / 1e6) for count in counts]
 
     def _source_name(self, channels: frozenset[str], link: str | None) -> str:
-        """What a source is called where there are several."""
+        """Return the label of a source; empty if there is only one."""
         if len(self._sources) == 1:
             return ""
         declared = self.description.channels
@@ -254,7 +254,7 @@ class ToolView:
         }
 
     def _cancel_words(self, status: Status | None) -> str:
-        """What a cancel would do now."""
+        """Return what a cancel would do now, in words."""
         if refused := self.refusal("cancel"):
             return refused
         if status is not None and status.ee is EndEffectorState.GRIPPING:
@@ -267,7 +267,7 @@ class ToolView:
         return "Now: what runs is cancelled."
 
     def _stop_words(self, status: Status | None) -> str:
-        """What a stop would do now, or has done."""
+        """Return what a stop would do now or has done, in words."""
         if status is not None and status.alarm(STOPPED):
             return "Stopped: nothing is activated until the faults are reset. What is held stays held."
         return "Latched until a reset: nothing is activated, a running grip is cancelled, what is held stays held."

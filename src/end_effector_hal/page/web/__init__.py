@@ -1,4 +1,4 @@
-"""The page's server: who may see it, who commands, what goes out."""
+"""The page's server: access rules, control by one page, and the data sent to browsers."""
 
 from ._address import PageAddress
 from ._control import ControlLease

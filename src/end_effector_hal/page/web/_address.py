@@ -1,4 +1,4 @@
-"""Where the page is served, and the secret of its address."""
+"""The address of the page, and its secrets."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 
 @dataclass(frozen=True)
 class PageAddress:
-    """Host and port, the names by which a browser may ask for them, and the secrets of this start.
+    """Host and port, the names that a browser may use for them, and the secrets of this start.
 
     Attributes:
-        host: to listen on.
-        port: to listen on.
-        names: further names that a browser may use, beside the host (and those of loopback, if it is that).
-        token: in the printed address; it is exchanged for a cookie.
-        session: the cookie.
-        csrf: what a POST must carry beside the cookie.
+        host: host to listen on.
+        port: port to listen on.
+        names: further names that a browser may use, besides the host (and the loopback names, if the host is
+            loopback).
+        token: secret in the printed address; it is exchanged for a cookie.
+        session: value of the cookie.
+        csrf: secret that a POST must carry in addition to the cookie.
     """
 
     host: str
@@ -30,23 +31,23 @@ class PageAddress:
 
     @property
     def url(self) -> str:
-        """What is printed: it lets one in."""
+        """The printed address, which grants access by its token."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{self.names[0] if self.names else host}:{self.port}/?token={self.token}"
 
     @property
     def hosts(self) -> frozenset[str]:
-        """What may stand in ``Host``: another name would be somebody else's, rebound to this address."""
+        """The values allowed in ``Host``; any other name may be a foreign one, rebound to this address."""
         own = f"[{self.host}]" if ":" in self.host else self.host
         names = {own, *self.names, *(LOOPBACK if self.loopback else ())}
         return frozenset(f"{name}:{self.port}".lower() for name in names)
 
     @property
     def loopback(self) -> bool:
-        """Whether nobody on another machine can reach it."""
+        """Whether the page is unreachable from other machines."""
         return self.host in ("127.0.0.1", "localhost", "::1")
 
     @property
     def cookie(self) -> str:
-        """Its name: two pages of one machine differ by their ports."""
+        """Name of the cookie; it contains the port, since one machine may serve two pages."""
         return f"eehal-{self.port}"

@@ -164,7 +164,7 @@ class _Served(NamedTuple):
     async def events(self, request: Request) -> Response:
         page = request.query_params.get("page", "")
         if not _PAGE.fullmatch(page):
-            return PlainTextResponse("A page has a number of its own.\n", 400)
+            return PlainTextResponse("The parameter page must be 16 to 32 hexadecimal digits.\n", 400)
         try:
             visitor = self.hub.enter(page)
         except UsageError as error:

@@ -1,4 +1,4 @@
-"""One connection of a client of the page: who is silent, or does not read, keeps nobody else out."""
+"""One connection of a client; a client that is silent or does not read blocks no others."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 MOST_CONNECTIONS = 64
 LOOK_S = 1.0
 REQUEST_S = 10.0
-"""For a whole request."""
+"""Time limit for a whole request."""
 STALL_S = 30.0
-"""For a client that takes nothing of its answer; longer, for the kernel takes megabytes at once."""
+"""Time limit for a client that reads nothing of its answer; longer, since the kernel buffers megabytes at once."""
 
 
 class BoundedConnection(H11Protocol):
-    """The protocol of uvicorn, which has a time-out between two requests and none within one.
+    """Extends uvicorn's protocol, which has a time-out between two requests but none within a request.
 
-    Rule 1: A request that has not come whole in time, from the connection or from the answer before on, ends its
-        connection, whatever comes of it piece by piece.
-    Rule 2: A client that reads nothing for so long is dropped; one that reads slowly is not.
-    Rule 3: Where there are too many, the oldest connection without a request to be answered makes room.
+    Rule 1: A request must be complete in time, counted from the connection or from the answer before; otherwise its
+    connection is closed, even if it arrives piece by piece.
+    Rule 2: A client that reads nothing for that time is disconnected; a slow reader is not.
+    Rule 3: If there are too many connections, the oldest one without a request being answered is closed.
     """
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """A client comes."""
+        """Handle a new client."""
         super().connection_made(transport)
         self._begun = self._moved = self.loop.time()
         self._unsent = 0
@@ -33,17 +33,17 @@ class BoundedConnection(H11Protocol):
         self._make_room()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It has gone."""
+        """Handle the end of the connection."""
         self._timer.cancel()
         super().connection_lost(exc)
 
     def on_response_complete(self) -> None:
-        """The next request may come."""
+        """Prepare for the next request."""
         self._moved = self.loop.time()
         super().on_response_complete()
 
     def send_400_response(self, msg: str) -> None:
-        """What came is no request; in the middle of one its answer has begun, and nothing can be said any more."""
+        """Refuse malformed data; close the connection if an answer has already begun."""
         if self.cycle is None or self.cycle.response_complete:
             super().send_400_response(msg)
             return

@@ -1,4 +1,4 @@
-"""Faults by the page: choose, arm, go. Only the page that armed a scenario has it played, within 10 s and once."""
+"""Fault injection by the page: choose, arm, go. Only the page that armed can start, within 10 s and once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from end_effector_hal.faults import NOMINAL
 
 ARMED_US = 10_000_000
 FAULT_WORDS = ("arm", "go", "nominal")
-ARM_FIRST = "Arm it first: nothing is armed, or it is more than 10 s ago."
+ARM_FIRST = "Arm a scenario first: none is armed, or it was armed more than 10 s ago."
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class _Armed:
 
 
 class FaultCommands:
-    """Times in µs; who may command is decided before.
+    """Handles fault commands; times in µs. The caller checks that the page may command.
 
     Args:
-        ask: the testbench: ``check`` or ``choose`` with a scenario.
-        there: whether a testbench is there.
+        ask: sends ``check`` or ``choose`` with a scenario to the testbench.
+        there: returns whether a testbench is connected.
     """
 
     def __init__(self, ask: Callable[[str, str], Awaitable[Answer]], there: Callable[[], bool]) -> None:
@@ -35,13 +35,13 @@ class FaultCommands:
         self._armed: _Armed | None = None
 
     async def obey(self, word: str, page: str, name: str, scenario: str, now: Callable[[], int]) -> Answer:
-        """One of `FAULT_WORDS`.
+        """Execute one of `FAULT_WORDS`.
 
         Args:
-            word: of them.
-            page: who asks.
-            name: of this page, for the others.
-            scenario: what is armed, or what the page believes to be armed.
+            word: the word.
+            page: the page that asks.
+            name: the page's name, shown to the others.
+            scenario: the scenario to arm, or the one that the page assumes to be armed.
             now: the clock.
         """
         if not self._there():
@@ -64,7 +64,7 @@ class FaultCommands:
         return await self._ask("choose", scenario)
 
     def shown(self, at: int) -> dict[str, Any] | None:
-        """For every page; None: nothing is armed."""
+        """Return the armed scenario, as shown on every page; None if nothing is armed."""
         armed = self._now_armed(at)
         if armed is None:
             return None

@@ -1,4 +1,4 @@
-"""Who may ask for what: token, cookie, Host, Origin, CSRF. Sans-IO."""
+"""The access rules for requests: token, cookie, Host, Origin, CSRF; no I/O."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NOT_LET_IN = "Open the address that `eehal page` has printed: it has the token 
 
 @dataclass(frozen=True)
 class Asked:
-    """A request: its method, path, headers in lower case, the cookie of the page and the token, where they are."""
+    """A request: its method, path, headers in lower case, and, if present, the page's cookie and the token."""
 
     method: str
     path: str
@@ -24,32 +24,32 @@ class Asked:
 
 @dataclass(frozen=True)
 class Refusal:
-    """A request that is not served: the status of HTTP, and a sentence."""
+    """The HTTP status of a refused request, and a sentence."""
 
     status: int
     why: str
 
 
 class Guard:
-    """The rules, always all of them, since a POST moves valves.
+    """The access rules, all of which always apply, since a POST moves valves.
 
-    Rule 1: The Host is one of ours: a name of somebody else that leads to this address is refused.
+    Rule 1: The Host must be one of the page's own; a foreign name that resolves to this address is refused.
     Rule 2: A request with the token gets the cookie; every other request needs the cookie.
-    Rule 3: A request that another site has begun is refused, by Origin and by Sec-Fetch-Site.
-    Rule 4: A POST has an Origin, which is ours, and the CSRF token of the page in a header.
-    Rule 5: There is GET and POST, and nothing else.
+    Rule 3: A request that another site started is refused, by Origin and by Sec-Fetch-Site.
+    Rule 4: A POST needs the page's own Origin, and the page's CSRF token in a header.
+    Rule 5: Methods other than GET, HEAD and POST are refused.
     """
 
     def __init__(self, address: PageAddress) -> None:
         self._address = address
 
     def refuse(self, asked: Asked) -> Refusal | None:
-        """Why a request is not served; None: it is."""
+        """Return why a request is refused; None if it is served."""
         headers, host = asked.headers, asked.headers.get("host", "").lower()
         if host not in self._address.hosts:
             return Refusal(421, "This host name is not allowed. Restart with `eehal page --name HOSTNAME`.")
         if asked.method not in ("GET", "HEAD", "POST"):
-            return Refusal(405, "There is GET and POST.")
+            return Refusal(405, "Only GET and POST are allowed.")
         origin = headers.get("origin")
         if origin is not None and origin.lower() != f"http://{host}":
             return Refusal(403, "Another site has asked for this.")
@@ -62,13 +62,13 @@ class Guard:
         if not _same(asked.cookie, self._address.session):
             return Refusal(401, _NOT_LET_IN)
         if asked.method == "POST" and origin is None:
-            return Refusal(403, "A command has an Origin.")
+            return Refusal(403, "A command needs an Origin header.")
         if asked.method == "POST" and not _same(headers.get(CSRF_HEADER, ""), self._address.csrf):
-            return Refusal(403, "A command has the CSRF token of its page. Load the page again.")
+            return Refusal(403, "The command has no valid CSRF token. Reload the page.")
         return None
 
     def lets_in(self, asked: Asked) -> bool:
-        """Whether the request brings the token, for which it gets the cookie."""
+        """Return whether the request has the token, so that it gets the cookie."""
         return asked.method == "GET" and asked.path == "/" and _same(asked.token, self._address.token)
 
 

@@ -1,4 +1,4 @@
-"""Those who look at the page: each gets what is new for it; one who does not keep up is dropped, and comes again."""
+"""The open pages: each receives its news; a page that reads too slowly is disconnected and reconnects."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from ._faults import FaultCommands
 MOST_PAGES = 12
 PERIOD_S = 0.1
 MOST_WAITING = 20
-"""Messages for one page: two seconds."""
+"""Largest number of queued messages for one page: two seconds."""
 
 
 @dataclass(eq=False)
 class Visitor:
-    """One open page; what it has got so far.
+    """One open page, with the counts of what it has received.
 
     Attributes:
-        id: chosen by the page, at random.
-        name: for the others.
+        id: random id chosen by the page.
+        name: name shown to the others.
     """
 
     id: str
@@ -41,13 +41,13 @@ class Visitor:
 
 
 class Hub:
-    """Makes the view ten times a second, once for all.
+    """Computes the view ten times a second, once for all pages.
 
     Args:
-        view: what is shown of the tool.
-        control: which page commands.
-        faults: what is shown of a testbench.
-        fault_commands: what is armed.
+        view: the view of the tool.
+        control: the lease of the page that commands.
+        faults: the view of a testbench.
+        fault_commands: holds the armed scenario.
     """
 
     def __init__(
@@ -58,19 +58,19 @@ class Hub:
         self._numbers: dict[str, int] = {}
 
     def name_of(self, page: str) -> str:
-        """``page 2``: the same for one page as long as this process runs."""
+        """Return ``Page 2``: a page's name, constant while this process runs."""
         if len(self._numbers) > 1000:
             self._numbers.clear()
         return f"Page {self._numbers.setdefault(page, len(self._numbers) + 1)}"
 
     async def run(self) -> None:
-        """Send until it is cancelled."""
+        """Send views until cancelled."""
         while True:
             self._send(now_us())
             await asyncio.sleep(PERIOD_S)
 
     def enter(self, page: str) -> Visitor:
-        """One more; raises UsageError when there are too many."""
+        """Add a page; raises UsageError if there are too many."""
         if len(self._visitors) >= MOST_PAGES:
             raise UsageError(f"{MOST_PAGES} pages are open already.", todo="Close one.")
         visitor = Visitor(page, self.name_of(page))
@@ -78,7 +78,7 @@ class Hub:
         return visitor
 
     async def events(self, visitor: Visitor) -> AsyncIterator[bytes]:
-        """What one page gets, as server-sent events."""
+        """Yield the messages for one page, as server-sent events."""
         try:
             yield _event("drawn", {**self._view.drawn(), "page": visitor.id, "page_name": visitor.name})
             while (message := await visitor.waiting.get()) is not None:
@@ -87,7 +87,7 @@ class Hub:
             self._leave(visitor)
 
     def close(self) -> None:
-        """Nobody gets anything more."""
+        """Disconnect all pages."""
         for visitor in list(self._visitors):
             self._leave(visitor)
 

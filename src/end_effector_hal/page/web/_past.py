@@ -1,4 +1,4 @@
-"""The recordings of a folder, for the live page: listed and read each by a process of its own."""
+"""The recordings of a folder, for the live page; separate processes list and read them."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from end_effector_hal.page.recorded import PROGRESS
 from ._second_rank import MOST_CPU_S, bound, step_back
 
 LIST_S, READ_S = 60.0, 1800.0
-"""By the clock: for a file that hangs. What is only slow ends by its share of a processor."""
+"""Elapsed-time limits, seconds, for a file that hangs; a slow reader is ended by its processor-time limit."""
 _ID = re.compile(r"[0-9a-f]{24}")
 _MODULE = "end_effector_hal.page.recorded"
 _PIECE = 65_536
 _MOST = 8
-"""So many requests wait for that process; a further one is refused."""
+"""Largest number of requests in progress; a further one is refused."""
 
 
 class PastRecordings:
-    """What was recorded before.
+    """Lists and reads earlier recordings.
 
     Args:
-        folder: where the tool records.
-        description: of the tool, for recordings without a trace.
+        folder: the folder into which the tool records.
+        description: description of the tool, for recordings without a trace.
     """
 
     def __init__(self, folder: Path, description: Path) -> None:
@@ -41,11 +41,11 @@ class PastRecordings:
         self._progress: dict[tuple[str, ...], float] = {}
 
     async def listing(self) -> bytes:
-        """The list as JSON; raises UsageError."""
+        """Return the list as JSON; raises UsageError."""
         return await self._ask(self._to_list, LIST_S, "list", str(self._folder))
 
     def reading(self, id_: str, *, verdict: bool) -> asyncio.Task[bytes] | None:
-        """The task that reads or judges a recording; it raises UsageError. None: that is no id."""
+        """Return the task that reads or judges a recording and may raise UsageError; None: malformed id."""
         if not _ID.fullmatch(id_):
             return None
         key = (id_, "judge" if verdict else "show")
@@ -59,18 +59,18 @@ class PastRecordings:
         return task
 
     def progress(self, id_: str, *, verdict: bool) -> float | None:
-        """The share that is read, 0 to 1; None: not known."""
+        """Return the share that is read, 0 to 1; None if unknown."""
         return self._progress.get(
             ("judge" if verdict else "show", str(self._folder), id_, str(self._description))
         )
 
     def forget(self, id_: str) -> None:
-        """Somebody opens it: what was read before may have grown."""
+        """Discard the finished results for a recording that is opened, since it may have grown."""
         for key in [each for each in self._tasks if each[0] == id_ and self._tasks[each].done()]:
             del self._tasks[key]
 
     def close(self) -> None:
-        """End what is being read."""
+        """Cancel all reading."""
         for task in self._tasks.values():
             task.cancel()
         for child in self._children:
@@ -106,7 +106,7 @@ class PastRecordings:
         try:
             out, said = await asyncio.wait_for(self._heard(child, words), most_s)
         except TimeoutError:
-            raise UsageError(f"It was not read within {most_s:g} s.") from None
+            raise UsageError(f"The recording was not read within {most_s:g} s.") from None
         finally:
             if child.returncode is None:
                 with suppress(ProcessLookupError):
@@ -115,14 +115,16 @@ class PastRecordings:
             self._children.discard(child)
             self._progress.pop(words, None)
         if child.returncode == -signal.SIGXCPU:
-            raise UsageError(f"It was not read within {MOST_CPU_S} s of a processor.")
+            raise UsageError(f"The recording was not read within {MOST_CPU_S} s of processor time.")
         if child.returncode:
             known = child.returncode == 2 and said
-            raise UsageError(said if known else "It cannot be read: the process that reads it has ended.")
+            raise UsageError(
+                said if known else "The recording cannot be read: the process that reads it has ended."
+            )
         return out
 
     async def _heard(self, child: asyncio.subprocess.Process, words: tuple[str, ...]) -> tuple[bytes, str]:
-        """What it prints, and the last line on stderr that is no progress."""
+        """Return the process's output, and its last line on stderr that is not progress."""
         assert child.stdout is not None
         assert child.stderr is not None
         printed = asyncio.ensure_future(child.stdout.read())

@@ -1,4 +1,4 @@
-"""Who reads recordings stands behind a tool that runs on the same machine."""
+"""Limits for processes that read recordings, so that a tool on the same machine has priority."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from contextlib import suppress
 from pathlib import Path
 
 _NICE = 10
-"""A tenth of the processor beside one who wants it all: no tool is late, and a recording is read on a busy machine."""
+"""Niceness: a tenth of the processor beside a busy process, so no tool is late and reading still advances."""
 MOST_CPU_S = 180
-"""Of a processor, whatever others do: half an hour of a tool takes 20 s."""
+"""Processor time limit, independent of other load; half an hour of a tool needs 20 s."""
 _MOST_BYTES = 4 << 30
-"""Of address space: half an hour of a tool at 50 Hz takes a quarter."""
+"""Address space limit, bytes; half an hour of a tool at 50 Hz needs a quarter of it."""
 
 
 def step_back(pid: int, *, session: bool = False) -> None:
-    """A process whose threads are still to come gets what the others leave of the processor.
+    """Lower the priority of a process that has not started its threads yet.
 
     Args:
-        pid: of the process.
-        session: whether it leads a session of its own: Linux may share the processor between sessions first
-            (autogroup), and within them by niceness.
+        pid: id of the process.
+        session: whether it leads its own session: Linux may share the processor between sessions first (autogroup),
+            and within them by niceness.
     """
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, pid, max(_NICE, os.getpriority(os.PRIO_PROCESS, pid)))
@@ -31,7 +31,7 @@ def step_back(pid: int, *, session: bool = False) -> None:
 
 
 def bound(pid: int) -> None:
-    """A recording that is larger than all bounds of a reader ends its reader, and nothing else on the machine."""
+    """Limit a reader's memory and processor time, so that a huge recording ends only its reader."""
     cpu = (MOST_CPU_S, MOST_CPU_S + 5)  # at the first it gets SIGXCPU, which says why it ended
     for limit, most in ((resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES)), (resource.RLIMIT_CPU, cpu)):
         with suppress(OSError):

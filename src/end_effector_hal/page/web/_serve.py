@@ -1,4 +1,4 @@
-"""The process of the page: its server, and the streams that it follows, or the recordings that it shows."""
+"""The process of the page: its server, with the streams that it follows or the recordings that it shows."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ Ready = Callable[[str], None]
 
 
 def serve_page(description: Description, address: PageAddress, recordings: Path, on_ready: Ready) -> None:
-    """Serve the page of a tool until SIGINT or SIGTERM; no line moves when it ends.
+    """Serve the page of a tool until SIGINT or SIGTERM; its end moves no line.
 
     Args:
         description: the tool; its programs need not run yet.
-        address: where; port 0: one that is free.
-        recordings: the folder of those that the page lists; it need not be there yet.
-        on_ready: gets the address with the token.
+        address: address to serve at; port 0: any free port.
+        recordings: folder of the recordings that the page lists; it need not exist yet.
+        on_ready: receives the address with the token.
 
     Raises:
         UsageError: the address cannot be used.
@@ -74,13 +74,13 @@ def serve_recordings(
     address: PageAddress,
     on_ready: Ready,
 ) -> None:
-    """Serve the page of recordings until SIGINT or SIGTERM; it reads files, and nothing else.
+    """Serve the page of recordings until SIGINT or SIGTERM; it only reads files.
 
     Args:
-        files: of one recording, or of two to compare.
-        part: what of them is shown.
-        address: where; port 0: one that is free.
-        on_ready: gets the address with the token.
+        files: the files of one recording, or of two to compare.
+        part: the part that is shown.
+        address: address to serve at; port 0: any free port.
+        on_ready: receives the address with the token.
 
     Raises:
         UsageError: the address cannot be used.
@@ -135,7 +135,7 @@ async def _serve(
     close: Callable[[], None],
     *beside: Coroutine[Any, Any, None],
 ) -> None:
-    """Until the server ends, or what runs beside it."""
+    """Run until the server or one of the parallel tasks ends."""
     server = uvicorn.Server(
         uvicorn.Config(
             app,

@@ -15,7 +15,7 @@ _LOOP = ((-34.0, -46.0), (34.0, -46.0))  # nails of a loop that has none
 
 @dataclass(frozen=True)
 class Arrow:
-    """The corners of an edge, first and last on the rims of its locations."""
+    """The corners of an edge; the first and the last are on the rims of its locations."""
 
     corners: tuple[Spot, ...]
 
@@ -34,7 +34,7 @@ class Arrow:
         return self.corners[0]
 
     def rounded(self) -> list[tuple[Spot, Spot, Spot]]:
-        """For each corner on the way: where the curve begins, the corner, where the curve ends."""
+        """Return, for each inner corner: the start of the curve, the corner, the end of the curve."""
         curves = []
         for before, corner, after in zip(self.corners, self.corners[1:], self.corners[2:], strict=False):
             cut = min(_CORNER, _length(before, corner) / 2, _length(corner, after) / 2)
@@ -43,7 +43,7 @@ class Arrow:
 
     @property
     def tip(self) -> tuple[Spot, Spot, Spot]:
-        """The triangle at its end, the point first."""
+        """The triangle at the arrow's end, the point first."""
         before, end = self.corners[-2], self.corners[-1]
         length = _length(before, end) or 1.0
         along = ((end[0] - before[0]) / length, (end[1] - before[1]) / length)

@@ -1,4 +1,4 @@
-"""Drawing a template with matplotlib."""
+"""Functions that draw a template with matplotlib."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _FILL, _LINE = "#e6e9f5", "#414b58"
 
 
 def draw_template(template: Template, constants: Mapping[str, object] | None = None) -> Figure:
-    """A template where its file says: locations, edges through their nails, labels in UPPAAL's colours.
+    """Draw a template as laid out in its file: locations, edges through their nails, labels in UPPAAL's colours.
 
     Args:
-        template: of a document.
-        constants: by name; those that the template mentions are told under its name.
+        template: a template of a document.
+        constants: values by name; those that the template mentions are listed under its title.
 
     Raises:
-        UsageError: it would be too large to be drawn.
+        UsageError: the figure would be too large.
     """
     with drawing():
         return _draw(template, constants or {})
@@ -126,7 +126,7 @@ def _draw_words(axes: Axes, words: Words) -> None:
 
 
 def _colour(given: str, otherwise: str) -> str:
-    """A colour of the file, as UPPAAL writes it."""
+    """Return a colour of the file if it is well-formed, as UPPAAL writes it, else the default."""
     known = (
         len(given) == 7 and given[0] == "#" and all(each in "0123456789abcdefABCDEF" for each in given[1:])
     )
@@ -137,7 +137,7 @@ _SHORT = 4  # as many equal elements are written out
 
 
 def mentioned(template: Template, constants: Mapping[str, object]) -> list[str]:
-    """``N = 3``, ``T_CONFIRM = {5000, 5000, 5000}``: in the order of the file."""
+    """Return texts such as ``N = 3``, ``T_CONFIRM = {5000, 5000, 5000}``, in the order of the constants."""
     words = {word for text in _texts(template) for word in re.findall(r"\w+", text)}
     return [f"{name} = {_written(value)}" for name, value in constants.items() if name in words]
 

@@ -1,4 +1,4 @@
-"""A template on the canvas: where its file says, and at a readable place where it says nothing; UPPAAL's pixels."""
+"""The layout of a template: coordinates of its file, else readable defaults; in UPPAAL's pixels."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COLOURS = {
     "name": "#7c2415",
     "comments": "#68727f",
 }
-"""Kind of label -> colour: UPPAAL's own, as dark as letters on white need them."""
+"""Colour of each kind of label: UPPAAL's own, darkened for text on white."""
 
 LEGEND = {
     "select": "select",
@@ -40,7 +40,7 @@ LEGEND = {
 
 @dataclass(frozen=True)
 class Words:
-    """Lines of one label; ``x`` and ``y`` of its upper left corner."""
+    """The lines of one label; ``x`` and ``y`` are its upper left corner."""
 
     kind: str
     lines: tuple[str, ...]
@@ -66,7 +66,7 @@ _SPACING = 220.0  # between locations that have no coordinates
 
 @dataclass(frozen=True)
 class Disc:
-    """A location; ``mark`` is C, U or nothing."""
+    """A location; ``mark`` is C, U or empty."""
 
     x: float
     y: float
@@ -115,7 +115,7 @@ def layout_of(template: Template) -> Layout:
 
 
 def _spots(locations: Iterable[DrawnLocation]) -> Mapping[str, Spot]:
-    """Where the locations are; those without coordinates stand in a circle."""
+    """Return the locations' coordinates; locations without coordinates are placed on a circle."""
     known = {each.id: (float(each.at.x), float(each.at.y)) for each in locations if each.at}
     missing = [each.id for each in locations if not each.at]
     radius = _SPACING * max(1, len(missing)) / (2 * pi)

@@ -1,4 +1,4 @@
-"""What the figures of runs are made of: a heading, lanes, events, panels, and the sheet that they stand on."""
+"""The parts of the figures of runs: a heading, lanes, events, panels, and the sheet that holds them."""
 
 from ._events import FOOT_IN, ROW_IN, Event, place_events
 from ._heading import draw_heading, heading_of

@@ -1,4 +1,4 @@
-"""Words at the right of a plot, each at the height of its value, none over another."""
+"""Text at the right of a plot, near the height of its value, without overlaps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from end_effector_lab.figures._labels import height_of, spread
 
 BESIDE_SIZE = 9.0
-"""Of these words, points."""
+"""Size of this text, points."""
 
 
 def write_beside(axes: Axes, labels: Sequence[tuple[float, str, str]], height_in: float) -> None:
@@ -17,7 +17,7 @@ def write_beside(axes: Axes, labels: Sequence[tuple[float, str, str]], height_in
 
     Args:
         axes: the plot.
-        labels: what is written, at the values of its y axis.
+        labels: the texts, at values of the plot's y axis.
         height_in: height of the plot, inches.
     """
     low, high = axes.get_ylim()

@@ -1,4 +1,4 @@
-"""The row of events: a mark and its words for each moment of the story, in as many rows as they need."""
+"""The rows of events: a mark and a text for each moment of the story."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TEXT = 9.5
 ROW_IN = height_of(TEXT) + 0.06
 MARK_IN = 0.13
 FOOT_IN = 0.3
-"""From the lowest row down to the lanes."""
+"""Distance from the lowest row down to the lanes, inches."""
 
 LONGEST_ROWS = 7
 _FIRST = ("disturbed", "abort", "lost", "missed", "timeout", "alarm", "gripped", "command")
@@ -30,7 +30,7 @@ _FIRST = ("disturbed", "abort", "lost", "missed", "timeout", "alarm", "gripped",
 class Event:
     """A moment with its place.
 
-    Row 0 is the lowest; ``left`` when the words stand left of the mark; no ``text`` where there was no room.
+    Row 0 is the lowest; ``left``: the text is left of the mark; ``text`` is empty if it has no room.
     """
 
     moment: Moment
@@ -45,19 +45,19 @@ class Event:
 
 
 def weight_of(moment: Moment) -> str:
-    """What went wrong for good stands out, and what was done to the tool."""
+    """Return the font weight: bold for final failures and disturbances."""
     return "bold" if moment.kind in ("abort", "lost", "disturbed") else "normal"
 
 
 def place_events(moments: Sequence[Moment], x_of: Callable[[float], float], right_in: float) -> list[Event]:
-    """A place for each moment, so that no words stand on others or on the line of another mark.
+    """Find a place for each moment, so that no text covers another text or the line of another mark.
 
-    Where there is no room for all words they become shorter; then the commands lose theirs, the errors last.
+    If there is no room for all texts, they become shorter; then texts are omitted, commands first, errors last.
 
     Args:
         moments: in order of time.
-        x_of: seconds to inches from the left end of the lanes.
-        right_in: words end before this.
+        x_of: converts seconds to inches from the left end of the lanes.
+        right_in: right limit of the text, inches.
     """
     moments = _together(moments, x_of)
     best: tuple[list[int], list[Event]] | None = None
@@ -77,17 +77,17 @@ def place_events(moments: Sequence[Moment], x_of: Callable[[float], float], righ
 
 
 _TRIALS = 3
-"""So often those of the least important kind that have no room lose their words, and the others are placed again."""
+"""Number of placements; before each retry, texts of the least important kind that had no room are dropped."""
 
 
 def _worth(events: Sequence[Event]) -> list[int]:
-    """How many of each kind have words, the most important kind first."""
+    """Return the number of texts of each kind, the most important kind first."""
     told = Counter(event.moment.kind for event in events if event.text)
     return [told[kind] for kind in _FIRST]
 
 
 def _together(moments: Sequence[Moment], x_of: Callable[[float], float]) -> list[Moment]:
-    """Commands that fall on one mark are told as one; of alarms the first, and how many more."""
+    """Merge moments on one mark: commands into one text, alarms into the first and the count of the rest."""
     found: list[list[Moment]] = []
     for moment in moments:
         last = found[-1] if found else []
@@ -107,7 +107,7 @@ def _words(group: Sequence[Moment]) -> str:
 
 
 _LONGEST = 48
-"""Letters; somebody else's alarm may be a long sentence."""
+"""Largest number of characters of an alarm, which may be a long foreign sentence."""
 
 
 def _full(moment: Moment) -> str:
@@ -115,7 +115,7 @@ def _full(moment: Moment) -> str:
 
 
 def _short(moment: Moment) -> str:
-    """``Cylinder time-out 2/3`` -> ``Cylinder 2/3``, ``Cylinder time-out 3/3 – abort`` -> ``abort``."""
+    """Shorten: ``Cylinder time-out 2/3`` -> ``Cylinder 2/3``, ``Cylinder time-out 3/3 – abort`` -> ``abort``."""
     return moment.text.replace("time-out ", "") if moment.kind == "timeout" else moment.text.split(" – ")[-1]
 
 
@@ -126,7 +126,7 @@ def _place_all(
     x_of: Callable[[float], float],
     right_in: float,
 ) -> list[Event]:
-    """Marks for all, words for some."""
+    """Place marks for all moments, and texts for some."""
     sheet, told = Sheet(), {id(moment) for moment in worded}
     events = [_mark(moment, x_of(moment.time_s), sheet) for moment in moments if id(moment) not in told]
     spoken = [(m, x_of(m.time_s), wording(m)) for m in worded]
@@ -138,7 +138,7 @@ def _place_all(
 
 
 def _width(moment: Moment, text: str) -> float:
-    """Of the words and their mark, inches from the middle of the mark."""
+    """Return the width of a text with its mark, inches from the middle of the mark."""
     return width_of(text, TEXT, weight_of(moment)) + MARK_IN / 2 + 0.08
 
 
@@ -157,28 +157,28 @@ def _place(moment: Moment, x: float, text: str, right_in: float, sheet: Sheet) -
 
 
 def _mark(moment: Moment, x: float, sheet: Sheet) -> Event:
-    """Without words: other words must not stand on it, but lines of other marks may pass."""
+    """Place a mark without text: text must not cover it, but lines of other marks may."""
     sheet.take_line((x - MARK_IN / 2, ROW_IN / 2), (x + MARK_IN / 2, ROW_IN / 2))
     return Event(moment, 0, x, False, "")
 
 
 _MOST = 40
-"""More events than this, and the lines of those without words would hide the lanes."""
+"""Largest number of events for which the lines of events without text are drawn; more would hide the lanes."""
 
 
 def lined(events: Sequence[Event]) -> list[Event]:
-    """The events whose line runs through lanes and pressures."""
+    """Return the events whose line runs through lanes and pressures."""
     return [event for event in events if event.text or len(events) <= _MOST]
 
 
 def line_of(event: Event) -> dict[str, Any]:
-    """Through lanes and pressures; fainter where there are so many that not all have words."""
+    """Return the style of the line through lanes and pressures; fainter for an event without text."""
     colour, alpha = MARKERS[event.moment.kind][1], 0.75 if event.text else 0.35
     return {"color": colour, "linewidth": 0.9, "linestyle": (0, (4, 3)), "alpha": alpha}
 
 
 def draw_events(axes: Axes, page: Page, events: Sequence[Event]) -> None:
-    """Marks and words; zero of ``y`` is the foot of the lowest row, inches downwards."""
+    """Draw marks and texts; zero of ``y`` is the foot of the lowest row, inches downwards."""
     write_name(axes, page, "Events", -ROW_IN / 2)
     for event in events:
         marker, colour = MARKERS[event.moment.kind]

@@ -1,4 +1,4 @@
-"""What stands above a timeline: the verdict, where the recording comes from, and what the colours mean."""
+"""The heading of a timeline: the verdict, the source of the recording, and the colour legend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SWATCH_IN = 0.14
 
 @dataclass(frozen=True)
 class Heading:
-    """Lines of the title, of why it is so, and of the subtitle; inches from the upper edge."""
+    """Lines of the title, its reason, and the subtitle; positions in inches from the upper edge."""
 
     title: list[str]
     because: list[str]
@@ -44,14 +44,14 @@ class Heading:
 
 
 def heading_of(story: Story, info: RunInfo, width: float) -> Heading:
-    """The heading of a recording; no line wider than ``width`` inches."""
+    """Return the heading of a recording; no line is wider than ``width`` inches."""
     title = wrapped(story.verdict, TITLE, "bold", width)
     because = wrapped(plain(info.because, _LONGEST), BECAUSE, "normal", width) if info.because else []
     return Heading(title, because, packed(sources(info), "  ·  ", SUBTITLE, "normal", width))
 
 
 def sources(info: RunInfo) -> list[str]:
-    """Where the recording comes from, as far as it is known."""
+    """Return the known facts about the origin of the recording."""
     if info == RunInfo():
         return ["no run.json: source unknown"]
     simulated = bool(info.scenario) if info.simulated is None else info.simulated
@@ -70,7 +70,7 @@ def sources(info: RunInfo) -> list[str]:
 
 
 def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
-    """Title, subtitle and legend, ``left`` inches from the edge."""
+    """Draw title, reason, subtitle and legend, ``left`` inches from the edge."""
     height = figure.get_figheight()
     x = left / WIDTH_IN
     figure.text(

@@ -1,4 +1,4 @@
-"""States as lanes: which segments there are, what is written into them and beside them, and how that is drawn."""
+"""States as lanes: their segments, the text in and beside them, and their drawing."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ LEADER_IN = 0.07
 LONGEST_ROWS = 3
 THIN_IN = 0.02
 ERROR_IN = 0.05
-"""The least width of a segment; of one that is an error."""
+"""Least width of a segment that is an error, inches; `THIN_IN` for all others."""
 
 
 @dataclass(frozen=True)
 class Segment:
-    """A state and when it held; ``releasing``: it was deactivated, and its sensor does not show that yet."""
+    """A state and its time; ``releasing``: deactivated, but its sensor does not show that yet."""
 
     start_s: float
     end_s: float
@@ -42,18 +42,18 @@ class Segment:
 
     @property
     def kind(self) -> str:
-        """A key of the colours; empty: nothing to be seen."""
+        """Key of the colours; empty: nothing to show."""
         return "releasing" if self.releasing else kind_of(self.state)
 
     @property
     def level(self) -> int:
-        """The integer of Table II; 0 for what has none."""
+        """Integer of Table II; 0 for a value that is not in it."""
         return int(self.state) if isinstance(self.state, TableState) else 0
 
 
 @dataclass(frozen=True)
 class Inside:
-    """Words in a bar, centred at ``x`` inches from its left end, ``size`` in points."""
+    """Text in a bar, centred at ``x`` inches from its left end; ``size`` in points."""
 
     segment: Segment
     text: str
@@ -63,7 +63,7 @@ class Inside:
 
 @dataclass(frozen=True)
 class Beside:
-    """Words below a bar whose segment is too short for them; inches, y from the bar's lower edge down."""
+    """Text below a bar whose segment is too short for it; inches, y downwards from the bar's lower edge."""
 
     segment: Segment
     text: str
@@ -74,7 +74,7 @@ class Beside:
 
 @dataclass
 class Lane:
-    """One element over time; ``ruled``: a thin line stands below it."""
+    """One element over time; ``ruled``: a thin line is drawn below it."""
 
     name: str
     title: str
@@ -87,18 +87,18 @@ class Lane:
 
     @property
     def bar_at(self) -> float:
-        """Where the bar begins, inches from the upper edge of the lane."""
+        """Start of the bar, inches from the upper edge of the lane."""
         return CAPTION_IN if self.caption else 0.0
 
     @property
     def height_in(self) -> float:
-        """Caption, bar, words below and gap."""
+        """Height of caption, bar, text below, and gap, inches."""
         lowest = max((words.box.y1 for words in self.beside), default=0.0)
         return self.bar_at + self.bar_in + max(lowest, 0.0) + GAP_IN
 
 
 def lanes_of(log: StatesLog, info: RunInfo, end_s: float) -> list[Lane]:
-    """End-effector, command and actuators, each merged into segments of one state."""
+    """Return lanes of end-effector, command and actuators, merged into segments of one state."""
     times = log.times_s
     columns: list[tuple[str, str, list[Shown]]] = [
         ("end_effector", "End-effector", [row.end_effector for row in log.rows]),
@@ -117,7 +117,7 @@ def all_lanes_of(
     pressures: PressuresLog | None,
     changer: Sequence[ChangerRow],
 ) -> list[Lane]:
-    """Those lanes with the releases of the actuators in them, and the tool changer's."""
+    """Return those lanes with the releases of the actuators, and the tool changer's lane."""
     lanes = lanes_of(log, info, end_s)
     for lane in lanes[2:]:
         lane.segments = _with_releases(lane, log, info, pressures)
@@ -130,7 +130,7 @@ def all_lanes_of(
 def _with_releases(
     lane: Lane, log: StatesLog, info: RunInfo, pressures: PressuresLog | None
 ) -> list[Segment]:
-    """The segments, those after a deactivation parted where the feedback is gone."""
+    """Return the segments; those after a deactivation are split at the time when the feedback is gone."""
     found: list[Segment] = []
     for segment in lane.segments:
         begun, ended = segment.start_s, segment.end_s
@@ -145,7 +145,7 @@ def _with_releases(
 
 
 def segments_of(times_s: Sequence[float], states: Sequence[Shown], end_s: float) -> list[Segment]:
-    """Runs of one state; a state that was left in the instant of its entry has no length and stays."""
+    """Merge equal states into segments; a state that was left at once has no length and remains."""
     found: list[Segment] = []
     for index, (start_s, state) in enumerate(zip(times_s, states, strict=True)):
         until_s = times_s[index + 1] if index + 1 < len(times_s) else max(end_s, start_s)
@@ -157,7 +157,7 @@ def segments_of(times_s: Sequence[float], states: Sequence[Shown], end_s: float)
 
 
 def least_width(lane: Lane, segment: Segment, width_in: float) -> float:
-    """The least width of a segment in a lane of ``width_in`` inches, so that a state of no length is seen.
+    """Return the least width of a segment in a lane of ``width_in`` inches, so that a state of no length is visible.
 
     Errors are the widest, unless there are so many that they would hide everything else.
     """
@@ -168,12 +168,12 @@ def least_width(lane: Lane, segment: Segment, width_in: float) -> float:
 
 
 def write_lane(lane: Lane, x_of: Callable[[float], float], width_in: float, avoid: Sequence[float]) -> None:
-    """Find places for the words of a lane: inside the segment where they fit, else below it with a leader.
+    """Find places for the text of a lane: inside a segment if it fits, else below it with a leader.
 
     Args:
-        lane: filled in.
-        x_of: seconds to inches from the left end of the lane.
-        width_in: of the whole lane.
+        lane: the lane; its texts are set.
+        x_of: converts seconds to inches from the left end of the lane.
+        width_in: width of the whole lane.
         avoid: inches at which vertical lines cross the lane.
     """
     outside = []
@@ -198,12 +198,13 @@ def write_lane(lane: Lane, x_of: Callable[[float], float], width_in: float, avoi
 
 _MIDDLE = ((0.0, -0.35, 0.35, -0.55, 0.55, -0.8, 0.8),)
 _LEFT = ((-0.5, -0.6, -0.8), (0.0, 0.5, 0.8))
-"""Where the middle of the words may be, seen from the middle of the segment, in widths of the words; each
-group is tried in every row before the next."""
+"""Offsets of the text's middle from the segment's middle, in text widths; each group is tried in every row before the
+next.
+"""
 
 
 def _rank(segment: Segment) -> tuple[int, float, float]:
-    """Errors first and NONE last: where there is no room for all words, the last ones have no place."""
+    """Return the sort key: errors first and NONE last, since the last ones may find no room."""
     first = {"error": 0, "": 2}.get(segment.kind, 1)
     return first, segment.start_s - segment.end_s, segment.start_s
 
@@ -231,7 +232,7 @@ def _beside(
 
 
 def _clear(left: float, right: float, width: float, avoid: Sequence[float]) -> float:
-    """A centre for words inside of a segment that no line of an event crosses; else the middle."""
+    """Return a centre for text inside a segment that no event line crosses; else the middle."""
     middle, room = (left + right) / 2, (right - left - width) / 2 - 0.05
     half = width / 2 + 0.04
     shifts = (0.0, *(sign * room * part / 8 for part in range(1, 9) for sign in (-1, 1)))
@@ -265,11 +266,11 @@ def _below(
 
 
 _BORDER_IN = 0.06
-"""Segments wider than this are parted by a white line; it would hide narrower ones."""
+"""Least width of two neighbouring segments with a white line between them, which would hide narrower ones."""
 
 
 def draw_lane(axes: Axes, page: Page, lane: Lane, top: float) -> None:
-    """Bars and words of a lane whose upper edge is at ``top``, inches downwards."""
+    """Draw bars and text of a lane whose upper edge is at ``top``, inches downwards."""
     if lane.caption:
         place = (page.start_s, top + CAPTION_IN / 2)
         behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}

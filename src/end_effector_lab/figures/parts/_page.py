@@ -1,4 +1,4 @@
-"""The measures of a timeline: inches, seconds, and the names at the left."""
+"""The dimensions of a timeline: inches, seconds, and the names at the left."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TITLE_IN = 1.7
 
 @dataclass(frozen=True)
 class Page:
-    """The measures of one figure, inches from the upper left corner; time in seconds."""
+    """The dimensions of one figure, in inches from the upper left corner; time in seconds."""
 
     start_s: float
     end_s: float
@@ -27,7 +27,7 @@ class Page:
     width: float
 
     def x(self, at_s: float) -> float:
-        """Inches from the left end of the lanes."""
+        """Convert a time to inches from the left end of the lanes."""
         return (at_s - self.start_s) / (self.end_s - self.start_s) * self.width
 
     def seconds(self, x: float) -> float:
@@ -35,13 +35,13 @@ class Page:
 
 
 def need_rows(log: StatesLog) -> None:
-    """Raises UsageError for a recording without a row."""
+    """Raise UsageError for a recording without a row."""
     if not log.rows:
         raise UsageError("This recording holds no row, so there is nothing to draw.", where=log.source)
 
 
 def span_of(log: StatesLog) -> tuple[float, float]:
-    """From where a figure begins to the last row, seconds; zero is shown unless the first row is far from it."""
+    """Return start and end of a figure, seconds; it starts at zero unless the first row is far from it."""
     first, last = log.rows[0].time_s, log.rows[-1].time_s
     return 0.0 if first <= 0.25 * last else first, last
 
@@ -53,14 +53,14 @@ def page_of(
     more_names: Sequence[str] = (),
     switched_s: float = 0.0,
 ) -> Page:
-    """The page for a recording.
+    """Return the page for a recording.
 
     Args:
         log: its states.
-        pressures: drawn below them.
-        words_in: inches of the words right of the plots.
-        more_names: of further lanes.
-        switched_s: the last change in the lanes of switches; an e-stop that opens may change no state.
+        pressures: the pressures, drawn below the states.
+        words_in: width of the text right of the plots, inches.
+        more_names: names of further lanes.
+        switched_s: the last change in the lanes of switches; an opening e-stop may change no state.
     """
     start, last = span_of(log)
     # a counterexample may last some milliseconds
@@ -79,7 +79,7 @@ def page_of(
 
 
 def _lane_title(title: str) -> list[str]:
-    """In two lines at most: a third would stand on the lane below."""
+    """Split a title into at most two lines; a third would overlap the lane below."""
     if width_of(title, NAME) > _TITLE_IN:  # ``evidence[bottom_vacuum]`` has no other place to be parted
         title = title.replace("[", " [").replace("(", " (")
     first, *others = wrapped(title, NAME, "normal", _TITLE_IN)
@@ -88,5 +88,5 @@ def _lane_title(title: str) -> list[str]:
 
 
 def write_name(axes: Axes, page: Page, title: str, y: float) -> None:
-    """At the left of a lane; ``y`` in inches."""
+    """Write a name at the left of a lane; ``y`` in inches."""
     axes.text(page.seconds(-0.1), y, "\n".join(_lane_title(title)), ha="right", va="center", fontsize=NAME)

@@ -1,4 +1,4 @@
-"""Pressures below the lanes, with the range in which they confirm."""
+"""Plots of pressures below the lanes, with the range in which they confirm."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from ._beside import BESIDE_SIZE, write_beside
 
 LEAST_HEIGHT_IN = 1.1
 _GAP_S = 1.5
-"""Steady pressures are written twice a second, so a longer gap means that nothing was received."""
+"""Longest gap in a curve, s: steady pressures are written twice a second, so a longer gap means lost data."""
 
 
 @dataclass(frozen=True)
 class PanelCurve:
-    """One channel, kPa gauge or the unit of its panel; NaN where there was none."""
+    """The curve of one channel, in kPa gauge or the unit of its panel; NaN: no value."""
 
     title: str
     colour: str
@@ -35,13 +35,13 @@ class PanelCurve:
 
     @property
     def last(self) -> float:
-        """The last value, kPa."""
+        """The last valid value."""
         return next(value for value in reversed(self.kpa) if not math.isnan(value))
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What an alarm said of a leak: from where, gauge kPa, and when it would reach the threshold of loss."""
+    """The forecast in a leak's alarm: its start, in gauge kPa, and when it would reach the threshold of loss."""
 
     colour: str
     start_s: float
@@ -51,11 +51,11 @@ class Forecast:
 
 
 _LEAK = re.compile(r".* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
-"""The numbers in the text of a leak."""
+"""Pattern of the numbers in the text of a leak."""
 
 
 class Compared(NamedTuple):
-    """What a condition compares a quantity with, in the unit of its panel."""
+    """A threshold of a condition on a quantity, in the unit of its panel."""
 
     channel: str
     proves: str
@@ -67,15 +67,15 @@ _MOST_COMPARED, _MOST_AT = 8, 1e6
 _COMPARED = ("<", ">", "≤", "≥")
 
 _SIGNS = {"secure": "≤≥", "lost": "><"}
-"""Of a vacuum, and of a pressure above ambient."""
+"""Comparison signs for a vacuum, and for a pressure above ambient."""
 
 
 @dataclass
 class Panel:
     """Curves that share an axis.
 
-    ``bands`` are what confirms, ``lines`` the other thresholds: gauge kPa, and whose. ``compared``: those of another
-    quantity, instead of them.
+    ``bands`` are confirming thresholds and ``lines`` the others: gauge kPa, and the actuators that have them.
+    ``compared``: thresholds of another quantity, used instead.
     """
 
     title: str
@@ -88,12 +88,12 @@ class Panel:
 
     @property
     def height_in(self) -> float:
-        """As high as the words at its right need."""
+        """Height needed for the text at the right, inches."""
         lines = sum(text.count("\n") + 1 for _, text, _ in self.labels())
         return max(LEAST_HEIGHT_IN, lines * height_of(BESIDE_SIZE))
 
     def range_kpa(self) -> tuple[float, float]:
-        """What the axis shows: everything measured, zero, and some of the accepted range."""
+        """Return the range of the axis: all measured values, zero, and some of the accepted range."""
         values = [value for curve in self.curves for value in curve.kpa if not math.isnan(value)]
         values += [limit - 15 if self.below else limit * 1.12 for limit in self.bands]
         values += [limit - 5 if self.below else limit for _, limit in self.lines]
@@ -103,7 +103,7 @@ class Panel:
         return low - room, high + room
 
     def labels(self) -> list[tuple[float, str, str]]:
-        """(kPa, words, colour) at the right end."""
+        """Return (kPa, text, colour) at the right end."""
         low, high = self.range_kpa()
         found = [(curve.last, curve.title, curve.colour) for curve in self.curves]
         for limit, whose in self.bands.items():
@@ -126,7 +126,7 @@ _MOST_NAMED = 3
 
 
 def _named(whose: list[str], alike: Collection[object]) -> str:
-    """Whose threshold it is, where others have another; of many actuators it is left to the number."""
+    """Return the owners of a threshold if several thresholds differ; empty if it has many owners."""
     return f"{' and '.join(whose)}\n" if len(alike) > 1 and len(whose) < _MOST_NAMED else ""
 
 
@@ -136,9 +136,9 @@ def panels_of(
     actuators: tuple[str, ...],
     alarms: Sequence[AlarmRow] = (),
 ) -> list[Panel]:
-    """Vacuums in one panel, pressures above ambient in another, each other unit in its own.
+    """Return panels: one for vacuums, one for pressures above ambient, one for each other unit.
 
-    A channel without any value is left out.
+    A channel without any value is omitted.
     """
     others: dict[str, Panel] = {}
     below, above = Panel("vacuum\n[gauge kPa]", below=True), Panel("pressure\n[gauge kPa]", below=False)
@@ -171,7 +171,7 @@ def panels_of(
 
 
 def _compared(channel: str, info: RunInfo, actuators: Sequence[str]) -> list[Compared]:
-    """Of all conditions on a channel, each once, as far as the run says it."""
+    """Return the thresholds of all conditions on a channel that the run gives, without duplicates."""
     said = [info.limits.get(name, {}).get("measured") for name in actuators]
     listed = [each for some in said if isinstance(some, list) for each in some if isinstance(each, dict)]
     found = [
@@ -186,14 +186,14 @@ def _compared(channel: str, info: RunInfo, actuators: Sequence[str]) -> list[Com
 
 
 def _limit(info: RunInfo, actuator: str, word: str) -> float | None:
-    """A threshold of an actuator, positive kPa, as far as the run says it."""
+    """Return a threshold of an actuator, positive kPa; None if the run does not give it."""
     limit = info.limits.get(actuator, {}).get(f"{word}_kpa")
     usable = isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4
     return float(limit) if usable and limit is not None else None
 
 
 def _forecasts(actuator: str, colour: str, sign: int, alarms: Sequence[AlarmRow]) -> list[Forecast]:
-    """Of the leaks of one actuator."""
+    """Return the forecasts for the leaks of one actuator."""
     leaks = (row for row in alarms if (row.event, row.id, row.about) == (BEGUN, LEAK, actuator))
     found = ((row, _LEAK.fullmatch(row.text)) for row in leaks)
     return [
@@ -210,7 +210,7 @@ def _forecasts(actuator: str, colour: str, sign: int, alarms: Sequence[AlarmRow]
 
 
 def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | None:
-    """The actuator that a channel proves; without run.json the one that has the channel's name in its own."""
+    """Return the actuator that a channel proves; without run.json, one whose name contains the channel's."""
     listed = [name for name in actuators if info.limits.get(name, {}).get("channel") == channel]
     named = [name for name in actuators if channel == name or channel in name.split("_")]
     return next(iter(listed + named), None)
@@ -223,7 +223,7 @@ def _is_below_ambient(owner: str | None, values: list[float], info: RunInfo) -> 
 
 
 def _broken(times_s: tuple[float, ...], values: tuple[float | None, ...]) -> tuple[list[float], list[float]]:
-    """The curve with a hole wherever nothing valid was received."""
+    """Return the curve with a gap wherever no valid value was received."""
     xs: list[float] = []
     ys: list[float] = []
     for time_s, value in zip(times_s, values, strict=True):
@@ -236,13 +236,13 @@ def _broken(times_s: tuple[float, ...], values: tuple[float | None, ...]) -> tup
 
 
 def labels_width(panels: list[Panel]) -> float:
-    """Inches that the words at the right need."""
+    """Return the width of the text at the right, inches."""
     texts = [line for panel in panels for _, text, _ in panel.labels() for line in text.split("\n")]
     return max((width_of(text, BESIDE_SIZE) for text in texts), default=0.0)
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
-    """Curves, accepted ranges, and their words at the right."""
+    """Draw curves, accepted ranges, and their text at the right."""
     low, high = panel.range_kpa()
     axes.set_ylim(low, high)
     axes.set_ylabel(panel.title, fontsize=9.5)

@@ -1,4 +1,4 @@
-"""When an actuator that was deactivated is seen to be gone; times in seconds since start."""
+"""The time at which a deactivated actuator is detected as gone, in seconds since start."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from end_effector_hal.vocabulary import INACTIVE, EndEffectorState
 def gone_s(
     name: str, deactivated_s: float, log: StatesLog, info: RunInfo, pressures: PressuresLog | None
 ) -> float:
-    """When the feedback of an actuator was gone: by its pressure, else when the unwinding went on.
+    """Return when the feedback of an actuator was gone: by its pressure, else by the next step of the release.
 
-    Infinite when it never was; the time of the deactivation where nothing shows it, or where nothing was deactivated: a
-    program that starts knows of nothing that is active (OFF).
+    The time is infinite if that never happened, and the time of the deactivation if nothing shows it, or if nothing
+    was deactivated: a program that starts (OFF) has no active actuators.
     """
     if log.rows[bisect_right(log.times_s, deactivated_s) - 1].end_effector is EndEffectorState.OFF:
         return deactivated_s
@@ -33,7 +33,7 @@ def gone_s(
 
 
 def _went_on_s(deactivated_s: float, log: StatesLog) -> float:
-    """When the next actuator was deactivated, or RELEASING ended; without an unwinding nothing is known."""
+    """Return when the next actuator was deactivated or RELEASING ended; if not RELEASING, the given time."""
     first = bisect_right(log.times_s, deactivated_s)
     before = log.rows[first - 1]
     if before.end_effector is not EndEffectorState.RELEASING:

@@ -1,4 +1,4 @@
-"""The sheet of a figure over time: lanes with their events at the top, plots below, one axis of time."""
+"""The sheet of a figure over time: lanes with their events at the top, plots below, one time axis."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _DEADLINE: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class FigureSheet:
-    """A figure of a known height; places are given in inches from its upper edge."""
+    """A figure of a fixed height; positions are in inches from its upper edge."""
 
     figure: Figure
     page: Page
     height: float
 
     def axes(self, y0: float, y1: float) -> Axes:
-        """Axes over the time of the recording."""
+        """Return new axes over the time of the recording."""
         page, height = self.page, self.height
         place = (page.left / WIDTH_IN, 1 - y1 / height, page.width / WIDTH_IN, (y1 - y0) / height)
         axes = self.figure.add_axes(place)
@@ -51,7 +51,7 @@ def draw_lanes(
     places: tuple[float, float, float],
     deadlines: Sequence[float] = (),
 ) -> None:
-    """Events and lanes share one axes: inches downwards, zero at the foot of the lowest row of events."""
+    """Draw events and lanes in one axes: inches downwards, zero at the foot of the lowest row of events."""
     top, foot, end = places
     axes = sheet.axes(top, end)
     axes.set_ylim(end - foot, top - foot)
@@ -78,7 +78,7 @@ def draw_plots(
     top: float,
     deadlines: Sequence[float] = (),
 ) -> None:
-    """Plots of a height each, and the axis of time below the last of them, or below the lanes where there are none."""
+    """Draw ``(height, plot)`` pairs, and the time axis below the last plot, or below the lanes."""
     if not plots:
         axes = sheet.axes(top, top + 0.02)
         axes.set_yticks([])

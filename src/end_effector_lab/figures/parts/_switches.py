@@ -1,4 +1,4 @@
-"""Lanes of switches and of the e-stop: the level as a step, and in words and colour what it says."""
+"""Lanes of switches and of the e-stop: the level as a step, and its meaning as text and colour."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _E_STOP = {level: ShownLevel(words, level, proven) for level, words, proven in (
 
 
 def switch_lanes(log: SwitchesLog | None, info: RunInfo, end_s: float) -> list[Lane]:
-    """Of those of which the run says what they prove, in the order of the actuators, then the e-stop's.
+    """Return lanes of the switches whose meaning the run gives, in the order of the actuators, then the e-stop's.
 
-    What changed after ``end_s`` is left out.
+    Changes after ``end_s`` are omitted.
     """
     rows = tuple(row for row in log.rows if row[0] <= end_s) if log is not None else ()
     if log is None or not rows:
@@ -43,7 +43,7 @@ def switch_lanes(log: SwitchesLog | None, info: RunInfo, end_s: float) -> list[L
 
 
 def last_switched_s(log: SwitchesLog | None, info: RunInfo) -> float:
-    """When a level that has a lane changed for the last time, s; 0: never, or there is no lane."""
+    """Return when a level with a lane last changed, s; 0: never, or there is no such lane."""
     if log is None:
         return 0.0
     columns = [log.levels(name) for name in log.channels if name in info.switches or name == info.e_stop]
@@ -65,7 +65,7 @@ def _lane(log: SwitchesLog, name: str, info: RunInfo, end_s: float) -> Lane:
 
 
 def draw_steps(axes: Axes, lane: Lane, top: float) -> None:
-    """The levels of a lane whose bar begins at ``top``, inches downwards; on is up, and what is not known is a gap."""
+    """Draw the levels of a lane whose bar begins at ``top``, inches downwards; on is up, and unknown is a gap."""
     xs: list[float] = []
     ys: list[float] = []
     for segment in lane.segments:

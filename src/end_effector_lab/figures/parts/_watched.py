@@ -1,4 +1,4 @@
-"""What a violated requirement speaks of: lanes for states, a plot with its deadline for each clock."""
+"""The parts of a violated requirement: lanes for states, a plot with its deadline for each clock."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_LANES, _MOST_CLOCKS = 10, 3
 
 
 def watched_lanes(info: RunInfo, end_s: float) -> list[Lane]:
-    """Lanes of variables and locations; of many those that say most: what is wrong, then what changes."""
+    """Return lanes of variables and locations; of too many, wrong ones first, then those that change."""
     states = [each for each in info.watched if each.values]
     first = sorted(states, key=lambda each: (not each.wrong, len(each.values) == 1))[:_MOST_LANES]
     lanes = [_lane(each, info.violated_s, end_s) for each in states if each in first]
@@ -42,13 +42,13 @@ def _lane(watched: Watched, violated_s: float, end_s: float) -> Lane:
 
 
 def watched_clocks(info: RunInfo) -> list[Watched]:
-    """Those that are drawn."""
+    """Return the clocks that are drawn."""
     clocks = [each for each in info.watched if each.points]
     return sorted(clocks, key=lambda each: not each.wrong)[:_MOST_CLOCKS]
 
 
 def clock_labels(clock: Watched) -> list[tuple[float, str, str]]:
-    """(s, words, colour) at the right end."""
+    """Return (s, text, colour) at the right end."""
     colour = WRONG if clock.wrong else MUTED
     return [(value, _RELATION.sub(_sign, plain(text)), colour) for text, value in clock.limits]
 
@@ -61,14 +61,14 @@ def _sign(found: re.Match[str]) -> str:
 
 
 def clock_labels_width(clocks: Sequence[Watched]) -> float:
-    """Inches that the words at the right need."""
+    """Return the width of the text at the right, inches."""
     return max(
         (width_of(text, BESIDE_SIZE) for each in clocks for _, text, _ in clock_labels(each)), default=0.0
     )
 
 
 def draw_clock(axes: Axes, clock: Watched) -> None:
-    """The clock over time, and what it is compared with."""
+    """Draw the clock over time, and its limits."""
     highest = max([value for _, value in clock.points] + [value for _, value in clock.limits] + [0.001])
     low, high = -0.05 * highest, 1.15 * highest
     axes.set_ylim(low, high)

@@ -1,4 +1,4 @@
-"""Whether Python finds a package here."""
+"""Finds out whether Python can import a package."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import importlib.util
 
 
 def is_importable(name: str) -> bool:
-    """Of a module that may be in a package that is absent; nothing is imported but the packages around it."""
+    """Return whether a module can be imported, even if its package is absent; only the packages that contain it are
+    imported.
+    """
     try:
         return importlib.util.find_spec(name) is not None
     except (ImportError, ValueError):

@@ -1,4 +1,4 @@
-"""Which generation of ROS is sourced, and that it is one only; then what this generation needs."""
+"""Checks that only one generation of ROS is sourced, then the needs of this generation."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ._ros2 import look_at_ros2
 
 _CLIENT_LIBRARY = {"ROS 1": "rospy", "ROS 2": "rclpy"}
 _MESSAGES = {"ROS 1": "_EndEffectorState.py", "ROS 2": "_end_effector_state.py"}
-"""How the generators of each call the module of one of our messages."""
+"""File name of the Python module that each generation's generator makes from one of our messages."""
 _say = CheckedPart("ros")
 
 
 def look_at_ros() -> CheckResults:
-    """ROS 2 where it is sourced or the only one; else ROS 1."""
+    """Check ROS 2 if it is sourced or the only one, else ROS 1."""
     folders = {name: _folder_of(name) for name in _CLIENT_LIBRARY}
     if all(folders.values()):
         named = " and ".join(f"{name} ({folder})" for name, folder in folders.items())
@@ -38,7 +38,7 @@ def _ros2_is_meant() -> bool:
 
 
 def _folder_of(generation: str) -> str:
-    """The first folder of PYTHONPATH that belongs to a generation; empty: none does."""
+    """Return the first folder of PYTHONPATH that belongs to a generation of ROS; "" if there is none."""
     for folder in filter(None, os.environ.get("PYTHONPATH", "").split(":")):
         messages = Path(folder, "end_effector_msgs", "msg", _MESSAGES[generation])
         if Path(folder, _CLIENT_LIBRARY[generation]).is_dir() or messages.is_file():

@@ -1,4 +1,4 @@
-"""ROS 1: its packages, our messages, the master, our nodes."""
+"""Checks ROS 1: its packages, our messages, the master, our nodes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _say = CheckedPart("ros")
 
 
 def look_at_ros1() -> CheckResults:
-    """ROS is one face of several: what is absent is missing only where ROS_MASTER_URI says that it is wanted."""
+    """Check ROS 1. ROS is only one of several interfaces: an absent part is MISSING only if ROS_MASTER_URI is set."""
     wanted = "ROS_MASTER_URI" in os.environ
     absent = [name for name in PACKAGES if not is_importable(name)]
     absent += [name for name in PROGRAMS if not shutil.which(name)]
@@ -69,7 +69,9 @@ def _absent(names: list[str], wanted: bool) -> CheckResult:
 
 
 def _messages(wanted: bool) -> CheckResult:
-    """A workspace that is not sourced as a whole gives Python its messages, and roslaunch no package."""
+    """Check that roslaunch finds our package: a workspace that is sourced only in part gives Python its messages, but
+    roslaunch no package.
+    """
     built = "end_effector_msgs are built"
     try:
         rospkg = importlib.import_module("rospkg")
@@ -117,7 +119,7 @@ def _nodes() -> CheckResult:
 
 
 def _registered() -> list[str]:
-    """Every node that publishes something."""
+    """Return all nodes that publish a topic."""
     from end_effector_hal.ros1.master import ask_master
 
     publishers, *_ = ask_master("getSystemState")
@@ -125,7 +127,7 @@ def _registered() -> list[str]:
 
 
 def _answers(name: str) -> bool:
-    """Whether a node answers, as ``rosnode ping`` asks it: one that was killed stays registered."""
+    """Return whether a node answers, asked as by ``rosnode ping``: a killed node stays registered."""
     from end_effector_hal.ros1.master import NoSuchMethod, ask_master, ask_node
 
     try:

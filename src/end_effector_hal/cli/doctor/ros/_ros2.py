@@ -1,4 +1,4 @@
-"""ROS 2: its packages, our messages, our programs, and the variables that decide who hears whom."""
+"""Checks ROS 2: its packages, our messages, our programs, and the variables that decide which nodes see each other."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ._importable import is_importable
 
 FOLDER = Path("/dev/shm")
 _LOCKS = ("fastrtps_*_el", "fastdds_*_el")
-"""A process locks such a file as long as it uses what stands beside it under the same name."""
+"""Lock files; a process locks such a file as long as it uses the shared memory of the same name without ``_el``."""
 _say = CheckedPart("ros")
 
 
 def look_at_shared_memory(folder: Path = FOLDER) -> CheckResults:
-    """Segments and ports whose lock nobody holds: they take memory, and a later process may stumble over them."""
+    """Report segments and ports whose lock no process holds: they occupy memory and can disturb a later process."""
     locks = [path for pattern in _LOCKS for path in sorted(folder.glob(pattern))]
     dead = [path for path in locks if not holders_of(path, own=True)]
     if not dead:
@@ -48,7 +48,7 @@ TRIED = "jazzy"
 TRIED_MIDDLEWARE = "rmw_fastrtps_cpp"
 MOST_DOMAIN = 232
 EPHEMERAL_DOMAINS = range(102, 215)
-"""Their ports are among those that Linux gives to any program (32768 to 60999)."""
+"""Domains whose ports are among those that Linux assigns to any program (32768 to 60999)."""
 RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 _SOURCE = "Source ROS 2, such as . /opt/ros/jazzy/setup.bash; without an installation: make ros2"
 _BUILD = "colcon build, then . install/setup.bash; in the checkout: make ros2"
@@ -56,7 +56,7 @@ _say = CheckedPart("ros")
 
 
 def look_at_ros2() -> CheckResults:
-    """What is absent is missing only where ROS 2 is sourced."""
+    """Check ROS 2. An absent part is MISSING only if ROS 2 is sourced."""
     wanted = os.environ.get("ROS_VERSION") == "2" or "AMENT_PREFIX_PATH" in os.environ
     if absent := [name for name in ROS_PACKAGES if not is_importable(name)]:
         yield _absent(absent, wanted)
@@ -91,7 +91,7 @@ def _distribution(name: str) -> CheckResult:
 
 
 def _messages(wanted: bool) -> CheckResult:
-    """Whether rclpy can send one of them: those of ROS 1 and of another Python are found by import, too."""
+    """Check that rclpy can send our messages: an import also finds those of ROS 1 and of another Python."""
     if not is_importable("end_effector_msgs.msg"):
         return _say.lacks(
             "the messages end_effector_msgs are not built, or not sourced", _BUILD, wanted=wanted
@@ -108,7 +108,7 @@ def _messages(wanted: bool) -> CheckResult:
 
 
 def _programs() -> Iterator[CheckResult]:
-    """What ``ros2 run`` finds, and with which interpreter it starts it."""
+    """Check that ``ros2 run`` finds our programs, and which interpreter it starts them with."""
     found = next((each for each in _prefixes() if _indexed(each, OURS)), None)
     if found is None:
         yield _say.warning(
