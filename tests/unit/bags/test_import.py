@@ -91,7 +91,8 @@ def test_events_are_those_of_the_states_and_a_wrong_one_leaves_its_state_out(wri
     ]))  # fmt: skip
     log = read_states(found.folder / "states.csv")
     assert [row.end_effector for row in log.rows] == [0, 1]
-    assert log.events == (EventRow(0.999, EventKind.ATTEMPT_BEGAN, "cylinder", 1),)
+    began_row = EventRow(0.999, EventKind.ATTEMPT_BEGAN, "cylinder", 1)
+    assert log.events == (began_row, EventRow(1.0, EventKind.STATE_CHANGED, old=0, new=1))
     (fault,) = found.faults
     assert fault.startswith("/EndEffectorState: 1 of 4 messages are left out; the first: 'exploded'")
 
