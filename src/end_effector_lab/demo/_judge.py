@@ -124,12 +124,9 @@ def _pending(log: StatesLog) -> Finding:
 
 def _unwound(description: Description, story: Story) -> Finding:
     """What is deactivated goes one after the other, in the declared order."""
-    groups = [group for release in story.releases for group in release.deactivated]
-    names = {name for group in groups for name in group}
-    found = ", ".join("+".join(group) for group in groups) or "none"
-    return _equal(
-        "deactivated", ", ".join(name for name in description.releasing if name in names) or "none", found
-    )
+    names = [name for release in story.releases for name in release.deactivated]
+    expected = [name for name in description.releasing if name in names]
+    return _equal("deactivated", ", ".join(expected) or "none", ", ".join(names) or "none")
 
 
 def _left_active(log: StatesLog) -> Finding:

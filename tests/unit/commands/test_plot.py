@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from end_effector_hal.cli import main
-from end_effector_hal.recording import PressuresWriter, StatesWriter
+from end_effector_hal.recording import EventsWriter, PressuresWriter, StatesWriter
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
 
 
@@ -19,6 +19,8 @@ def run(tmp_path):
     with StatesWriter(folder / "states.csv", NEVER.actuators) as writer:
         for row in NEVER.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    with EventsWriter(folder / "events.csv", NEVER.actuators) as table:
+        table.write(NEVER.events)
     with PressuresWriter(folder / "pressures.csv", PRESSURES.channels) as writer:
         for time_s, values in PRESSURES.samples:
             writer.write(time_s, dict(zip(PRESSURES.channels, values, strict=True)))

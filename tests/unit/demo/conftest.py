@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.recording import StatesLog, StatesWriter, read_states
+from end_effector_hal.recording import EventsWriter, StatesLog, StatesWriter, event_row, read_states
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.demo import DemoScenario, scenarios
 from tests.support.virtual_tool import VirtualTool
@@ -29,6 +29,7 @@ class RecordedTool(VirtualTool):
 
     def __init__(self, description: Description, bench: str, states: Path) -> None:
         self._writer = StatesWriter(states, description.sequence)
+        self._events = EventsWriter(states.with_name("events.csv"), description.sequence)
         super().__init__(description, bench)
 
     def play(self, scenario: DemoScenario) -> None:
@@ -40,6 +41,7 @@ class RecordedTool(VirtualTool):
                 self.finish()
             self.run(order.wait_s)
         self._writer.close()
+        self._events.close()
 
     def finish(self) -> None:
         """Until nothing is executed any more."""
@@ -53,6 +55,7 @@ class RecordedTool(VirtualTool):
             super()._gripper([status])
             changing = self.change.status().command
             self._row(status, status.command if status.command != Command.NONE else changing, status.at)
+            self._write_events(status)
 
     def _changer(self, statuses: list[Status]) -> None:
         for status in statuses:
@@ -60,6 +63,12 @@ class RecordedTool(VirtualTool):
             gripping = self.grip.status()
             command = gripping.command if gripping.command != Command.NONE else status.command
             self._row(gripping, command, status.at)
+            self._write_events(status)
+
+    def _write_events(self, status: Status) -> None:
+        self._events.write(
+            [event_row(each, each.at / 1e6, self.description.sequence) for each in status.events]
+        )
 
     def _row(self, status: Status, command: int, at: int) -> None:
         self._writer.write(at / 1e6, status.ee, command, status.actuators)

@@ -7,25 +7,32 @@ from dataclasses import replace
 
 import pytest
 
+from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
-from end_effector_hal.recording import StatesLog, StatesRow
+from end_effector_hal.recording import EventRow, StatesLog, StatesRow
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.demo import DemoScenario, Report, judge, scenarios
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 Rows = list[StatesRow]
+Events = list[EventRow]
 
 
 @pytest.fixture
 def told(verdin: Description, recordings: dict[str, StatesLog]) -> Callable[..., Report]:
-    """The report on a recording, after an edit of its rows."""
+    """The report on a recording, after an edit of its rows or its events."""
 
-    def tell(name: str, edit: Callable[[Rows], Rows] = list, description: Description = verdin) -> Report:
+    def tell(
+        name: str,
+        edit: Callable[[Rows], Rows] = list,
+        description: Description = verdin,
+        events: Callable[[Events], Events] = list,
+    ) -> Report:
         scenario = next(each for each in scenarios(verdin, everything=True) if each.name == name)
         log = recordings[name]
-        rows = edit(list(log.rows))
-        assert edit is list or tuple(rows) != log.rows
-        return judge(scenario, description, replace(log, rows=tuple(rows)))
+        edited = replace(log, rows=tuple(edit(list(log.rows))), events=tuple(events(list(log.events or ()))))
+        assert (edit, events) == (list, list) or edited != log
+        return judge(scenario, description, edited)
 
     return tell
 
@@ -61,13 +68,12 @@ def test_the_expected_times_are_those_of_the_description(
     )
 
 
-def moved(seconds: float) -> Callable[[Rows], Rows]:
+def moved(seconds: float) -> Callable[[Events], Events]:
     """Everything from the first time-out of the cylinder on comes later."""
 
-    def edit(rows: Rows) -> Rows:
-        first = next(i for i, row in enumerate(rows) if row.actuators[1] == 1)
-        out = next(i for i, row in enumerate(rows) if i > first and row.actuators[1] == 0)
-        return rows[:out] + [replace(row, time_s=row.time_s + seconds) for row in rows[out:]]
+    def edit(events: Events) -> Events:
+        out = next(i for i, event in enumerate(events) if event.kind is EventKind.TIMED_OUT)
+        return events[:out] + [replace(event, time_s=event.time_s + seconds) for event in events[out:]]
 
     return edit
 
@@ -77,7 +83,7 @@ def moved(seconds: float) -> Callable[[Rows], Rows]:
     [(-0.001, False), (-0.00001, False), (0.00001, True), (0.099, True), (0.1, True), (0.101, False)],
 )
 def test_never_early_and_at_most_100_ms_late(told: Callable[..., Report], seconds: float, ok: bool) -> None:
-    report = told("fails-once", moved(seconds))
+    report = told("fails-once", events=moved(seconds))
     assert report.ok is ok
     assert report.measures[0].ok is ok
     assert report.measures[1].ok
@@ -95,11 +101,11 @@ def commanded(old: Command, new: Command) -> Callable[[Rows], Rows]:
     return lambda rows: [replace(row, command=new) if row.command is old else row for row in rows]
 
 
-def swapped_release(rows: Rows) -> Rows:
-    """Bottom vacuum goes before the cylinder."""
-    return [
-        replace(row, actuators=(0, 2, 0)) if row.actuators == (2, 0, 0) and row.end_effector == 4 else row
-        for row in rows
+def named(names: dict[str, str], *kinds: EventKind) -> Callable[[Events], Events]:
+    """Other actuators in the events of some kinds."""
+    return lambda events: [
+        replace(each, actuator=names.get(each.actuator, each.actuator)) if each.kind in kinds else each
+        for each in events
     ]
 
 
@@ -109,16 +115,8 @@ WRONG: list[tuple[str, str, Callable[[Rows], Rows]]] = [
     ("nominal", "commands", commanded(Command.RELEASE, Command.CANCEL)),
     ("nominal", "states", without(EndEffectorState.RELEASING)),
     ("nominal", "states", lambda rows: rows[:-1]),
-    ("nominal", "attempts", with_actuators(lambda a: (a[0], a[1], 0))),
-    ("nominal", "order", with_actuators(lambda a: (a[2], a[1], a[0]))),
     ("nominal", "pending", lambda rows: [row for row in rows if 1 not in row.actuators[1:2]]),
-    ("nominal", "deactivated", swapped_release),
     ("nominal", "left active", with_actuators(lambda a: (a[0], a[1], max(a[2], 1)))),
-    (
-        "fails-once",
-        "time-outs",
-        lambda rows: [row for row in rows if row.actuators != (2, 0, 0) or row.end_effector == 4],
-    ),
     ("never-confirms", "states", without(EndEffectorState.GRIP_ERROR)),
     ("never-confirms", "commands", commanded(Command.RELEASE, Command.GRIP)),
     ("never-confirms", "left active", lambda rows: [*rows[:-1], replace(rows[-1], actuators=(2, 0, 0))]),
@@ -130,6 +128,23 @@ WRONG: list[tuple[str, str, Callable[[Rows], Rows]]] = [
     ),
     ("unlock-lock", "commands", commanded(Command.UNLOCK, Command.NONE)),
 ]
+
+
+_ENDS = {"bottom_vacuum": "top_vacuum", "top_vacuum": "bottom_vacuum"}
+WRONG_EVENTS: list[tuple[str, str, Callable[[Events], Events]]] = [
+    ("nominal", "attempts", lambda events: [each for each in events if each.actuator != "top_vacuum"]),
+    ("nominal", "order", named(_ENDS, EventKind.ATTEMPT_BEGAN, EventKind.CONFIRMED)),
+    ("nominal", "deactivated", named(_ENDS, EventKind.DEACTIVATED)),
+    ("fails-once", "time-outs", lambda events: [each for each in events if each.kind != EventKind.TIMED_OUT]),
+]
+
+
+@pytest.mark.parametrize(("name", "what", "edit"), WRONG_EVENTS)
+def test_a_wrong_event_is_found(
+    told: Callable[..., Report], name: str, what: str, edit: Callable[[Events], Events]
+) -> None:
+    report = told(name, events=edit)
+    assert what in [finding.what for finding in report.findings if not finding.ok]
 
 
 @pytest.mark.parametrize(("name", "what", "edit"), WRONG)

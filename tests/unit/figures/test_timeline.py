@@ -20,19 +20,29 @@ from end_effector_hal.recording import (
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_lab.figures import save, timeline
 from tests.support.nightly import examples, first_of
-from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, PRESSURES, log
+from tests.support.trace_recordings import (
+    CANCELLED,
+    FAILS_ONCE,
+    INFO,
+    NAMES,
+    NEVER,
+    NOMINAL,
+    PRESSURES,
+    log,
+    moved,
+)
 from tests.unit.figures.figure_facts import bars, overlaps, recordings, texts
 
 SCENARIOS = {"nominal": NOMINAL, "fails-once": FAILS_ONCE, "never": NEVER, "cancelled": CANCELLED}
 
 
 def long_recording(grips, pause_s=30.0):
-    rows, start = [], 0.0
+    rows, events, start = (), (), 0.0
     for number in range(grips):
-        source = (NOMINAL, FAILS_ONCE, NEVER)[number % 3].rows
-        rows += [(start + r.time_s, *r.states) for r in source]
-        start += source[-1].time_s + pause_s
-    return log(*rows)
+        source = moved((NOMINAL, FAILS_ONCE, NEVER)[number % 3], lambda at, start=start: start + at)
+        rows, events = rows + source.rows, events + source.events
+        start = rows[-1].time_s + pause_s
+    return replace(NOMINAL, rows=rows, events=events)
 
 
 def test_the_title_is_the_verdict_and_the_subtitle_the_source():
@@ -159,15 +169,16 @@ def test_no_words_stand_on_each_other(name, pressures):
 @pytest.mark.parametrize("factor", first_of([0.05, 30, 0.5, 5], 2, 0))
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_short_and_long_recordings_are_readable(name, factor):
-    rows = [(r.time_s * factor, *r.states) for r in SCENARIOS[name].rows]
-    figure = timeline(log(*rows), None, INFO)
+    figure = timeline(moved(SCENARIOS[name], lambda at: at * factor), None, INFO)
     assert overlaps(figure) == []
     assert len(texts(figure, "event")) == len(texts(timeline(SCENARIOS[name], None, INFO), "event"))
 
 
 def test_ten_minutes_with_one_grip_in_the_middle():
-    rows = [(r.time_s + (300 if r.time_s else 0), *r.states) for r in NEVER.rows]
-    figure = timeline(log(*rows, (600, 6, 0, 0, 0, 0)), None, INFO)
+    grip = moved(NEVER, lambda at: at + 300 if at else 0.0)
+    end = log((600, 6, 0, 0, 0, 0), events=[(600, "lock")])
+    long = replace(grip, rows=grip.rows + end.rows, events=grip.events + end.events)
+    figure = timeline(long, None, INFO)
     assert overlaps(figure) == []
     assert texts(figure, "event") == [
         "GRIP",
@@ -421,7 +432,12 @@ def test_commands_at_one_instant_are_one_mark_and_others_keep_their_words():
         (2, 3, -1, 2, 2, 2),
         (60, 4, 3, 2, 2, 0),
     ]
-    assert texts(timeline(log(*rows), None, INFO), "event") == ["LOCK, GRIP", "GRIPPED", "DROP"]
+    events = [(1, "lock"), (1.001, "grip; STAND_BY>GRIPPING"), (2, "GRIPPING>GRIPPED"), (60, "drop")]
+    assert texts(timeline(log(*rows, events=events), None, INFO), "event") == [
+        "LOCK, GRIP",
+        "GRIPPED",
+        "DROP",
+    ]
 
 
 def test_an_alarm_of_any_length_takes_no_words_from_others():

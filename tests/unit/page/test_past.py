@@ -21,7 +21,7 @@ from end_effector_hal.page.web import PageAddress, _past, _second_rank
 from end_effector_hal.page.web._past import PastRecordings
 from end_effector_hal.page.web._past_routes import past_routes
 from end_effector_hal.page.web._recordings import make_recordings_app
-from end_effector_hal.recording import StatesWriter
+from end_effector_hal.recording import EventsWriter, StatesWriter
 from tests.support.recorded_tool import RecordedTool
 from tests.support.trace_recordings import INFO, NEVER, NOMINAL
 
@@ -31,6 +31,8 @@ def written(folder: Path, log: Any, changed: float) -> Path:
     with StatesWriter(folder / "states.csv", log.actuators) as writer:
         for row in log.rows:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    with EventsWriter(folder / "events.csv", log.actuators) as table:
+        table.write(log.events)
     INFO.write(folder)
     os.utime(folder / "states.csv", (changed, changed))
     return folder

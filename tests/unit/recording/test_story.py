@@ -1,4 +1,4 @@
-"""The story is read from the states alone."""
+"""The story is a fold of the events."""
 
 from dataclasses import replace
 
@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from end_effector_hal.control import COMMANDS, EventKind
 from end_effector_hal.recording import (
-    AlarmRow,
     AttemptOutcome,
+    EventRow,
+    EventsWriter,
     GripDecision,
     ReleaseCause,
     RunInfo,
@@ -17,9 +19,21 @@ from end_effector_hal.recording import (
     read_states,
     read_story,
 )
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import Cause, Command, EndEffectorState
 from tests.support.nightly import examples
-from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NAMES, NEVER, NOMINAL, log
+from tests.support.trace_recordings import (
+    CANCELLED,
+    DROP,
+    FAILS_ONCE,
+    GRIP,
+    GRIPPED,
+    INFO,
+    LATE,
+    NAMES,
+    NEVER,
+    NOMINAL,
+    log,
+)
 
 
 def attempts(story):
@@ -28,6 +42,11 @@ def attempts(story):
 
 def moments(story):
     return [(moment.time_s, moment.text) for moment in story.moments]
+
+
+def told(*events, end=6, info=None):
+    """The story of some events, which ends in a state."""
+    return read_story(log((0.0, 6, -1, 0, 0, 0), (99.0, end, -1, 0, 0, 0), events=events), info)
 
 
 def test_the_nominal_scenario():
@@ -44,7 +63,7 @@ def test_the_nominal_scenario():
     )
     (release,) = story.releases
     assert (release.cause, release.start_s, release.end_s) == (ReleaseCause.DROP, 11.0, 12.0)
-    assert release.deactivated == (("top_vacuum",), ("cylinder",), ("bottom_vacuum",))
+    assert release.deactivated == ("top_vacuum", "cylinder", "bottom_vacuum")
     assert release.in_reverse(NAMES)
     assert (release.ended, story.final) == (EndEffectorState.STAND_BY, EndEffectorState.STAND_BY)
 
@@ -63,6 +82,12 @@ def test_one_fails_once_and_recovers():
     ]
     assert story.grips[0].attempts_by_actuator == {"bottom_vacuum": 1, "cylinder": 2, "top_vacuum": 1}
     assert moments(story)[1] == (6.5, "Cylinder time-out 1")
+
+
+def test_a_recording_without_events_says_so():
+    story = read_story(replace(NOMINAL, events=None), INFO)
+    assert story.verdict == "No events were recorded, so grips are not known, ends in STAND-BY"
+    assert (story.grips, story.releases, story.moments) == ((), (), ())
 
 
 def test_a_counterexample_is_no_success():
@@ -92,26 +117,21 @@ def test_how_many_attempts_there_are_comes_from_the_run():
 
 
 def test_what_gripped_nothing_did_not_time_out():
-    state, grip = EndEffectorState, Command.GRIP
-    rows = [(0.0, state.STAND_BY, Command.NONE, 0)]
-    for at in (1.0, 2.2, 3.4):
-        rows += [(at, state.GRIPPING, grip, 1), (at + 0.2, state.GRIPPING, grip, 0)]
-    rows[-1] = (3.6, state.GRIP_ERROR, Command.RELEASE, 1)
-    rows += [(3.6, state.RELEASING, Command.RELEASE, 0), (3.8, state.STAND_BY, Command.NONE, 0)]
-    states = StatesLog(("jaw",), tuple(StatesRow(at, ee, command, (jaw,)) for at, ee, command, jaw in rows))
-    info = RunInfo(actuators={"jaw": "gripper"}, limits={"jaw": {"attempts": 3}})
-    alarms = [AlarmRow(at + 0.2, "begun", "Jaw closed on nothing.") for at in (1.0, 2.2, 3.4)]
-    story = read_story(states, info, alarms)
-    assert [attempt.outcome for attempt in story.attempts] == [AttemptOutcome.EMPTY] * 3
-    assert [round(reset.length_s, 6) for reset in story.resets] == [1.0, 1.0]
-    assert story.verdict == "Jaw gripped nothing: grip ABORTED after 3 attempts, released"
-    assert (3.6, "Jaw empty 3/3 – abort") in moments(story)
-    foreign = RunInfo(actuators={"jaw": "of_somebody"}, limits={"jaw": {"attempts": 3}})
-    assert read_story(states, foreign, alarms).grips[0].culprit == "jaw"
+    story = told(
+        *GRIP,
+        (1.75, "empty cylinder 1"),
+        (2.75, "began cylinder 2"),
+        (3.0, "empty cylinder 2; GRIPPING>GRIP_ERROR EMPTY cylinder; GRIP_ERROR>RELEASING; off cylinder"),
+        (4.0, "RELEASING>STAND_BY"),
+    )
+    assert [attempt.outcome for attempt in story.attempts[1:]] == [AttemptOutcome.EMPTY] * 2
+    assert [round(reset.length_s, 6) for reset in story.resets] == [1.0]
+    assert story.verdict == "Cylinder gripped nothing: grip ABORTED after 2 attempts, released"
+    assert (3.0, "Cylinder empty 2 – abort") in moments(story)
 
 
 def test_one_never_confirms():
-    story = read_story(NEVER)
+    story = read_story(NEVER, INFO)
     assert (
         story.verdict == "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order"
     )
@@ -121,7 +141,7 @@ def test_one_never_confirms():
     (grip,) = story.grips
     assert (grip.decision, grip.decided_s, grip.culprit) == (GripDecision.ABORTED, 18.5, "cylinder")
     assert story.releases[0].cause is ReleaseCause.ABORT
-    assert story.releases[0].deactivated == (("cylinder",), ("bottom_vacuum",))
+    assert story.releases[0].deactivated == ("cylinder", "bottom_vacuum")
     assert moments(story) == [
         (1.0, "GRIP"),
         (6.5, "Cylinder time-out 1/3"),
@@ -130,47 +150,41 @@ def test_one_never_confirms():
     ]
 
 
-@pytest.mark.parametrize(
-    "end",
-    [
-        # deactivated in the row of the error, before it, and after it
-        [(18.5, 2, 3, 2, 0, 0), (18.5, 4, 3, 2, 0, 0)],
-        [(18.5, 1, 2, 2, 0, 0), (18.5, 2, 3, 2, 0, 0), (18.5, 4, 3, 2, 0, 0)],
-        [(18.5, 2, 2, 2, 1, 0), (18.5, 2, 3, 2, 1, 0), (18.51, 4, 3, 2, 0, 0)],
-    ],
-)
-def test_the_last_time_out_is_found_however_the_rows_fall(end):
-    rows = [(r.time_s, *r.states) for r in NEVER.rows]
-    story = read_story(log(*rows[:7], *end, *rows[9:]))
-    assert (
-        story.verdict == "Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order"
-    )
-    assert attempts(story)[1:] == [("cylinder", n, AttemptOutcome.TIMED_OUT, 5.0) for n in (1, 2, 3)]
+def test_attempts_without_a_reset_between_them_have_none():
+    story = told(*GRIP, (6.5, "late cylinder 1; began cylinder 2"))
+    assert [(each.number, each.outcome) for each in story.attempts[1:]] == [
+        (1, AttemptOutcome.TIMED_OUT),
+        (2, AttemptOutcome.PENDING),
+    ]
+    assert story.resets == ()
 
 
 def test_an_earlier_step_lost_while_a_later_one_is_pending_is_no_time_out():
-    rows = [(r.time_s, *r.states) for r in NEVER.rows]
-    story = read_story(
-        log(
-            *rows[:5], (8.5, 2, 3, 2, 1, 0), (8.5, 4, 3, 2, 0, 0), (9.0, 4, 3, 0, 0, 0), (9.5, 6, -1, 0, 0, 0)
-        )
-    )
+    story = told(
+        *GRIP, *LATE,
+        (8.5, "lost bottom_vacuum; GRIPPING>GRIP_ERROR LOST bottom_vacuum; GRIP_ERROR>RELEASING; off cylinder"),
+        (9.0, "off bottom_vacuum"), (9.5, "RELEASING>STAND_BY"),
+    )  # fmt: skip
     assert story.verdict == "Grip ABORTED while Cylinder was pending, released in reverse order"
     assert [a[2] for a in attempts(story)[1:]] == [AttemptOutcome.TIMED_OUT, AttemptOutcome.DEACTIVATED]
     assert moments(story)[-1] == (8.5, "abort")
 
 
-def test_a_loss_before_the_last_attempt_is_known_from_the_run_even_without_an_earlier_time_out():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows[:3]]
-    story = read_story(log(*rows, (4.0, 2, 3, 2, 1, 0), (4.0, 4, 3, 2, 0, 0), (5.0, 6, -1, 0, 0, 0)), INFO)
-    assert story.verdict.startswith("Grip ABORTED while Cylinder was pending")
-
-
 def test_a_loss_during_a_reset_is_not_the_time_out_before_it():
-    rows = [(r.time_s, *r.states) for r in NEVER.rows[:4]]
-    story = read_story(log(*rows, (7.0, 2, 3, 2, 0, 0), (7.0, 4, 3, 0, 0, 0), (7.5, 6, -1, 0, 0, 0)))
+    story = told(
+        *GRIP, LATE[0],
+        (7.0, "lost bottom_vacuum; GRIPPING>GRIP_ERROR LOST bottom_vacuum; GRIP_ERROR>RELEASING; off bottom_vacuum"),
+        (7.5, "RELEASING>STAND_BY"),
+    )  # fmt: skip
     assert story.verdict == "Grip ABORTED, released"
     assert story.grips[0].culprit is None
+
+
+def test_an_activation_that_is_refused_aborts_without_a_time_out():
+    refused = "GRIPPING>GRIP_ERROR REFUSED cylinder; off cylinder; GRIP_ERROR>RELEASING; off bottom_vacuum"
+    story = told(*GRIP, (1.6, refused), (2.0, "RELEASING>STAND_BY"))
+    assert story.verdict == "Grip ABORTED while Cylinder was pending, released in reverse order"
+    assert story.timeouts == ()
 
 
 def test_a_cancelled_grip():
@@ -183,57 +197,62 @@ def test_a_cancelled_grip():
 
 
 def test_what_an_ending_leaves_active_ends_the_unwinding_and_a_drop_is_another_one():
-    grip = [(0.0, 6, -1, 0, 0, 0), (1.0, 1, 2, 1, 0, 0), (1.5, 1, 2, 2, 0, 0), (1.5, 1, 2, 2, 1, 0)]
-    cancelled = [*grip, (3.0, 4, 4, 2, 1, 0), (3.0, 4, 4, 2, 0, 0), (3.2, 2, -1, 2, 0, 0)]
-    story = read_story(log(*cancelled))
+    cancelled = [
+        *GRIP,
+        (3.0, "cancel; GRIPPING>RELEASING CANCELLED; off cylinder"),
+        (3.2, "RELEASING>GRIP_ERROR KEPT"),
+    ]
+    story = told(*cancelled, end=2)
     assert story.verdict == "Grip CANCELLED while Cylinder was pending, partly released: GRIP ERROR"
-    dropped = [*cancelled, (5.0, 4, 3, 2, 0, 0), (5.0, 4, 3, 0, 0, 0), (6.0, 6, -1, 0, 0, 0)]
-    releases = read_story(log(*dropped)).releases
-    assert [(each.cause, each.ended) for each in releases] == [
+    dropped = [(5.0, "drop; GRIP_ERROR>RELEASING; off bottom_vacuum"), (6.0, "RELEASING>STAND_BY")]
+    assert [(each.cause, each.ended) for each in told(*cancelled, *dropped).releases] == [
         (ReleaseCause.CANCEL, EndEffectorState.GRIP_ERROR),
         (ReleaseCause.DROP, EndEffectorState.STAND_BY),
     ]
-    held = read_story(log(*grip, (3.0, 2, 4, 2, 1, 0), (3.0, 2, -1, 2, 1, 0)))
-    assert held.verdict == "Grip CANCELLED while Cylinder was pending, outputs held"
-
-
-def test_a_cancel_that_holds_and_the_drop_after_it():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows[:3]]
-    held = [*rows, (2.25, 2, -1, 2, 1, 0)]
-    story = read_story(log(*held))
+    held = [*GRIP, (3.0, "cancel; GRIPPING>GRIP_ERROR CANCELLED")]
+    story = told(*held, end=2)
     assert story.verdict == "Grip CANCELLED while Cylinder was pending, outputs held"
     assert (story.releases, story.final) == ((), EndEffectorState.GRIP_ERROR)
-    assert moments(story) == [(1.0, "GRIP"), (2.25, "CANCEL")]
-    story = read_story(log(*held, (4.0, 4, 3, 2, 0, 0), (4.5, 4, 3, 0, 0, 0), (5.0, 6, -1, 0, 0, 0)))
-    assert story.verdict == "Grip CANCELLED while Cylinder was pending, outputs held, then dropped"
-
-
-def test_a_grip_that_is_lost():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows]
-    story = read_story(log(*rows[:5], (6.0, 2, -1, 2, 2, 2)))
-    assert story.verdict == "GRIPPED, then LOST: outputs held"
-    assert story.lost_s == (6.0,)
-    assert moments(story)[-1] == (6.0, "grip lost")
-    assert read_story(log(*rows[:5], (6.0, 2, -1, 2, 2, 2), *rows[5:])).verdict == (
-        "GRIPPED, then LOST: outputs held, then dropped"
+    assert told(*held, *dropped).verdict == f"{story.verdict}, then dropped"
+    aborted = told(*GRIP, (4.5, "late cylinder 1; GRIPPING>GRIP_ERROR TIMED_OUT cylinder"), *dropped)
+    assert aborted.verdict == (
+        "Cylinder never confirmed: grip ABORTED after 1 attempt, outputs held, then dropped"
     )
 
 
 def test_a_grip_that_is_lost_says_by_whom():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows]
-    story = read_story(log(*rows[:5], (6.0, 2, -1, 2, 2, 1)))
+    lost = (6.0, "lost top_vacuum; GRIPPED>GRIP_ERROR LOST top_vacuum")
+    story = told(*GRIPPED, lost, end=2)
     assert story.verdict == "GRIPPED, then Top vacuum LOST: outputs held"
-    assert [loss.actuators for loss in story.losses] == [("top_vacuum",)]
+    assert [(loss.time_s, loss.actuator) for loss in story.losses] == [(6.0, "top_vacuum")]
     assert moments(story)[-1] == (6.0, "grip lost: Top vacuum")
+    assert told(*GRIPPED, lost, *DROP).verdict == f"{story.verdict}, then dropped"
+    refused = told(*GRIPPED, (6.0, "GRIPPED>GRIP_ERROR REFUSED"), end=2)
+    assert refused.verdict == "GRIPPED, then LOST: outputs held"
+    assert moments(refused)[-1] == (6.0, "grip lost")
+
+
+def test_what_is_released_because_of_a_loss_is_no_drop():
+    lost = "lost cylinder; GRIPPED>GRIP_ERROR LOST cylinder; GRIP_ERROR>RELEASING; off top_vacuum"
+    story = told(*GRIPPED, (6.0, lost), (6.5, "off cylinder"), (7.0, "RELEASING>GRIP_ERROR KEPT"), end=2)
+    assert story.verdict == "GRIPPED, then Cylinder LOST, partly released: GRIP ERROR"
+    assert [release.cause for release in story.releases] == [ReleaseCause.LOSS]
+
+
+def test_what_is_released_at_the_start_is_no_drop():
+    start = [(0.1, "OFF>RELEASING RELEASED_AT_START; off cylinder"), (0.5, "RELEASING>STAND_BY")]
+    (release,) = told(*start).releases
+    assert (release.cause, release.deactivated) == (ReleaseCause.START, ("cylinder",))
+    stopped = told(*GRIP, (1.6, "GRIPPING>OFF"), (1.7, "OFF>RELEASING RELEASED_AT_START"))
+    assert stopped.verdict == "Grip STOPPED while Cylinder was pending, still releasing at the end"
 
 
 def test_a_release_that_fails_and_the_drop_that_succeeds():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows]
-    failed = [*rows[:8], (13.75, 5, -1, 0, 0, 0)]
-    story = read_story(log(*failed))
+    failed = [*GRIPPED, *DROP[:3], (13.75, "RELEASING>RELEASE_ERROR STILL_PRESENT")]
+    story = told(*failed, end=5)
     assert story.verdict == "GRIPPED, then release failed: RELEASE ERROR"
     assert moments(story)[-1] == (13.75, "release error")
-    story = read_story(log(*failed, (20.0, 4, 3, 0, 0, 0), (20.5, 6, -1, 0, 0, 0)))
+    story = told(*failed, (20.0, "drop; RELEASE_ERROR>RELEASING"), (20.5, "RELEASING>STAND_BY"))
     assert story.verdict == "GRIPPED, then release failed: RELEASE ERROR, then dropped"
     assert [release.ended for release in story.releases] == [
         EndEffectorState.RELEASE_ERROR,
@@ -242,21 +261,21 @@ def test_a_release_that_fails_and_the_drop_that_succeeds():
 
 
 def test_another_order_of_release_is_told():
-    rows = [(r.time_s, *r.states) for r in NOMINAL.rows[:5]]
-    story = read_story(log(*rows, (11.0, 4, 3, 0, 2, 2), (11.5, 4, 3, 0, 0, 0), (12.0, 6, -1, 0, 0, 0)))
-    assert story.releases[0].deactivated == (("bottom_vacuum",), ("cylinder", "top_vacuum"))
+    story = told(
+        *GRIPPED, (11.0, "drop; GRIPPED>RELEASING; off bottom_vacuum"), (11.5, "off cylinder"),
+        (11.7, "off top_vacuum"), DROP[-1],
+    )  # fmt: skip
     assert not story.releases[0].in_reverse(NAMES)
-    assert (
-        story.verdict == "Nominal: GRIPPED, then dropped in the order Bottom vacuum, Cylinder and Top vacuum"
-    )
+    assert story.verdict == "Nominal: GRIPPED, then dropped in the order Bottom vacuum, Cylinder, Top vacuum"
 
 
 def test_several_grips():
-    rows, start = [], 0.0
-    for recording in (NOMINAL, NEVER, FAILS_ONCE):
-        rows += [(start + r.time_s, *r.states) for r in recording.rows]
-        start += 20.0
-    story = read_story(log(*rows))
+    events = [
+        replace(event, time_s=start + event.time_s)
+        for start, recording in ((0.0, NOMINAL), (20.0, NEVER), (40.0, FAILS_ONCE))
+        for event in recording.events
+    ]
+    story = read_story(replace(NOMINAL, events=tuple(events)), INFO)
     assert story.verdict == "3 grips: 2 GRIPPED, 1 ABORTED (Cylinder never confirmed)"
     assert [grip.decision for grip in story.grips] == [
         GripDecision.GRIPPED,
@@ -273,85 +292,91 @@ def test_several_grips():
 
 
 @pytest.mark.parametrize(
-    ("rows", "verdict"),
+    ("rows", "events", "verdict"),
     [
-        ([], "Nothing was recorded"),
-        ([(0, 6, -1, 0, 0, 0)], "No grip, stays in STAND-BY"),
+        ([], [], "Nothing was recorded"),
+        ([(0, 6, -1, 0, 0, 0)], [], "No grip, stays in STAND-BY"),
         (
-            [(0, 6, 1, 0, 0, 0), (1, 6, -1, 0, 0, 0), (2, 6, 0, 0, 0, 0)],
+            [(0, 6, 1, 0, 0, 0), (1, 6, -1, 0, 0, 0)],
+            [(0, "unlock"), (2, "lock"), (3, "lock")],
             "UNLOCK, LOCK: no grip, ends in STAND-BY",
         ),
-        ([(0, 0, -1, 0, 0, 0), (0, 3, -1, 2, 2, 2)], "Adopted as GRIPPED"),
+        ([(0, 0, -1, 0, 0, 0), (0, 3, -1, 2, 2, 2)], [(0, "OFF>GRIPPED")], "Adopted as GRIPPED"),
+        ([(0, 3, -1, 2, 2, 2)], [], "Adopted as GRIPPED"),
         (
-            [(0, 2, -1, 2, 0, 0), (1, 4, 3, 0, 0, 0), (2, 6, -1, 0, 0, 0)],
+            [(0, 2, -1, 2, 0, 0), (2, 6, -1, 0, 0, 0)],
+            [(1, "drop; GRIP_ERROR>RELEASING; off bottom_vacuum"), (2, "RELEASING>STAND_BY")],
             "Adopted as GRIP ERROR, then dropped",
         ),
-        ([(0, 1, 2, 2, 1, 0)], "Grip UNFINISHED: Cylinder still pending at the end"),
+        ([(0, 1, 2, 2, 1, 0)], [(0, "began cylinder 2")], "Grip UNFINISHED: Cylinder still pending at the end"),
+        ([(0, 1, 2, 2, 1, 0)], [(0, "late cylinder 2"), (1, "GRIPPING>GRIPPED")], "Nominal: GRIPPED"),
         (
-            [(0, 1, 2, 1, 0, 0), (1, 4, 3, 0, 0, 0)],
-            "Grip STOPPED while Bottom vacuum was pending, still releasing at the end",
-        ),
-        ([(0, 1, 2, 1, 0, 0), (1, 0, -1, 0, 0, 0)], "Grip STOPPED while Bottom vacuum was pending, released"),
-        (
-            [(0, 1, 2, 1, 0, 0), (5, 2, 3, 0, 0, 0), (5, 6, -1, 0, 0, 0)],
-            "Bottom vacuum never confirmed: grip ABORTED after 1 attempt, released",
+            [(0, 1, 2, 2, 1, 0)],
+            [(1, "late cylinder 2; GRIPPING>GRIP_ERROR TIMED_OUT cylinder")],
+            "Grip ABORTED, outputs held",
         ),
     ],
-)
-def test_other_recordings(rows, verdict):
-    assert read_story(log(*rows)).verdict == verdict
+)  # fmt: skip
+def test_other_recordings(rows, events, verdict):
+    assert read_story(log(*rows, events=events)).verdict == verdict
 
 
 def test_names_come_from_the_columns():
-    story = read_story(log((0, 1, 2, 1), (1, 2, 3, 1), (1, 6, -1, 0), names=["left_needle_cup"]))
-    assert story.verdict == "Left needle cup never confirmed: grip ABORTED after 1 attempt, released"
+    events = [
+        (0, "began left_needle_cup 1"),
+        (5, "late left_needle_cup 1; GRIPPING>GRIP_ERROR TIMED_OUT left_needle_cup"),
+    ]
+    story = read_story(log((0, 1, 2, 1), (6, 2, -1, 0), names=["left_needle_cup"], events=events))
+    assert story.verdict == "Left needle cup never confirmed: grip ABORTED after 1 attempt, outputs held"
 
 
 def test_time_outs_of_several_actuators_are_named():
-    story = read_story(
-        log(
-            (0, 1, 2, 1, 0, 0),
-            (5, 1, 2, 0, 0, 0),
-            (6, 1, 2, 1, 0, 0),
-            (7, 1, 2, 2, 1, 0),
-            (12, 1, 2, 2, 0, 0),
-        )
-    )
+    story = told(
+        (1, "grip; STAND_BY>GRIPPING; began bottom_vacuum 1"), (6, "late bottom_vacuum 1"),
+        (7, "began bottom_vacuum 2"), (8, "confirmed bottom_vacuum 2; began cylinder 1"), (13, "late cylinder 1"),
+    )  # fmt: skip
     assert [m.text for m in story.moments][1:] == ["Bottom vacuum time-out 1", "Cylinder time-out 1"]
+    assert [grip.decision for grip in story.grips] == [GripDecision.UNFINISHED]
 
 
-def test_it_needs_nothing_but_the_file(tmp_path):
+def test_it_needs_nothing_but_the_tables(tmp_path):
     path = tmp_path / "states.csv"
     lines = [
         ",".join(NEVER.columns),
         *(",".join(map(str, (r.time_s, *map(int, r.states)))) for r in NEVER.rows),
     ]
     path.write_text("\n".join(lines) + "\n")
+    with EventsWriter(tmp_path / "events.csv", NAMES) as writer:
+        writer.write(NEVER.events)
     assert read_story(read_states(path)) == read_story(NEVER)
 
 
-ROWS = st.lists(
-    st.tuples(
-        st.integers(0, 50),
-        st.sampled_from(EndEffectorState),
-        st.sampled_from(Command),
-        st.tuples(*[st.integers(0, 2)] * 3),
+STATES = st.sampled_from(EndEffectorState)
+EVENTS = st.lists(
+    st.one_of(
+        st.builds(
+            EventRow, st.integers(0, 50), st.just(EventKind.STATE_CHANGED), st.sampled_from(("", *NAMES)),
+            old=STATES, new=STATES, cause=st.sampled_from(Cause),
+        ),
+        st.builds(
+            EventRow, st.integers(0, 50),
+            st.sampled_from([each for each in EventKind if "changed" not in each]), st.sampled_from(("", *NAMES)),
+            st.integers(0, 20), command=st.sampled_from(("", *COMMANDS)),
+        ),
     ),
     max_size=30,
-)
+)  # fmt: skip
 
 
 @settings(max_examples=examples(50, 3000))
-@given(ROWS, st.booleans())
-def test_any_recording_has_a_story(rows, informed):
-    times = sorted(row[0] / 4 for row in rows)
-    recording = StatesLog(NAMES, tuple(StatesRow(t, *row[1:]) for t, row in zip(times, rows, strict=True)))
-    story = read_story(recording, INFO if informed else RunInfo())
+@given(st.lists(STATES, max_size=2), EVENTS, st.booleans())
+def test_any_recording_has_a_story(states, events, informed):
+    rows = tuple(StatesRow(at, state, Command.NONE, (0, 0, 0)) for at, state in enumerate(states))
+    ordered = tuple(sorted(events, key=lambda event: event.time_s))
+    story = read_story(StatesLog(NAMES, rows, events=ordered), INFO if informed else RunInfo())
     assert story.verdict
     assert list(story.moments) == sorted(story.moments, key=lambda moment: moment.time_s)
     for grip in story.grips:
-        for name in NAMES:
-            assert [attempt.number for attempt in grip.of(name)] == list(range(1, len(grip.of(name)) + 1))
         for attempt in grip.attempts:
             assert (attempt.end_s is None) == (attempt.outcome is AttemptOutcome.PENDING)
             assert attempt.length_s is None or attempt.length_s >= 0

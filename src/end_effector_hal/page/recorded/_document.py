@@ -90,7 +90,7 @@ class _Fold:
         self._tracks = Tracks()
         self._samples = Samples(self._view.timeline.curves, files.begin, self._step_us)
         self._info = run_info(files.description)
-        self._summary = Summary(files.description, self._info, files.begin)
+        self._summary = Summary(files.description, self._info, files.begin, has_events=files.has_events)
         self._tables = TablesBuilder(files.description, files.begin, self._since, self._step_us)
         self._log: list[dict[str, Any]] = []
         self._edges: dict[str, int] = {}
@@ -168,6 +168,7 @@ class _Fold:
         self._drain()
         if kind in ("status", PUBLISHED) and (status := view.status()) is not None:
             self._summary.status(status)
+            self._summary.events((record.status if kind == PUBLISHED else record).events)
             self._tables.status(status)
         return kind not in _READINGS
 
@@ -198,7 +199,6 @@ class _Fold:
         log, line = self._view.log, self._view.timeline
         if log.newest > self._seen[0]:
             entries = [entry for entry in log.since(self._seen[0]) if entry["kind"] != "page"]
-            self._summary.entries(entries)
             self._log += [self._short(entry) for entry in entries if self._since <= entry["at"]]
         new = line.since(*self._seen[1:])
         self._seen = [log.newest, line.sampled, line.changed]

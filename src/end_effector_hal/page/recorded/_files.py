@@ -48,6 +48,7 @@ class RecordingFiles:
         header: of the first trace.
         description: the tool as it was recorded.
         begin, end: µs, of the first and the last record.
+        has_events: always; a table of events may be missing (`RecordedTables`).
         whole: every trace was closed in good order, and none was left out.
     """
 
@@ -94,6 +95,7 @@ class RecordingFiles:
         self._parts = parts
         self.begin = min(part.header.at for part in parts)
         self.end = max(self.begin, *(part.last_at for part in parts))
+        self.has_events = True
         self.whole = not refused and all(part.complete for part in parts)
         recorded = {part.header.program for part in parts}
         for program in PROGRAMS:

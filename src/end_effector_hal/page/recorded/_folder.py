@@ -27,7 +27,7 @@ PROGRESS = "progress "
 """Before the share that is read, in a line on stderr of the process that reads a recording for the live page."""
 _LONGEST = 160
 _BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
-_TABLE, _INFO, _TRACE = "states.csv", "run.json", ".mcap"
+_TABLE, _EVENTS, _INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +118,8 @@ def _read(row: ListedRecording, path: Path) -> ListedRecording:
     if not _small(path / _TABLE, MOST_TABLE_BYTES):
         there = (path / _TABLE).exists()
         story = "long: open it" if there else "only traces: open it"
+    elif (path / _EVENTS).exists() and not _small(path / _EVENTS, MOST_TABLE_BYTES):
+        story = "long: open it"
     else:
         try:
             log = read_states(path / _TABLE)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.description import Description
 from end_effector_hal.recording import (
-    BEGUN,
-    AlarmRow,
+    EventRow,
     GripDecision,
     ReleaseCause,
     RunInfo,
     StatesLog,
     StatesRow,
+    event_row,
     read_story,
 )
 from end_effector_hal.verification.proof import Verdict
@@ -24,26 +24,31 @@ _CAUSES = {
     ReleaseCause.ABORT: "Release after an aborted grip",
     ReleaseCause.CANCEL: "Release after a cancelled grip",
     ReleaseCause.DROP: "Drop",
-    ReleaseCause.STOP: "Release after a stop",
+    ReleaseCause.LOSS: "Release after a loss",
+    ReleaseCause.START: "Release at the start",
 }
 _BAD = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 MOST_GOALS = 500
 
 
 class Summary:
-    """Collects states and alarms, and tells them as a story.
+    """Collect states and events, and make a story of them.
 
     Args:
         description: the tool.
         info: of the recording.
         epoch: time zero, µs.
+        has_events: whether events were recorded.
     """
 
-    def __init__(self, description: Description, info: RunInfo, epoch: int) -> None:
+    def __init__(
+        self, description: Description, info: RunInfo, epoch: int, *, has_events: bool = True
+    ) -> None:
+        self._has_events = has_events
         self._description, self._info, self._epoch = description, info, epoch
         self._rows: list[StatesRow] = []
         self._reasons: list[tuple[float, str]] = []
-        self._alarms: list[AlarmRow] = []
+        self._events: list[EventRow] = []
 
     def status(self, status: Status) -> None:
         """A status of the whole tool."""
@@ -54,24 +59,21 @@ class Summary:
         if status.reason and (not self._reasons or self._reasons[-1][1] != status.reason):
             self._reasons.append((at_s, status.reason))
 
-    def entries(self, entries: Sequence[dict[str, Any]]) -> None:
-        """Entries of the log, of which the alarms count."""
-        for entry in entries:
-            if entry["kind"] == "alarm":
-                at_s = (entry["at"] - self._epoch) / 1e6
-                self._alarms.append(
-                    AlarmRow(at_s, BEGUN, entry["text"], entry.get("id", ""), entry.get("about", ""))
-                )
+    def events(self, events: Sequence[ToolEvent]) -> None:
+        """Events of one of its programs."""
+        names = self._description.sequence
+        self._events += (event_row(each, (each.at - self._epoch) / 1e6, names) for each in events)
 
     @property
     def states(self) -> StatesLog:
-        """Those of the tool, a row for each change."""
-        return StatesLog(tuple(name for name, _ in self._description.ordered), tuple(self._rows))
+        """The states of the tool, a row for each change, and its events."""
+        events = tuple(sorted(self._events, key=lambda row: row.time_s)) if self._has_events else None
+        return StatesLog(self._description.sequence, tuple(self._rows), events=events)
 
     def as_json(self, proven: Verdict | None) -> dict[str, Any]:
         """The story in one sentence, and a row for each goal; times in seconds since time zero."""
         tool = self._description
-        story = read_story(self.states, self._info, self._alarms)
+        story = read_story(self.states, self._info)
         bounds, goals = tool.durations, list[dict[str, Any]]()
         for grip in story.grips:
             failed = grip.decision is not GripDecision.GRIPPED

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.page.view import Cards
 from end_effector_hal.recording import (
     ENDED,
     AlarmRow,
+    EventRow,
     PressuresLog,
     RunInfo,
     StatesLog,
@@ -98,6 +99,7 @@ class RecordedTables:
         ]
         self.begin, self.end = 0, round(max(times, default=0.0) * 1e6)
         self.whole, self.grown = not info.gaps, False
+        self.has_events = self._states.events is not None
         self._now: Mapping[str, int | None] = {}
 
     def again(self) -> RecordedTables:
@@ -121,12 +123,18 @@ class RecordedTables:
         return {**view, "state": state, "cards": cards or None, "interlocks": []}
 
     def _told(self) -> Iterator[Entry]:
-        every: list[StatesRow | AlarmRow] = [*self._states.rows, *self._alarms]
+        rows = self._states.events or ()
+        every: list[StatesRow | AlarmRow | EventRow] = [*rows, *self._states.rows, *self._alarms]
         shown: dict[tuple[str, str], Alarm] = {}
+        events: list[ToolEvent] = []
         state: StatesRow | None = None
         for row in sorted(every, key=lambda row: row.time_s):
             at = round(row.time_s * 1e6)
-            if isinstance(row, AlarmRow):
+            if isinstance(row, EventRow):
+                place = self.description.sequence.index(row.actuator) if row.actuator else -1
+                states = row.old, row.new
+                events.append(ToolEvent(at, row.kind, place, row.attempt, *states, row.cause, row.command))
+            elif isinstance(row, AlarmRow):
                 if row.event == ENDED:
                     shown.pop(row.key, None)
                 else:
@@ -150,7 +158,9 @@ class RecordedTables:
                     active,
                     unknown,
                     alarms=tuple(shown.values()),
+                    events=tuple(events),
                 )
+                events.clear()
                 yield Entry(at, "grip", PUBLISHED, Published(at, status, {}))
 
     def _frames(self) -> Iterator[Entry]:

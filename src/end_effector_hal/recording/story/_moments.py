@@ -3,39 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 from end_effector_hal.recording.story._story import (
     AttemptOutcome,
     Grip,
     GripDecision,
     Moment,
-    ReleaseCause,
     Story,
 )
 from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog
-from end_effector_hal.vocabulary import LATCHED_ERRORS, Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import LATCHED_ERRORS, EndEffectorState, display_name
 
 _TOGETHER_S = 0.2
 
 
 def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
-    """Commands, time-outs, aborts, GRIPPED, losses, drops and failed releases, in order of time."""
-    found = _commands(log)
-    cancels = {moment.time_s for moment in found if moment.text == Command.CANCEL.label}
+    """Commands, time-outs, aborts, GRIPPED, losses and failed releases, in order of time."""
+    found = [
+        Moment(each.time_s, "command", each.command.upper()) for each in log.events or () if each.command
+    ]
     for grip in story.grips:
         found += _of_grip(grip)
-        end_s = grip.decided_s if grip.decision is GripDecision.CANCELLED else None
-        if end_s is not None and not any(grip.start_s <= at <= end_s for at in cancels):
-            # a cancel that holds leaves no command to be seen
-            found.append(Moment(end_s, "command", Command.CANCEL.label))
     found += [
         Moment(loss.time_s, "lost", ": ".join(filter(None, ("grip lost", loss.who)))) for loss in story.losses
     ]
     found += _warnings(alarms)
     for release in story.releases:
-        if release.cause is ReleaseCause.DROP:
-            found.append(Moment(release.start_s, "command", "DROP"))
         if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
             found.append(Moment(release.end_s, "lost", "release error"))
     return tuple(sorted(found, key=lambda moment: moment.time_s))
@@ -53,16 +46,6 @@ def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
             found[row.title] = Moment(row.time_s, "alarm", row.title)
             moments.append(found[row.title])
     return moments
-
-
-def _commands(log: StatesLog) -> list[Moment]:
-    """What was commanded. RELEASE is left to the releases: on an abort nobody commands it."""
-    commands = [(0.0, Command.NONE), *((row.time_s, row.command) for row in log.rows)]
-    return [
-        Moment(at, "command", command.label)
-        for (_, before), (at, command) in pairwise(commands)
-        if command is not before and command not in (Command.NONE, Command.RELEASE)
-    ]
 
 
 def _of_grip(grip: Grip) -> list[Moment]:

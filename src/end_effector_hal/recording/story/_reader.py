@@ -1,13 +1,11 @@
-"""From a recording to its story, in one pass over the rows."""
+"""From the events of a recording to its story."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
-from end_effector_hal.errors import UsageError
-from end_effector_hal.kinds import recorded_kind
+from end_effector_hal.control import EventKind
 from end_effector_hal.recording._run import RunInfo
 from end_effector_hal.recording.story._moments import moments_of
 from end_effector_hal.recording.story._story import (
@@ -24,264 +22,161 @@ from end_effector_hal.recording.story._story import (
     Story,
 )
 from end_effector_hal.recording.story._verdict import verdict_of
-from end_effector_hal.recording.tables import BEGUN, AlarmRow, StatesLog, StatesRow
-from end_effector_hal.vocabulary import INACTIVE, PENDING, Command, EndEffectorState, display_name
+from end_effector_hal.recording.tables import AlarmRow, EventRow, StatesLog
+from end_effector_hal.vocabulary import Cause, EndEffectorState
 
-_FULL = 0.9
-"""An attempt this much shorter than the actuator's other time-outs did not time out."""
-
-
-_INSTANT_S = 0.05
-"""A time-out this long before an abort is the reason of it; earlier, and a reset was running."""
-
-
-_EMPTY_S = 0.5
-"""The alarm that an actuator has gripped nothing begins at most so long before the end of its attempt."""
-_Emptied = Mapping[str, Sequence[float]]
-"""When each actuator was shown to have gripped nothing, s."""
-
-
-def _failed_at(attempt: Attempt, at: float) -> bool:
-    return attempt.outcome in FAILED and at - (attempt.end_s or 0.0) <= _INSTANT_S
+_ENDS = {
+    EventKind.CONFIRMED: AttemptOutcome.CONFIRMED,
+    EventKind.TIMED_OUT: AttemptOutcome.TIMED_OUT,
+    EventKind.CLOSED_ON_NOTHING: AttemptOutcome.EMPTY,
+}
+_DECISIONS = {
+    **dict.fromkeys((Cause.TIMED_OUT, Cause.EMPTY, Cause.LOST, Cause.REFUSED), GripDecision.ABORTED),
+    Cause.CANCELLED: GripDecision.CANCELLED,
+}
+"""How a grip has ended that did not end in GRIPPED, by the cause; any other: the program was stopped."""
+_RELEASES = {GripDecision.ABORTED: ReleaseCause.ABORT, GripDecision.CANCELLED: ReleaseCause.CANCEL}
 
 
 @dataclass
 class _Gripping:
-    """A grip while it is read."""
+    """A grip that is not decided yet."""
 
     start_s: float
-    commanded: bool = False
-    cancelled: bool = False
     attempts: list[Attempt] = field(default_factory=list)
     resets: list[Reset] = field(default_factory=list)
-    emptied: _Emptied = field(default_factory=dict)
 
-    def begin(self, actuator: str, at: float) -> None:
-        before = self.of(actuator)
-        if before and before[-1].outcome in FAILED and before[-1].end_s is not None:
-            self.resets.append(Reset(actuator, before[-1].end_s, at))
-        self.attempts.append(Attempt(actuator, len(before) + 1, at, None, AttemptOutcome.PENDING))
+    def begin(self, event: EventRow, of: int | None) -> None:
+        before = next((each for each in reversed(self.attempts) if each.actuator == event.actuator), None)
+        if before is not None and before.outcome in FAILED and (before.end_s or 0.0) < event.time_s:
+            self.resets.append(Reset(event.actuator, before.end_s or 0.0, event.time_s))
+        pending = AttemptOutcome.PENDING
+        self.attempts.append(Attempt(event.actuator, event.attempt, event.time_s, None, pending, of))
 
-    def of(self, actuator: str) -> list[Attempt]:
-        return [attempt for attempt in self.attempts if attempt.actuator == actuator]
+    def end(self, event: EventRow, outcome: AttemptOutcome) -> None:
+        for index, attempt in reversed([*enumerate(self.attempts)]):
+            if attempt.actuator == event.actuator:
+                self.attempts[index] = replace(attempt, end_s=event.time_s, outcome=outcome)
+                return
 
-    def end(self, actuator: str, at: float, outcome: AttemptOutcome) -> None:
-        for index, attempt in enumerate(self.attempts):
-            if attempt.actuator == actuator and attempt.outcome is AttemptOutcome.PENDING:
-                self.attempts[index] = replace(attempt, end_s=at, outcome=outcome)
-
-    def failure(self, actuator: str, at: float) -> AttemptOutcome:
-        """How an attempt that failed at a time did so."""
-        shown = any(-_INSTANT_S <= at - since <= _EMPTY_S for since in self.emptied.get(actuator, ()))
-        return AttemptOutcome.EMPTY if shown else AttemptOutcome.TIMED_OUT
-
-    def culprit(self, at: float, allowed: Mapping[str, int]) -> Attempt | None:
-        """The attempt whose failure was the abort; None: the abort had another reason, a loss.
-
-        It was pending until then, or failed in that instant; it was as long as the time-outs before it, or has gripped
-        nothing; and it was the last one that ``allowed`` grants, where that is known.
-        """
-        latest = {attempt.actuator: attempt for attempt in self.attempts}.values()
-        ended = [a for a in latest if a.outcome is AttemptOutcome.PENDING or _failed_at(a, at)]
-        suspect = max(ended, key=lambda attempt: attempt.start_s, default=None)
-        if suspect is None or suspect.number < allowed.get(suspect.actuator, 1):
-            return None
-        if self.failure(suspect.actuator, at) is AttemptOutcome.EMPTY:
-            return suspect
-        others = [
-            a.length_s
-            for a in self.of(suspect.actuator)
-            if a is not suspect and a.outcome is not AttemptOutcome.EMPTY
-        ]
-        length = (suspect.end_s if suspect.end_s is not None else at) - suspect.start_s
-        return None if any(other is not None and length < _FULL * other for other in others) else suspect
+    def decided(self, at: float | None, decision: GripDecision, culprit: str = "") -> Grip:
+        pending = [each for each in self.attempts if each.outcome is AttemptOutcome.PENDING]
+        attempts = self.attempts
+        if at is not None:
+            off = AttemptOutcome.DEACTIVATED
+            attempts = [replace(a, end_s=at, outcome=off) if a in pending else a for a in attempts]
+        found = culprit if any(each.actuator == culprit for each in attempts) else None
+        waiting = pending[-1].actuator if pending and found is None else None
+        return Grip(self.start_s, at, decision, tuple(attempts), tuple(self.resets), found, waiting)
 
 
-@dataclass
-class _Releasing:
-    """An unwinding while it is read."""
+class _Fold:
+    """Take the events of a recording one by one; a recording may begin and end anywhere."""
 
-    cause: ReleaseCause
-    start_s: float
-    groups: list[tuple[str, ...]] = field(default_factory=list)
-
-    def done(self, end_s: float | None, ended: EndEffectorState | None) -> Release:
-        return Release(self.cause, self.start_s, end_s, tuple(self.groups), ended)
-
-
-class _Reader:
-    """Goes through the rows once; see `read_story`."""
-
-    def __init__(self, log: StatesLog, allowed: Mapping[str, int], emptied: _Emptied) -> None:
-        self.names, self.allowed, self.emptied = log.actuators, allowed, emptied
+    def __init__(self, log: StatesLog, info: RunInfo) -> None:
+        self._info = info
         self.grips: list[Grip] = []
         self.releases: list[Release] = []
-        self.lost: list[Loss] = []
+        self.losses: list[Loss] = []
         self.adopted: EndEffectorState | None = None
-        self.grip: _Gripping | None = None
-        self.release: _Releasing | None = None
-        blank = (INACTIVE,) * len(self.names)
-        before_start = StatesRow(0.0, EndEffectorState.OFF, Command.NONE, blank)
-        for before, row in pairwise((before_start, *log.rows)):
-            self.read(before, row)
-        if self.grip is not None:
-            self.decide(self.grip, None, GripDecision.UNFINISHED)
-        if self.release is not None:
-            self.releases.append(self.release.done(None, None))
+        self._grip: _Gripping | None = None
+        self._release: Release | None = None
+        self._cause = ReleaseCause.DROP
+        if log.rows:
+            self._begin(log.rows[0].time_s, log.rows[0].end_effector)
+        for event in log.events or ():
+            self._take(event)
+        if self._grip is not None:
+            self.grips.append(self._grip.decided(None, GripDecision.UNFINISHED))
+        if self._release is not None:
+            self.releases.append(self._release)
 
-    def read(self, before: StatesRow, row: StatesRow) -> None:
-        was, now, at = before.end_effector, row.end_effector, row.time_s
-        if now is EndEffectorState.GRIPPING and self.grip is None:
-            self.finish(at, now)
-            self.grip = _Gripping(at, emptied=self.emptied)
-        if self.grip is not None:
-            self.grip.commanded |= row.command is Command.GRIP
-            self.grip.cancelled |= row.command is Command.CANCEL and before.command is not Command.CANCEL
-        self.actuate(before, row)
-        if was is not now:
-            self.enter(was, now, before, row)
-        self.deactivate(before, row)
-        # an unwinding that leaves something active, as declared, ends in a latched error
-        latched = now is EndEffectorState.GRIP_ERROR and row.command is Command.NONE is not before.command
-        if now not in (EndEffectorState.RELEASING, EndEffectorState.GRIP_ERROR) or latched:
-            self.finish(at, now)
+    def _take(self, event: EventRow) -> None:
+        if event.kind is EventKind.STATE_CHANGED:
+            self._change(event, EndEffectorState(event.old), EndEffectorState(event.new))
+        elif event.kind is EventKind.ATTEMPT_BEGAN and self._grip is not None:
+            self._grip.begin(event, self._info.attempts(event.actuator))
+        elif event.kind in _ENDS and self._grip is not None:
+            self._grip.end(event, _ENDS[event.kind])
+        elif event.kind is EventKind.DEACTIVATED:
+            release = self._unwind(event.time_s)
+            self._release = replace(release, deactivated=(*release.deactivated, event.actuator))
+        elif event.command == "drop":
+            self._finish(event.time_s, EndEffectorState.GRIP_ERROR)
+            self._cause = ReleaseCause.DROP
 
-    def actuate(self, before: StatesRow, row: StatesRow) -> None:
-        """Attempts begin and end; the one that ends together with the grip is left to `decide`."""
-        if self.grip is None:
-            return
-        for name, old, new in zip(self.names, before.actuators, row.actuators, strict=True):
-            if new == old:
-                continue
-            if new == PENDING:
-                self.grip.begin(name, row.time_s)
-            elif new != INACTIVE:
-                self.grip.end(name, row.time_s, AttemptOutcome.CONFIRMED)
-            elif row.end_effector is EndEffectorState.GRIPPING:
-                failed = self.grip.failure(name, row.time_s)
-                self.grip.end(name, row.time_s, AttemptOutcome.DEACTIVATED if self.grip.cancelled else failed)
+    def _begin(self, at: float, state: EndEffectorState) -> None:
+        """A state that was found, or in which a recording begins."""
+        if state is EndEffectorState.GRIPPING:
+            self._grip = _Gripping(at)
+        elif state in (EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR):
+            self.adopted = state
 
-    def enter(self, was: EndEffectorState, now: EndEffectorState, before: StatesRow, row: StatesRow) -> None:
-        state, at = EndEffectorState, row.time_s
-        if self.grip is not None and now is not state.GRIPPING:
-            self.leave(self.grip, row)
-        elif was is state.GRIPPED and now is state.GRIP_ERROR:
-            changes = zip(self.names, before.actuators, row.actuators, strict=True)
-            self.lost.append(Loss(at, tuple(name for name, old, new in changes if new == PENDING != old)))
-        elif was is state.OFF and now in (state.GRIPPED, state.GRIP_ERROR):
-            self.adopted = now
-        elif now is state.RELEASING and self.release is None:
-            self.release = _Releasing(ReleaseCause.DROP, at)
+    def _change(self, event: EventRow, old: EndEffectorState, new: EndEffectorState) -> None:
+        state, at = EndEffectorState, event.time_s
+        if self._grip is not None and new is not state.GRIPPING:
+            stopped = GripDecision.STOPPED
+            gripped = new is state.GRIPPED
+            decision = GripDecision.GRIPPED if gripped else _DECISIONS.get(event.cause, stopped)
+            failed = event.cause in (Cause.TIMED_OUT, Cause.EMPTY) and not gripped
+            self.grips.append(self._grip.decided(at, decision, event.actuator if failed else ""))
+            self._grip, self._cause = None, _RELEASES.get(decision, self._cause)
+        elif (old, new) == (state.GRIPPED, state.GRIP_ERROR):
+            self.losses.append(Loss(at, event.actuator))
+            self._cause = ReleaseCause.LOSS
+        elif old is state.OFF or (new is state.GRIPPING and self._grip is None):
+            self._begin(at, new)
+        if event.cause is Cause.RELEASED_AT_START:
+            self._cause = ReleaseCause.START
+        if new is state.RELEASING:
+            self._unwind(at)
+        elif new is not state.GRIP_ERROR or old is state.RELEASING:
+            self._finish(at, new)
 
-    def leave(self, grip: _Gripping, row: StatesRow) -> None:
-        """GRIPPING has ended."""
-        now, at = row.end_effector, row.time_s
-        error = now is EndEffectorState.GRIP_ERROR
-        # with the ending `hold` a cancel ends in an error without a command, and a Drop unwinds it
-        held = error and (grip.cancelled or (grip.commanded and row.command is Command.NONE))
-        suspect = grip.culprit(at, self.allowed)
-        if now is EndEffectorState.GRIPPED:
-            self.decide(grip, at, GripDecision.GRIPPED)
-        elif grip.cancelled or held:
-            self.decide(grip, at, GripDecision.CANCELLED)
-            self.release = None if held else _Releasing(ReleaseCause.CANCEL, at)
-        elif error or (suspect is not None and suspect.number > 1):
-            self.decide(grip, at, GripDecision.ABORTED)
-            self.release = _Releasing(ReleaseCause.ABORT, at)
-        else:
-            self.decide(grip, at, GripDecision.STOPPED)
-            self.release = _Releasing(ReleaseCause.STOP, at)
+    def _unwind(self, at: float) -> Release:
+        self._release = self._release or Release(self._cause, at, None, (), None)
+        return self._release
 
-    def decide(self, grip: _Gripping, at: float | None, decision: GripDecision) -> None:
-        aborted = decision is GripDecision.ABORTED
-        suspect = grip.culprit(at, self.allowed) if aborted and at is not None else None
-        waiting = [
-            a for a in grip.attempts if a.outcome in (AttemptOutcome.PENDING, AttemptOutcome.DEACTIVATED)
-        ]
-        for attempt in waiting if at is not None else ():
-            last = suspect is not None and suspect.actuator == attempt.actuator
-            failed = grip.failure(attempt.actuator, at or 0.0)
-            grip.end(attempt.actuator, at or 0.0, failed if last else AttemptOutcome.DEACTIVATED)
-        self.grips.append(
-            Grip(
-                grip.start_s,
-                at,
-                decision,
-                tuple(grip.attempts),
-                tuple(grip.resets),
-                culprit=suspect.actuator if suspect else None,
-                waiting=waiting[-1].actuator if waiting and suspect is None else None,
-            )
-        )
-        self.grip = None
-
-    def deactivate(self, before: StatesRow, row: StatesRow) -> None:
-        if self.release is None:
-            return
-        changes = zip(self.names, before.actuators, row.actuators, strict=True)
-        group = tuple(name for name, old, new in changes if old != INACTIVE and new == INACTIVE)
-        if group:
-            self.release.groups.append(group)
-
-    def finish(self, at: float, ended: EndEffectorState) -> None:
-        if self.release is not None:
-            self.releases.append(self.release.done(at, ended))
-            self.release = None
-
-
-def _emptied(log: StatesLog, info: RunInfo, alarms: Sequence[AlarmRow]) -> _Emptied:
-    found: dict[str, list[float]] = {}
-    for name in log.actuators if alarms else ():
-        try:
-            text = f"{display_name(name)} {recorded_kind(name, info.actuators).empty}."
-        except UsageError:  # its kind is not installed here
-            continue
-        found[name] = [row.time_s for row in alarms if row.event == BEGUN and row.text == text]
-    return found
+    def _finish(self, at: float, ended: EndEffectorState) -> None:
+        if self._release is not None:
+            self.releases.append(replace(self._release, end_s=at, ended=ended))
+            self._release = None
 
 
 def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
-    """The story of a recording.
+    """The story of a recording: what its events say, in grips and releases.
 
-    ``alarms`` become moments of it, and say which attempts have gripped nothing. ``info`` adds only how many attempts
-    an actuator may fail; without it that number is known once a grip was aborted. An attempt begins at PENDING and ends
-    at ON or OFF; it failed when it went OFF while the end-effector was GRIPPING, or when its end was the abort (paper,
-    section III.C).
+    Args:
+        log: with its events; without them neither grips nor releases are known.
+        info: how many attempts an actuator may fail, and what a counterexample violates.
+        alarms: become moments of the story.
     """
-    known = {name: info.attempts(name) for name in log.actuators} if info else {}
-    allowed = {name: number for name, number in known.items() if number is not None}
-    reader = _Reader(log, allowed, _emptied(log, info or RunInfo(), alarms))
-    grips = tuple(reader.grips)
-    seen = {grip.culprit: grip.of(grip.culprit)[-1].number for grip in grips if grip.culprit is not None}
-    limits = seen | allowed
-    grips = tuple(
-        replace(grip, attempts=tuple(replace(a, of=limits.get(a.actuator)) for a in grip.attempts))
-        for grip in grips
-    )
+    info = info or RunInfo()
+    fold = _Fold(log, info)
     story = Story(
         log.actuators,
-        grips,
-        tuple(reader.releases),
-        tuple(reader.lost),
-        reader.adopted,
+        tuple(fold.grips),
+        tuple(fold.releases),
+        tuple(fold.losses),
+        fold.adopted,
         log.rows[-1].end_effector if log.rows else None,
         moments=(),
         verdict="",
     )
     moments = moments_of(log, story, alarms)
-    if info is None or not info.violated:
+    if not info.violated:
         return replace(story, moments=moments, verdict=verdict_of(log, story))
     verdict = f"VIOLATED at {info.violated_s:g} s: {info.violated}"
     return replace(story, moments=_with_violation(moments, info.violated_s), verdict=verdict)
 
 
 def _with_violation(moments: Sequence[Moment], at_s: float) -> tuple[Moment, ...]:
-    """Nothing in a counterexample is a success; what goes wrong as it ends shares its mark."""
-    told, words = [], []
+    """The moments of a counterexample: none is a success, and what goes wrong as it ends shares its mark."""
+    kept, words = [], []
     for moment in moments:
         if moment.time_s >= at_s and moment.kind in ("abort", "lost", "timeout"):
             words.append(moment.text)
         else:
-            told.append(replace(moment, kind="command") if moment.kind == "gripped" else moment)
-    told.append(Moment(at_s, "lost", " – ".join((*words, "VIOLATED"))))
-    return tuple(sorted(told, key=lambda each: each.time_s))
+            kept.append(replace(moment, kind="command") if moment.kind == "gripped" else moment)
+    kept.append(Moment(at_s, "lost", " – ".join((*words, "VIOLATED"))))
+    return tuple(sorted(kept, key=lambda each: each.time_s))

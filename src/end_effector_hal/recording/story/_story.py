@@ -1,4 +1,4 @@
-"""What happened in a recording, read from its states alone. It reads; it decides nothing."""
+"""What happened in a recording: grips with their attempts, releases, losses."""
 
 from __future__ import annotations
 
@@ -38,15 +38,18 @@ class ReleaseCause(StrEnum):
     ABORT = "abort"
     CANCEL = "cancel"
     DROP = "drop"
-    STOP = "stop"
+    LOSS = "loss"
+    """A held part was lost, and the rest is released, as declared."""
+    START = "start"
+    """Outputs were found active at the start."""
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One activation of one actuator, from PENDING to ON or OFF; times in seconds since start.
+    """One activation of one actuator; times in seconds since start.
 
     ``number`` counts the attempts of this actuator in this grip from 1; ``of`` is how many of them may fail,
-    where the recording or its run.json shows it.
+    where run.json has that number.
     """
 
     actuator: str
@@ -86,21 +89,18 @@ class Reset:
 class Release:
     """An unwinding.
 
-    ``deactivated`` groups what went inactive in one row, in order of time; ``ended`` is the state that ended
-    it, None while it still runs.
+    ``deactivated`` is in order of time; ``ended`` is the state that ended it, None while it still runs.
     """
 
     cause: ReleaseCause
     start_s: float
     end_s: float | None
-    deactivated: tuple[tuple[str, ...], ...]
+    deactivated: tuple[str, ...]
     ended: EndEffectorState | None
 
     def in_reverse(self, sequence: tuple[str, ...]) -> bool:
-        """Whether one went after the other, in the reverse order of the sequence."""
-        if any(len(group) > 1 for group in self.deactivated):
-            return False
-        order = [sequence.index(group[0]) for group in self.deactivated]
+        """Whether the actuators were deactivated in the reverse order of the sequence."""
+        order = [sequence.index(name) for name in self.deactivated if name in sequence]
         return order == sorted(order, reverse=True)
 
 
@@ -142,15 +142,15 @@ class Grip:
 
 @dataclass(frozen=True)
 class Loss:
-    """A held part was lost; ``actuators`` are those whose confirmation went, as far as the states read_story."""
+    """A held part was lost; ``actuator`` is the one whose confirmation went, empty: not known."""
 
     time_s: float
-    actuators: tuple[str, ...] = ()
+    actuator: str = ""
 
     @property
     def who(self) -> str:
-        """In words; empty: not told."""
-        return " and ".join(display_name(name) for name in self.actuators)
+        """The actuator in words; empty: not known."""
+        return display_name(self.actuator)
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class Moment:
 class Story:
     """A recording in order of time.
 
-    ``losses`` read_story when a held part was lost; ``adopted`` is the state found at the start, if any.
+    ``losses`` are the times when a held part was lost; ``adopted`` is the state found at the start, if any.
     """
 
     actuators: tuple[str, ...]

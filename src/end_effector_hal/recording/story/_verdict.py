@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import groupby
 
 from end_effector_hal.recording.story._story import (
     AttemptOutcome,
@@ -13,8 +14,10 @@ from end_effector_hal.recording.story._story import (
     Story,
 )
 from end_effector_hal.recording.tables import StatesLog
-from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
+from end_effector_hal.vocabulary import EndEffectorState, display_name
 
+_HELD = {GripDecision.ABORTED: ReleaseCause.ABORT, GripDecision.CANCELLED: ReleaseCause.CANCEL}
+"""A grip that ended so is released; where it is not, its outputs stay active, as declared."""
 _LATCHED = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
@@ -22,6 +25,8 @@ def verdict_of(log: StatesLog, story: Story) -> str:
     """For example ``Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order``."""
     if story.final is None:
         return "Nothing was recorded"
+    if log.events is None:
+        return f"No events were recorded, so grips are not known, ends in {story.final.label}"
     if not story.grips:
         return _without_grip(log, story)
     if len(story.grips) > 1:
@@ -35,10 +40,9 @@ def _without_grip(log: StatesLog, story: Story) -> str:
     assert story.final is not None
     if story.adopted is not None:
         return ", ".join([f"Adopted as {story.adopted.label}", *_aftermath(story)])
-    commands: list[str] = []
-    for row in log.rows:
-        if row.command is not Command.NONE and row.command.label not in commands[-1:]:
-            commands.append(row.command.label)
+    commands = [
+        command for command, _ in groupby(each.command.upper() for each in log.events or () if each.command)
+    ]
     done = f"{', '.join(commands)}: no grip" if commands else "No grip"
     return f"{done}, {'ends' if len(log.rows) > 1 else 'stays'} in {story.final.label}"
 
@@ -91,16 +95,13 @@ def _gripped(grip: Grip, story: Story) -> str:
 
 def _aftermath(story: Story) -> list[str]:
     """What came after the grip was decided, in order of time."""
-    parts = [(loss.time_s, f"then {loss.who} LOST: outputs held".replace("  ", " ")) for loss in story.losses]
-    held = story.grips and story.grips[0].decision is GripDecision.CANCELLED and not _unwound(story)
-    if held and story.grips[0].decided_s is not None:
-        parts.append((story.grips[0].decided_s, "outputs held"))
+    causes = [release.cause for release in story.releases]
+    held = "" if ReleaseCause.LOSS in causes else ": outputs held"
+    parts = [(loss.time_s, f"then {loss.who} LOST{held}".replace("  ", " ")) for loss in story.losses]
+    kept = [grip for grip in story.grips if _HELD.get(grip.decision) not in (None, *causes)]
+    parts += [(grip.decided_s or 0.0, "outputs held") for grip in kept]
     parts += [(release.start_s, _of_release(release, story)) for release in story.releases]
     return [text for _, text in sorted(parts, key=lambda part: part[0])]
-
-
-def _unwound(story: Story) -> bool:
-    return any(release.cause is ReleaseCause.CANCEL for release in story.releases)
 
 
 def _of_release(release: Release, story: Story) -> str:
@@ -110,14 +111,8 @@ def _of_release(release: Release, story: Story) -> str:
     if release.ended is None:
         return "still releasing at the end"
     if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
-        return "partly released: GRIP ERROR" if release.deactivated else "outputs held: GRIP ERROR"
+        return "partly released: GRIP ERROR"
     if release.in_reverse(story.actuators):
-        # the last time-out may have deactivated its actuator before the unwinding began
-        culprits = [
-            grip.culprit for grip in story.grips if grip.culprit and grip.decided_s == release.start_s
-        ]
-        before = [name for name in culprits if (name,) not in release.deactivated]
-        several = len(before) + len(release.deactivated) > 1
-        return f"{done} in reverse order" if several and release.cause is not ReleaseCause.DROP else done
-    order = [" and ".join(display_name(name) for name in group) for group in release.deactivated]
-    return f"{done} in the order {', '.join(order)}"
+        several = len(release.deactivated) > 1 and release.cause is not ReleaseCause.DROP
+        return f"{done} in reverse order" if several else done
+    return f"{done} in the order {', '.join(map(display_name, release.deactivated))}"
