@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby, pairwise
 
+from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
 from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog, Story, read_story
 from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
@@ -161,12 +162,8 @@ def measures(
 
 
 def _release_wait(log: StatesLog, actuator: str) -> float | None:
-    """From its last deactivation to the next change of the states; None: it is not recorded."""
-    index = log.actuators.index(actuator)
-    changes = [
-        i
-        for i, (old, new) in enumerate(pairwise(log.rows), 1)
-        if old.actuators[index] and not new.actuators[index]
-    ]
-    after = changes[-1] + 1 if changes else len(log.rows)
-    return log.rows[after].time_s - log.rows[changes[-1]].time_s if after < len(log.rows) else None
+    """From its deactivation to the event that it is not gone; None: that is not recorded."""
+    times = {each.kind: each.time_s for each in log.events or () if each.actuator == actuator}
+    if EventKind.NOT_GONE not in times:
+        return None
+    return times[EventKind.NOT_GONE] - times.get(EventKind.DEACTIVATED, 0.0)

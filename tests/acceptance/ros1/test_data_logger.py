@@ -7,7 +7,14 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.recording import (
+    AttemptOutcome,
+    StatesLog,
+    read_pressures,
+    read_run,
+    read_states,
+    read_story,
+)
 from end_effector_hal.vocabulary import EndEffectorState
 
 pytestmark = pytest.mark.ros
@@ -46,6 +53,11 @@ def test_a_grip_is_recorded_row_by_row_while_it_happens(system: Any, logger: Any
         (6, -1, 0, 0, 0), (1, 2, 0, 0, 0), (1, 2, 1, 0, 0), (1, 2, 2, 0, 0), (1, 2, 2, 1, 0), (1, 2, 2, 2, 0),
         (1, 2, 2, 2, 1), (1, 2, 2, 2, 2), (3, -1, 2, 2, 2),
     ]  # fmt: skip
+    (grip,) = read_story(log).grips
+    assert [(each.actuator, each.number, each.outcome) for each in grip.attempts] == [
+        (name, 1, AttemptOutcome.CONFIRMED) for name in log.actuators
+    ]
+    assert [event.command for event in log.events or () if event.command] == ["grip"]
     pressures = read_pressures(tmp_path / "run" / "pressures.csv")
     assert pressures.channels == ("bottom", "cylinder", "top", "supply")
     assert min(value for value in pressures.curve("bottom") if value is not None) < -55

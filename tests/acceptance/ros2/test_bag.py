@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import RosError
-from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
+from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states, read_story
 from end_effector_lab.bags import Bag, import_bag
 
 
@@ -54,6 +54,11 @@ def test_a_grip_and_a_drop_are_imported_as_they_were_recorded(system: Any, tmp_p
     assert len(ours) > 12
     assert ours[0][1] == theirs[0][1]  # which stands at the beginning of each
     assert ours[1:] == theirs[1:]
+    attempts, logged_attempts = (
+        read_story(read_states(each / "states.csv")).attempts for each in (found.folder, logged)
+    )
+    assert [str(each) for each in attempts] == [str(each) for each in logged_attempts]
+    assert len(attempts) == len(system.state.actuator_names)
     pressures = read_pressures(found.folder / "pressures.csv")
     assert pressures.channels == read_pressures(logged / "pressures.csv").channels
     assert min(value for value in pressures.curve("bottom") if value is not None) < -55
