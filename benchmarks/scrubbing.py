@@ -14,8 +14,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.page import report_html
 from end_effector_hal.page.recorded import RecordingFiles, judge_recording, read_recording
+from end_effector_lab.recorded import report_html
 from tests.support.recorded_tool import RecordedTool
 
 AIM_MS = 100

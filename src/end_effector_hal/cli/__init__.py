@@ -4,8 +4,9 @@ from ._completion import completed, profiles, typed_tool
 from ._figures import figures, is_figure
 from ._json_output import json_text, print_document
 from ._main import main
-from ._options import PathName, end_in_order, seed_option, the_folder, write_whole
+from ._options import PathName, end_in_order, refuse_inputs, seed_option, the_folder, write_whole
 from ._progress import Progress
+from ._table_output import print_table
 
 __all__ = [
     "PathName",
@@ -17,7 +18,9 @@ __all__ = [
     "json_text",
     "main",
     "print_document",
+    "print_table",
     "profiles",
+    "refuse_inputs",
     "seed_option",
     "the_folder",
     "typed_tool",

@@ -22,7 +22,6 @@ from ._json_output import print_line
 GROUP = "end_effector_hal.commands"
 """Entry points of further commands; a command of this package wins over another one of its name."""
 _COMMANDS = {
-    "compare": "the differences of two recorded runs",
     "completion": "shell completion of commands and values",
     "check": "say everything that is wrong with a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
@@ -35,11 +34,9 @@ _COMMANDS = {
     "reload": "check a changed description, and whether what runs may take it over",
     "reset": "clear what the line arbiter of a tool has latched",
     "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
-    "report": "a recorded run as one HTML file",
     "run": "one tool in this terminal, without ROS",
     "stop": "latch a stop: nothing is activated until a reset; no safety function",
     "schema": "the JSON Schema of a description, for editors",
-    "tune": "what recorded grips would have become with other thresholds and time-outs",
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _AUDIENCES = {
@@ -68,7 +65,7 @@ _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _ROOMS = {
     **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
-    **dict.fromkeys(("compare", "page", "replay", "report", "tune"), "recorded"),
+    **dict.fromkeys(("page", "replay"), "recorded"),
     **{name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")},
 }
 """Commands that do not stand alone, and the folder in which they do."""

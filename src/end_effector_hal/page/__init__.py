@@ -5,4 +5,4 @@ Rooms: ``view``, what is shown, computed from records; ``link``, the sockets of 
 ``page``; ``static``, what the browser runs.
 """
 
-from ._html import report_data, report_html, runs_html
+from ._html import page_html, static_file

@@ -13,9 +13,8 @@ from ._of_tool import (
 )
 from ._recording import Recording
 from ._run import RunInfo, read_run
-from ._run_table import write_run_table
 from ._watched import Watched
-from .comparison import RunDifference, RunTables, Tolerances, compare_runs, count_differences, read_tables
+from .comparison import RunDifference, RunTables, Tolerances, compare_runs, count_differences
 from .story import (
     AttemptOutcome,
     Grip,
@@ -109,9 +108,7 @@ __all__ = [
     "read_states",
     "read_story",
     "read_switches",
-    "read_tables",
     "read_trace",
     "run_info",
     "switch_channels",
-    "write_run_table",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,9 +22,10 @@ from end_effector_hal.recording import (
     read_run,
     read_states,
     read_switches,
-    write_run_table,
 )
-from end_effector_hal.verification.replay import missed_moments
+from end_effector_hal.verification.replay import ProgramTrace, load_trace, traces_of
+
+from ._run_table import write_run_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,3 +101,37 @@ def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
     except UsageError as error:
         return None, f"{error} The pressures are not drawn."
     return pressures, pressures.note
+
+
+def missed_moments(folder: str | Path) -> tuple[tuple[Moment, ...], tuple[str, ...]]:
+    """The steps in the traces of a folder that were taken beyond their bound, in the time of its recording.
+
+    Returns:
+        Moments in order of time, and a note for each trace that cannot be read. Without traces, or where the
+        recording does not say when it began: nothing.
+    """
+    start_us = read_run(folder).start_us
+    moments: list[Moment] = []
+    notes: list[str] = []
+    for path in _traces(folder) if start_us is not None else ():
+        try:
+            moments += _missed_steps(load_trace(path), start_us or 0)
+        except UsageError as error:
+            notes.append(f"{error} What it missed is not drawn.")
+    return tuple(sorted(moments, key=lambda moment: moment.time_s)), tuple(notes)
+
+
+def _traces(folder: str | Path) -> tuple[Path, ...]:
+    try:
+        return traces_of(folder)
+    except UsageError:
+        return ()
+
+
+def _missed_steps(trace: ProgramTrace, start_us: int) -> Iterator[Moment]:
+    for number, record in enumerate(trace.file.records):
+        if record.kind == "step":
+            step = trace.typed(number)
+            if step.missed and step.at >= start_us:
+                text = f"bound missed, {step.late_us / 1000:.0f} ms late"
+                yield Moment((step.at - start_us) / 1_000_000, "missed", text)

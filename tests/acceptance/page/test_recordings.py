@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.page import report_html
 from end_effector_hal.page.recorded import RecordingFiles, compare_recordings, read_recording
 from end_effector_hal.recording import BEGUN, AlarmRow, RecordingLimits
 from end_effector_lab.demo import World
+from end_effector_lab.recorded import report_html
 from tests.acceptance.page.conftest import Live, Process
 from tests.acceptance.page.test_page import opened as live_page
 from tests.acceptance.page.test_page import shot, shows

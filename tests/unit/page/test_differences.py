@@ -15,7 +15,6 @@ from click.testing import CliRunner
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.recorded._recordings import open_recordings
 from end_effector_hal.description import Description
-from end_effector_hal.page import report_html
 from end_effector_hal.page.recorded import (
     ComparedRecording,
     RecordedTables,
@@ -37,6 +36,7 @@ from end_effector_hal.recording import (
     StatesWriter,
 )
 from end_effector_hal.vocabulary import display_name, received_alarms
+from end_effector_lab.recorded import report_html
 from tests.support.recorded_tool import recorded
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, log
 from tests.unit.page.test_past import asked

@@ -15,12 +15,10 @@ from click.testing import CliRunner
 from pydantic_core import to_json
 
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.cli.recorded import _report as report_module
 from end_effector_hal.cli.recorded._recordings import open_recordings
 from end_effector_hal.codecs import carrier_of, load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.page import report_html
 from end_effector_hal.page.recorded import (
     RecordedTables,
     RecordingFiles,
@@ -34,6 +32,8 @@ from end_effector_hal.recording import Recording, RecordingLimits, TraceWriter
 from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL
 from end_effector_hal.runtime.boundary._open import header_of, whole
 from end_effector_hal.signals import Kind
+from end_effector_lab.commands import _report as report_module
+from end_effector_lab.recorded import report_html
 from tests.support.bags import COMMAND, frame, state, write_ros1
 from tests.support.recorded_tool import RecordedTool
 from tests.unit.page.test_tool_view import Watched

@@ -22,8 +22,8 @@ from end_effector_hal.recording import (
     StatesWriter,
     Tolerances,
     compare_runs,
-    read_tables,
 )
+from end_effector_lab.commands._compare import read_tables
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, PRESSURES, log
 
 

@@ -1,1 +1,3 @@
-"""What opens a recording: ``eehal replay``, ``report`` and ``page``."""
+"""Commands that open a recording: ``eehal replay`` and ``page``; and how others open one."""
+
+from ._recordings import open_recordings, part_of, recording_options, runs_in

@@ -18,7 +18,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.faults import MOST_TEXT
-from end_effector_hal.page._html import page_html, static_file
+from end_effector_hal.page import page_html, static_file
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
 from end_effector_hal.vocabulary import display_name

@@ -7,7 +7,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.page._html import page_html
+from end_effector_hal.page import page_html
 
 from ._past import PastRecordings
 

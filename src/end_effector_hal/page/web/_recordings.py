@@ -13,7 +13,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.page._html import page_html
+from end_effector_hal.page import page_html
 from end_effector_hal.page.recorded import (
     ComparedRecording,
     RecordedTables,

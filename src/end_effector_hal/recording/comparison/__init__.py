@@ -2,4 +2,4 @@
 
 from ._compare import Tolerances, compare_runs
 from ._run_difference import RunDifference, count_differences
-from ._run_tables import RunTables, read_tables
+from ._run_tables import RunTables

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
-from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import recorded_kind
-from end_effector_hal.recording._run import RunInfo, read_run
+from end_effector_hal.recording._run import RunInfo
 from end_effector_hal.recording.tables import (
     BEGUN,
     AlarmRow,
@@ -16,11 +14,6 @@ from end_effector_hal.recording.tables import (
     PressuresLog,
     StatesLog,
     SwitchesLog,
-    read_alarms,
-    read_changer,
-    read_pressures,
-    read_states,
-    read_switches,
 )
 from end_effector_hal.vocabulary import Command
 
@@ -62,33 +55,6 @@ class RunTables:
                 for row in self.alarms
             ],
         )
-
-
-def read_tables(folder: Path) -> RunTables:
-    """Those of a folder that `eehal run --record`, `eehal demo` or DataLogger wrote.
-
-    Raises:
-        UsageError: there is none, it holds no row, or a table cannot be read.
-    """
-    states = folder / "states.csv" if folder.is_dir() else folder
-    if not states.exists():
-        raise UsageError(
-            "This folder contains no recording.",
-            where=str(folder),
-            todo="Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote.",
-        )
-    log = read_states(states)
-    if not log.rows:
-        raise UsageError("This recording holds no row.", where=str(states))
-    pressures = states.with_name("pressures.csv")
-    return RunTables(
-        log,
-        read_run(states.parent),
-        read_pressures(pressures) if pressures.exists() else None,
-        read_changer(states.with_name("tool_changer.csv")),
-        read_alarms(states.with_name("alarms.csv")),
-        read_switches(states.with_name("switches.csv")),
-    )
 
 
 def _changes(rows: list[Change]) -> list[Change]:

@@ -4,7 +4,6 @@ from ._chain import SegmentEnd
 from ._differs import Difference
 from ._entry import Entry
 from ._load import ProgramTrace, load_trace, runs_of, traces_of
-from ._missed import missed_moments
 from ._replay import Replay, replay
 from ._review import Review, review
 
@@ -16,7 +15,6 @@ __all__ = [
     "Review",
     "SegmentEnd",
     "load_trace",
-    "missed_moments",
     "replay",
     "review",
     "runs_of",

@@ -13,8 +13,8 @@ from click.testing import CliRunner
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.recording import Recording, StatesWriter, read_run, read_states, run_info
-from end_effector_hal.verification.replay import missed_moments
 from end_effector_lab.figures import timeline
+from end_effector_lab.figures._recorded_run import missed_moments
 from tests.support.recorded_tool import RecordedTool
 
 

@@ -10,7 +10,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.kinds.stanza import Actuator
 
 from ._attempts import RecordedAttempt, RecordedGrip
-from ._course import Course, GripOutcome, course_of, outcome_of
+from ._course import GripOutcome, TriedCourse, course_of, outcome_of
 from ._parameters import TunableKey, not_tried, parameters_of
 
 NARROWINGS = 8
@@ -217,10 +217,10 @@ class _Trial:
         courses = self._courses if parameter.waits else self._follow(part)
         return self._count(self._outcomes(part, courses))
 
-    def _follow(self, part: Actuator) -> list[list[Course]]:
+    def _follow(self, part: Actuator) -> list[list[TriedCourse]]:
         return [[course_of(part, self._description.supply, each) for each in grip] for grip in self.grips]
 
-    def _outcomes(self, part: Actuator, courses: list[list[Course]]) -> list[GripOutcome]:
+    def _outcomes(self, part: Actuator, courses: list[list[TriedCourse]]) -> list[GripOutcome]:
         return [outcome_of(part, grip, each) for grip, each in zip(self.grips, courses, strict=True)]
 
     def _count(self, outcomes: Sequence[GripOutcome]) -> Counts:

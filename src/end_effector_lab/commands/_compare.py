@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName
-from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli import PathName, Progress, print_document
+from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
 
 if TYPE_CHECKING:
-    from end_effector_hal.recording import RunDifference, RunInfo
+    from end_effector_hal.recording import RunDifference, RunInfo, RunTables
 
 _SOURCES = ("description", "hash", "version", "scenario", "seed", "ros_generation")
 
 
-@click.command("compare")
+@click.command("compare", short_help="the differences of two recorded runs")
 @click.argument("first", type=PathName())
 @click.argument("second", type=PathName())
 @click.option(
@@ -39,7 +38,7 @@ def command(first: Path, second: Path, within_s: float, within_kpa: float, as_js
 
     Exit code 0: no difference; 1: there are some.
     """
-    from end_effector_hal.recording import Tolerances, compare_runs, read_tables
+    from end_effector_hal.recording import Tolerances, compare_runs
 
     with Progress("Comparing", shown=not as_json):
         runs = read_tables(first), read_tables(second)
@@ -50,6 +49,35 @@ def command(first: Path, second: Path, within_s: float, within_kpa: float, as_js
     else:
         _print(found, sources)
     raise click.exceptions.Exit(int(bool(found)))
+
+
+def read_tables(folder: Path) -> RunTables:
+    """Read the tables of a folder that `eehal run --record`, `eehal demo` or DataLogger wrote.
+
+    Raises:
+        UsageError: there is none, it holds no row, or a table cannot be read.
+    """
+    from end_effector_hal import recording
+
+    states = folder / "states.csv" if folder.is_dir() else folder
+    if not states.exists():
+        raise UsageError(
+            "This folder contains no recording.",
+            where=str(folder),
+            todo="Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote.",
+        )
+    log = recording.read_states(states)
+    if not log.rows:
+        raise UsageError("This recording holds no row.", where=str(states))
+    pressures = states.with_name("pressures.csv")
+    return recording.RunTables(
+        log,
+        recording.read_run(states.parent),
+        recording.read_pressures(pressures) if pressures.exists() else None,
+        recording.read_changer(states.with_name("tool_changer.csv")),
+        recording.read_alarms(states.with_name("alarms.csv")),
+        recording.read_switches(states.with_name("switches.csv")),
+    )
 
 
 def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName, refuse_inputs, write_whole
-from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli import PathName, Progress, print_document, refuse_inputs, write_whole
+from end_effector_hal.cli.recorded import open_recordings, part_of, recording_options, runs_in
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.vocabulary import printable
-
-from ._recordings import open_recordings, part_of, recording_options, runs_in
 
 if TYPE_CHECKING:
     from end_effector_hal.page.recorded import (
@@ -31,7 +28,7 @@ MOST_RUNS, MOST_BYTES = 200, 64_000_000
 _FULL = f"one file holds {MOST_RUNS} runs or {MOST_BYTES // 1_000_000} MB. Report a folder of it."
 
 
-@click.command("report")
+@click.command("report", short_help="a recorded run as one HTML file")
 @click.argument("recordings", metavar="RECORDING [RECORDING]", nargs=-1, required=True, type=PathName())
 @click.option("-o", "--output", metavar="FILE.html", type=PathName(), help="Default: NAME.html here.")
 @recording_options
@@ -126,8 +123,8 @@ def _one(
     files: Sequence[RecordingFiles | RecordedTables], part: RecordingPart, *, shown: bool
 ) -> tuple[str, list[_Reported], str]:
     """A recording, or two that are compared: the file, what is told, and its name."""
-    from end_effector_hal.page import report_html
     from end_effector_hal.page.recorded import compare_recordings
+    from end_effector_lab.recorded import report_html
 
     reads, verdicts, told = zip(
         *(_read(each, part, each.name, "", shown=shown) for each in files), strict=True
@@ -145,7 +142,7 @@ def _runs(
     folder: Path, runs: Sequence[Path], description: Path | None, part: RecordingPart, *, shown: bool
 ) -> tuple[str, list[_Reported]]:
     """Many runs in one file; one that cannot be read, or for which there is no room, is in its table only."""
-    from end_effector_hal.page import report_data, runs_html
+    from end_effector_lab.recorded import report_data, runs_html
 
     rows: list[dict[str, Any]] = []
     kept: dict[int, bytes] = {}

@@ -16,7 +16,7 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.recorded import RecordingFiles
 from end_effector_hal.recording import Recording
-from end_effector_hal.verification.tune import (
+from end_effector_lab.recorded import (
     GripCollector,
     TunableKey,
     Tuning,
@@ -24,9 +24,9 @@ from end_effector_hal.verification.tune import (
     parameters_of,
     tune,
 )
-from end_effector_hal.verification.tune import _attempts as attempts_module
-from end_effector_hal.verification.tune._parameters import not_tried
-from tests.support.recorded_tool import recorded
+from end_effector_lab.recorded import _attempts as attempts_module
+from end_effector_lab.recorded._parameters import not_tried
+from tests.support.recorded_tool import RecordedTool, recorded
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.verification.replay.test_command import run as replayed
 
@@ -133,6 +133,20 @@ def test_a_cancelled_attempt_decides_nothing(tmp_path: Path) -> None:
     assert (found.today.failed, found.today.undecided) == (0, 1)
     short = [counts for value, counts in found.values if value < 1.8]
     assert {(counts.failed, counts.undecided) for counts in short} == {(1, 0)}
+
+
+@pytest.fixture
+def gripped_twice(tmp_path: Path) -> Path:
+    """Two grips, each held and dropped; in the first the cylinder fails once."""
+    tool = RecordedTool(tmp_path / "run", "fails-once:cylinder")
+    tool.run(1.0)
+    for seconds in (8.0, 2.0):
+        assert tool.command("grip").accepted
+        tool.run(seconds)
+        assert tool.command("drop").accepted
+        tool.run(2.0)
+    tool.close()
+    return tool.folder
 
 
 @pytest.mark.thinned

@@ -3,8 +3,9 @@
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import AlarmRow, ChangerRow, PressuresLog, StatesLog, write_run_table
+from end_effector_hal.recording import AlarmRow, ChangerRow, PressuresLog, StatesLog
 from end_effector_hal.vocabulary import ChangerState
+from end_effector_lab.figures._run_table import write_run_table
 from tests.support.trace_recordings import log
 
 

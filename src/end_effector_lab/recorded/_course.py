@@ -13,7 +13,7 @@ from ._attempts import RecordedAttempt
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class TriedCourse:
     """When an activation was confirmed, lost and gone; µs after its beginning, or after its end.
 
     Attributes:
@@ -27,7 +27,7 @@ class Course:
     gone: int | None = None
 
 
-def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> Course:
+def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> TriedCourse:
     """Sample every reading of an activation with a new detector of ``part``."""
     detector = detector_of(part, supply)
     confirmed = lost = gone = None
@@ -43,7 +43,7 @@ def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> Co
             confirmed = at - since if confirmed is None else confirmed
         elif confirmed is not None and lost is None and level in (Evidence.GONE, Evidence.PARTIAL):
             lost = at - since
-    return Course(confirmed, lost, gone)
+    return TriedCourse(confirmed, lost, gone)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class GripOutcome:
 
 
 def outcome_of(
-    part: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[Course]
+    part: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[TriedCourse]
 ) -> GripOutcome:
     """What the attempts of one grip come to with the time-outs of ``part``.
 
@@ -99,7 +99,7 @@ SLACK_US = 100_000
 """A time-out that was recorded is this much shorter or longer than declared: two periods of a usual link."""
 
 
-def _release(part: Actuator, last: RecordedAttempt, course: Course) -> tuple[bool, bool]:
+def _release(part: Actuator, last: RecordedAttempt, course: TriedCourse) -> tuple[bool, bool]:
     """Whether its feedback stays too long, and whether that is not known."""
     if last.until is None:
         return False, False

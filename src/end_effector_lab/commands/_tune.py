@@ -9,24 +9,20 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName
-from end_effector_hal.cli._progress import Progress
-from end_effector_hal.cli._table_output import print_table
+from end_effector_hal.cli import PathName, Progress, print_document, print_table
+from end_effector_hal.cli.recorded import open_recordings
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
-
-from ._recordings import open_recordings
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
-    from end_effector_hal.verification.tune import GripCollector, Tried, Tuning
+    from end_effector_lab.recorded import GripCollector, Tried, Tuning
 
 MOST_RECORDINGS = 2000
 
 
-@click.command("tune")
+@click.command("tune", short_help="what recorded grips would have become with other thresholds and time-outs")
 @click.argument("recordings", metavar="RECORDING…", nargs=-1, required=True, type=PathName())
 @click.option(
     "--description",
@@ -55,7 +51,7 @@ def command(recordings: tuple[Path, ...], description: Path | None, every: bool,
 
     Exit code 0: the table; 2: no recording, none with a grip, or one cannot be read.
     """
-    from end_effector_hal.verification.tune import tune
+    from end_effector_lab.recorded import tune
 
     with Progress("Reading", shown=not as_json) as progress:
         read = _read(recordings, description, progress)
@@ -90,7 +86,7 @@ class _Read:
 def _read(paths: tuple[Path, ...], description: Path | None, progress: Progress) -> _Read:
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import content_hash
-    from end_effector_hal.verification.tune import GripCollector
+    from end_effector_lab.recorded import GripCollector
 
     today = load_tool(description) if description is not None else None
     read: _Read | None = None
