@@ -1,6 +1,6 @@
 #!/bin/sh
 # Puts the project into one folder that needs no source any more: a Python environment with the wheel, the locked
-# dependencies and the extra modbus (figures are drawn elsewhere), the messages and launch files as a ROS install space
+# dependencies and the extras modbus and recordings (figures are drawn elsewhere), the messages and launch files as a ROS install space
 # in PREFIX/ros, and PREFIX/bin/eehal-hal; where ROS 2 is sourced: for ROS 2, with PREFIX/bin/eehal-hal-ros2.
 # Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
 # Needs the packages of debian-packages.txt (deploy/debian.sh); ROS is left out where catkin is not installed. For ROS 2:
@@ -39,7 +39,7 @@ cd "$root"
 # Compiled here: its users may not write there. An interpreter of another architecture reads the same.
 # shellcheck disable=SC2086
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
-    "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --no-editable --compile-bytecode --reinstall-package end-effector-hal \
+    "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --extra recordings --no-editable --compile-bytecode --reinstall-package end-effector-hal \
     $group $platform -p /usr/bin/python3
 # The parser's tables, beside the bytecode
 "$prefix/bin/python" -c 'from timed_automata.language import parse_system; from timed_automata.document import Text

@@ -33,7 +33,7 @@ def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraEr
         error: the error that the import raised.
     """
     module = (error.name or "").partition(".")[0]
-    for extra, packages in extras().items():
+    for extra, packages in sorted(extras().items(), key=lambda each: len(each[1])):  # the smallest will do
         if module in packages:
             what = f"{what_needs} {module}, which is not installed."
             return MissingExtraError(what, todo=f"Install it: {command_for(extra)}.")

@@ -68,8 +68,8 @@ def _forget(old: Path) -> bool:
 
 HERE = Path(__file__).parent
 DISTRIBUTION = "end-effector-hal"
-EXTRA = "extra == 'modbus'"
-"""The extra that is also installed on the board; figures are drawn on the host."""
+EXTRAS = ("extra == 'modbus'", "extra == 'recordings'")
+"""On the board, too; figures are drawn here."""
 
 
 def cache() -> Path:
@@ -150,7 +150,7 @@ def _requirements(name: str, known: set[str] | None = None) -> set[str]:
     for text in distribution(name).requires or ():
         needed = re.split(r"[^A-Za-z0-9._-]", text, maxsplit=1)[0]
         key = re.sub(r"[-_.]+", "-", needed).lower()
-        if ("extra ==" in text and EXTRA not in text) or key in known:
+        if ("extra ==" in text and not text.endswith(EXTRAS)) or key in known:
             continue
         known.add(key)
         try:

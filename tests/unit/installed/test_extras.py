@@ -25,9 +25,10 @@ def test_the_extras() -> None:
     assert extras() == {
         "bags": ("rosbags",),
         "cluster": ("distributed",),
-        "lab": ("matplotlib",),
+        "lab": ("matplotlib", "mcap"),
         "modbus": ("pymodbus",),
         "page": ("starlette", "uvicorn"),
+        "recordings": ("mcap",),
     }
 
 
@@ -59,6 +60,16 @@ def test_a_cluster(tmp_path: Path) -> None:
     assert done.stderr == (
         "This command needs distributed, which is not installed. "
         "Install it: pip install '.[cluster]' in a checkout of end-effector-hal.\n"
+    )
+
+
+def test_a_recording_is_replayed_with_the_extra(tmp_path: Path) -> None:
+    run = recorded(tmp_path, "nominal", 1.0, "grip", 1.0)
+    done = eehal_without(["mcap"], "replay", run)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "This command needs mcap, which is not installed. "
+        "Install it: pip install '.[recordings]' in a checkout of end-effector-hal.\n"
     )
 
 
@@ -119,8 +130,10 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
 def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_python, "_installed", lambda name: name != "matplotlib")
     (finding,) = (each for each in _python.look_at_python() if "extra" in each.what)
-    assert (finding.level, finding.what) == (Level.WARNING, "the extra lab is not installed (matplotlib)")
-    assert finding.todo == "Needed by figures only: pip install '.[lab]' in a checkout of end-effector-hal"
+    what = "the extra lab is not installed (matplotlib, mcap)"
+    assert (finding.level, finding.what) == (Level.WARNING, what)
+    needed = "Needed by figures, simulations and trials only: "
+    assert finding.todo == f"{needed}pip install '.[lab]' in a checkout of end-effector-hal"
     monkeypatch.setattr(_python, "_installed", lambda name: name == DISTRIBUTION)
     told = [each for each in _python.look_at_python() if "extra" in each.what]
     assert [each.what.split()[2] for each in told] == [*extras()]

@@ -10,13 +10,15 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import pytest
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import TraceWriter, read_trace
-from end_effector_hal.recording.trace._trace_file import MAGIC
+from end_effector_hal.recording.trace._segment import MAGIC
+from end_effector_hal.recording.trace._trace_file import FOOTER_BYTES
 from tests.support.places import ROOT
 
 
@@ -144,6 +146,39 @@ def test_after_a_kill_everything_is_there_to_the_last_moments(tmp_path: Path) ->
     assert [record.content["number"] for record in found.records] == list(range(len(found.records)))
     assert not found.complete
     assert "killed" in found.note
+
+
+def test_a_robot_writes_traces_without_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the library would write them, but for the summary, which comes with the index."""
+    with monkeypatch.context() as blocked:
+        for name in ("", ".data_stream", ".opcode", ".records", ".stream_reader", ".writer"):
+            blocked.setitem(sys.modules, f"mcap{name}", None)
+        path = (writer := written(tmp_path, 5)).path
+        writer.close()
+    found = read_trace(path)
+    assert (found.complete, found.damaged, found.note, len(found.records)) == (True, False, "", 5)
+    assert dict(found.attachments) == FILES
+
+    from mcap.records import Attachment, Channel, Header, Message, Schema
+    from mcap.stream_reader import StreamReader
+    from mcap.writer import CompressionType, Writer
+
+    data, sink = path.read_bytes(), BytesIO()
+    theirs = Writer(sink, use_chunking=False, compression=CompressionType.NONE, enable_data_crcs=True)
+    for each in StreamReader(BytesIO(data), validate_crcs=True).records:
+        if isinstance(each, Header):
+            theirs.start(each.profile, each.library)
+        elif isinstance(each, Attachment):
+            theirs.add_attachment(each.create_time, each.log_time, each.name, each.media_type, each.data)
+        elif isinstance(each, Schema):
+            theirs.register_schema(each.name, each.encoding, each.data)
+        elif isinstance(each, Channel):
+            theirs.register_channel(each.topic, each.message_encoding, each.schema_id)
+        elif isinstance(each, Message):
+            theirs.add_message(each.channel_id, each.log_time, each.data, each.publish_time, each.sequence)
+    theirs.finish()
+    end = len(data) - FOOTER_BYTES - len(MAGIC)  # the checksum of the data stands before it
+    assert sink.getvalue()[:end] == data[:end]
 
 
 def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:

@@ -14,9 +14,10 @@ from ._check_result import CheckedPart, CheckResults
 _NEEDED_BY = {
     "bags": "`eehal import`",
     "cluster": "work that is shared out to other machines (`--scheduler`)",
-    "lab": "figures",
+    "lab": "figures, simulations and trials",
     "modbus": "the codecs modbus-rtu-*",
     "page": "`eehal page`",
+    "recordings": "`eehal replay`, `eehal page RECORDING` and the index of a trace",
 }
 _DEBIAN = "/usr/lib/python3/dist-packages"
 _say = CheckedPart("python")

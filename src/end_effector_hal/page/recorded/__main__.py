@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pydantic_core import to_json
 
+from end_effector_hal._extras import missing_extra
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.errors import ReportedError, UsageError
 
@@ -51,6 +52,11 @@ def _main() -> int:
         found = answer(word, Path(folder), *rest)
     except ReportedError as error:
         sys.stderr.write(f"{error}\n")
+        return 2
+    except ModuleNotFoundError as error:
+        if (missing := missing_extra("A trace needs", error)) is None:
+            raise
+        sys.stderr.write(f"{missing}\n")
         return 2
     except MemoryError:
         sys.stderr.write("The recording is too large to be shown.\n")

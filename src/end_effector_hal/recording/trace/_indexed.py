@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from subprocess import DEVNULL, Popen
 from typing import IO
@@ -38,8 +39,9 @@ def write_indexed(path: Path, until: float | None = None) -> None:
         until: time at which the indexing is abandoned, on the monotonic clock of `time`, s; None: never.
 
     Raises:
-        OSError: the disk failed, another process indexes the segment, or the segment was removed.
-        TooLongError: the time is over.
+        ModuleNotFoundError: the extra `recordings` is not installed; another program may index the file.
+        OSError: the disk; another process is at it; the segment was removed.
+        TooLongError: it was given up.
         ValueError: the segment is damaged.
     """
     beside = path.with_name(NAME.format(path.name))
@@ -65,7 +67,7 @@ def write_indexed(path: Path, until: float | None = None) -> None:
 
 
 def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
-    """Write the sorted copy; return False if there is nothing to sort. Schemas and channels keep their numbers."""
+    """Write the records in order of time; False: the file has chunks. Schemas and channels keep their numbers."""
     from mcap.data_stream import ReadDataStream
     from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Message, Schema
     from mcap.stream_reader import StreamReader
@@ -98,9 +100,8 @@ def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
         each = Message.read(stream, stream.read8())
         writer.add_message(each.channel_id, each.log_time, each.data, each.publish_time, each.sequence)
         _check(until)
-    if places:
-        writer.finish()  # type: ignore[no-untyped-call]
-    return bool(places)
+    writer.finish()  # type: ignore[no-untyped-call]
+    return True
 
 
 def _check(until: float | None) -> None:
@@ -109,7 +110,8 @@ def _check(until: float | None) -> None:
 
 
 def start_indexing(path: Path) -> None:
-    """Index a segment in a separate process, which continues after the end of this one; raises OSError."""
+    """Start a process that does it, and goes on after the end of this one; raises as `write_indexed`, and OSError."""
+    import_module("mcap.writer")  # else the process would fail without a word
     child = Popen(
         [sys.executable, "-c", _PROGRAM, path], 0, None, DEVNULL, DEVNULL, DEVNULL, start_new_session=True
     )

@@ -5,13 +5,14 @@ from __future__ import annotations
 import errno
 import json
 import os
+import struct
+import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
-from io import BytesIO
 from pathlib import Path
 from time import time_ns
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import TypeAdapter
 from pydantic_core import to_json
@@ -20,17 +21,19 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.recording._files import append_whole, lock, next_number, still_there
 from end_effector_hal.recording._limits import MEGABYTE
 
-if TYPE_CHECKING:
-    from mcap.writer import Writer
-
-
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, ATTACHMENT, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x09, 0x0F
+"""Opcodes of https://mcap.dev/spec. The library `mcap` indexes and reads traces; a robot that only writes them does
+without it, because it brings 29 MB of compression."""
+_MESSAGE = struct.Struct("<HIQQ")
+"""Channel, number, time of the record, time of publication."""
 SUFFIX = ".mcap"
 LEAST_ROOM = MEGABYTE // 2
 """Free disk space that is needed to begin a file, bytes; with less the file would be full at once."""
 
 
 class SegmentFile:
-    """An MCAP file that is being written; it always contains whole batches only.
+    """One MCAP file, being written: every record stands alone, and only whole batches reach the file.
 
     Args:
         folder: created if it is missing; the file gets the next free number of its program.
@@ -53,44 +56,46 @@ class SegmentFile:
         attachments: Mapping[str, bytes],
         day_us: int,
     ) -> None:
-        from mcap.writer import CompressionType, Writer
-
         self.path, self._fd = _create(folder, program)
         self.size = 0
         """Number of bytes written."""
         self._day_us, self._count = day_us, 0
-        self._sink = _Sink()
-        # without chunks: each record stands alone; a checksum of all of them comes last
-        self._writer = Writer(
-            self._sink, use_chunking=False, compression=CompressionType.NONE, enable_data_crcs=True
-        )
+        self._waiting, self._checksum = bytearray(), 0
+        self._channels = {kind: number for number, kind in enumerate(kinds, start=1)}
         try:
             lock(self._fd)
             _ask_room(self._fd)
-            self._channels = _begin(self._writer, program, kinds, attachments)
+            self._append(_beginning(program, kinds, attachments))
             self.write()
         except BaseException:
             self.discard()
             raise
 
     def add(self, kind: str, at: int, content: object) -> None:
-        """Add a record of an event at ``at`` µs on the monotonic clock; :meth:`write` writes it to the file."""
-        data = to_json(content, fallback=_plain)
+        """A record of what happened at ``at`` µs on the monotonic clock; :meth:`write` brings it to the file."""
         time = (at + self._day_us) * 1000
         self._count += 1  # times may go back: the number has the order
-        self._writer.add_message(self._channels[kind], time, data, time, self._count)
+        head = _MESSAGE.pack(self._channels[kind], self._count, time, time)
+        self._append(_record(MESSAGE, head, to_json(content, fallback=_plain)))
+
+    def _append(self, data: bytes) -> None:
+        self._checksum = zlib.crc32(data, self._checksum)
+        self._waiting += data
 
     def write(self) -> None:
-        """Write the added records, all or none; raises OSError."""
-        data = self._sink.take()
+        """Write what was added, all of it or nothing; raises OSError."""
+        data = bytes(self._waiting)
+        self._waiting.clear()
         still_there(self.path, self._fd)
         append_whole(self._fd, data)
         self.size += len(data)
 
     def finish(self) -> None:
-        """Write the index and the checksum, and close the file; it is closed even if this raises OSError."""
+        """Write the checksum of all records, and close; raises OSError, and is closed all the same."""
+        footer = struct.pack("<BQQQ", FOOTER, 20, 0, 0)  # no summary: it comes with the index
         try:
-            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._append(_record(DATA_END, self._checksum.to_bytes(4, "little")))
+            self._append(footer + zlib.crc32(footer).to_bytes(4, "little") + MAGIC)
             self.write()
         finally:
             self.leave()
@@ -109,35 +114,31 @@ class SegmentFile:
         self.leave()
 
 
-class _Sink(BytesIO):
-    """The buffer that the MCAP library writes to; it discards bytes that were taken, but keeps the position."""
-
-    _taken = 0
-
-    def tell(self) -> int:
-        return self._taken + super().tell()
-
-    def take(self) -> bytes:
-        data = self.getvalue()
-        self._taken += len(data)
-        self.seek(0)
-        self.truncate()
-        return data
-
-
-def _begin(
-    writer: Writer, program: str, kinds: Mapping[str, type], attachments: Mapping[str, bytes]
-) -> dict[str, int]:
-    writer.start(profile="", library="end-effector-hal")
+def _beginning(program: str, kinds: Mapping[str, type], attachments: Mapping[str, bytes]) -> bytes:
+    """What stands before the messages: the files of the run, and a schema and a channel for each kind of record."""
+    records = [MAGIC, _record(HEADER, _counted(""), _counted("end-effector-hal"))]
     for name, content in attachments.items():
         media = "application/json" if name.endswith(".json") else "application/xml"
-        writer.add_attachment(time_ns(), time_ns(), name, media, content)
-    channels = {}
-    for kind, type_ in kinds.items():
-        schema = _schema(type_)
-        number = writer.register_schema(f"end_effector_hal.{type_.__name__}", "jsonschema", schema)
-        channels[kind] = writer.register_channel(f"/{program}/{kind}", "json", number)
-    return channels
+        times = struct.pack("<QQ", time_ns(), time_ns())
+        inside = b"".join((times, _counted(name), _counted(media), struct.pack("<Q", len(content)), content))
+        records.append(_record(ATTACHMENT, inside, zlib.crc32(inside).to_bytes(4, "little")))
+    for number, (kind, type_) in enumerate(kinds.items(), start=1):
+        name = f"end_effector_hal.{type_.__name__}"
+        schema = (_counted(name), _counted("jsonschema"), _counted(_schema(type_)))
+        records.append(_record(SCHEMA, struct.pack("<H", number), *schema))
+        channel = (_counted(f"/{program}/{kind}"), _counted("json"), _counted(""))
+        records.append(_record(CHANNEL, struct.pack("<HH", number, number), *channel))
+    return b"".join(records)
+
+
+def _record(opcode: int, *parts: bytes) -> bytes:
+    return b"".join((struct.pack("<BQ", opcode, sum(map(len, parts))), *parts))
+
+
+def _counted(text: str | bytes) -> bytes:
+    """A text, or data, after the number of its bytes."""
+    data = text.encode() if isinstance(text, str) else text
+    return struct.pack("<I", len(data)) + data
 
 
 @cache

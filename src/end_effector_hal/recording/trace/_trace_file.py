@@ -15,10 +15,12 @@ from typing import Any
 
 from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording._files import read_file
+from end_effector_hal.recording.trace._segment import MAGIC
 
-MAGIC = b"\x89MCAP0\r\n"
 DATA_END_BYTES = 13
-"""Size of the last record: opcode, length, checksum."""
+"""Opcode, length, checksum."""
+FOOTER_BYTES = 29
+"""Opcode, length, begin of the summary and of its offsets, checksum."""
 CHECKSUM_BYTES = 4
 CHUNK_HEAD = struct.Struct("<BQQQQIIQ")
 """Opcode and length; first and last time, size, checksum, length of the compression's name, which is empty; length of
@@ -111,7 +113,8 @@ def read_trace(path: str | Path) -> TraceFile:
             changed = reading.changed(0, DATA_END_BYTES, record.data_section_crc)
         elif isinstance(record, Footer):
             complete, note = True, ""
-            changed = changed or reading.changed(record.summary_start, CHECKSUM_BYTES, record.summary_crc)
+            begin = record.summary_start or reading.place - FOOTER_BYTES
+            changed = changed or reading.changed(begin, CHECKSUM_BYTES, record.summary_crc)
     program = next(iter(topics.values()), "").strip("/").partition("/")[0]
     changed = complete and changed
     note = reading.note or ("bytes in it were changed since it was written" if changed else note)
@@ -169,6 +172,11 @@ class _Reading:
         inside = BytesIO(self._data[begin + CHUNK_HEAD.size :])
         with suppress(Exception):  # to its end, which is missing
             yield from StreamReader(inside, skip_magic=True, record_size_limit=self._size).records
+
+    @property
+    def place(self) -> int:
+        """How many bytes of the file have been read."""
+        return self._file.tell()
 
     def changed(self, start: int, after: int, checksum: int) -> bool:
         """Return whether the bytes from ``start`` to ``after`` bytes before the position differ from the checksum."""
