@@ -1,6 +1,6 @@
 #!/bin/bash
 # Builds the sdist and, from it, the wheel; installs them into fresh environments and uses them outside of the checkout:
-# the base install, which has no figures and at most 55 MB, and the sdist with all extras. A minute and a half.
+# the base install, without the commands of the workshop and at most 55 MB, and the sdist with all extras. A minute and a half.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 uv=$PWD/build/uv/bin/uv
@@ -43,8 +43,9 @@ done
 ! grep -E '\]\((docs|[A-Z]+\.md|CITATION)' "$site"/end_effector_hal-*.dist-info/METADATA || fail "A relative link is in the metadata"
 "$eehal" verify >verify.log || { cat verify.log; fail "$eehal verify failed"; }
 tail -n 1 verify.log
-play base-demo
-grep -qF "pip install '.[lab]'" base-demo.log || fail "The demo does not say how figures are installed"
+"$eehal" demo 2>demo.log && fail "The base install has the workshop"
+grep -qF "pip install '.[lab]'" demo.log || fail "eehal demo does not say what to install"
+! "$eehal" --help | grep -q demo || fail "eehal --help lists the workshop"
 
 install extras "$sdist[bags,lab,modbus]"
 play extras-demo

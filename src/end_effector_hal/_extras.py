@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
 
 from end_effector_hal.errors import MissingExtraError
 
 DISTRIBUTION = "end-effector-hal"
+_LAB = ("matplotlib", "mcap")
+"""The packages of the extra `lab`, whose commands are hidden without them."""
 _ADDED = re.compile(r"""(?P<package>[\w.-]+).*;.*\bextra == ['"](?P<extra>[\w-]+)['"]""")
 
 
@@ -23,6 +28,21 @@ def extras() -> dict[str, tuple[str, ...]]:
         if match := _ADDED.match(requirement):
             found[match["extra"]] = (*found.get(match["extra"], ()), match["package"])
     return found
+
+
+@cache
+def lab_installed() -> bool:
+    """Whether the workshop's commands can be used: a robot does without them."""
+    with suppress(ModuleNotFoundError):
+        return all(map(find_spec, _LAB))
+    return False
+
+
+def lab_needed(what: str) -> MissingExtraError:
+    """The error for a command or an option of the workshop where the workshop is not installed."""
+    return MissingExtraError(
+        f"{what} needs the extra lab, which is not installed.", todo=f"Install it: {command_for('lab')}."
+    )
 
 
 def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraError | None:

@@ -12,7 +12,6 @@ from end_effector_hal.description import profile_path
 from end_effector_lab.commands import (
     chosen,
     console,
-    figures_wanted,
     json_option,
     no_figures_option,
     only_option,
@@ -64,7 +63,7 @@ def command(
     if build_only:
         click.echo(parts)
         return
-    figures = figures_wanted(no_figures, progress)
+    figures = not no_figures
     reports = []
     for scenario in picked:
         folder = output / f"board-{scenario.name}"

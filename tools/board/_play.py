@@ -78,7 +78,7 @@ def play_on_board(
     ended = run_board(
         parts,
         folder,
-        f"eehal doctor {TOOL} --only lines; eehal demo {TOOL} {options} -o /run/results",
+        f"eehal doctor {TOOL} --only lines; eehal-demo {TOOL} {options} -o /run/results",
         testbench=[str(description.source), "--scenario", scenario.bench],
         files={name.lstrip("/"): text for name, text in files.items()},
         ros=ros,

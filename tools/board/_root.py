@@ -24,6 +24,8 @@ PACKAGES = [
 HOME = Path("opt/end-effector")
 """Folder of the project on the board."""
 EEHAL = "#!/usr/bin/env python3\nfrom end_effector_hal.cli import main\n\nmain()\n"
+DEMO = "#!/usr/bin/env python3\nfrom end_effector_lab.commands._demo import command\n\ncommand()\n"
+"""`eehal demo` itself needs the extra `lab`, and the board has no matplotlib."""
 ROS_PACKAGES = ("end_effector_msgs", "end_effector_hal")
 SEED_BYTES = 64
 
@@ -55,6 +57,7 @@ def write_root(parts: Path, place: Path, job: str, files: Mapping[str, str], *, 
         "init": (HERE / "init.sh").read_text(),
         "job": job,
         "usr/bin/eehal": EEHAL,
+        "usr/bin/eehal-demo": DEMO,
         "date": f"{time.time():.0f}",
     }
     for name, content in {**own, **files}.items():

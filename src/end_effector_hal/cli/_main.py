@@ -13,7 +13,7 @@ from typing import Any, TextIO
 
 import click
 
-from end_effector_hal._extras import missing_extra
+from end_effector_hal._extras import lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.plugins import Plugins
 
@@ -49,6 +49,10 @@ _AUDIENCES = {
     ),
 }  # fmt: skip
 """Who uses a command, in the order in which it is needed; those that are not installed are left out."""
+_WORKSHOP = (
+    "campaign", "compare", "demo", "import", "matrix", "plot", "report", "testbench", "tune",
+)  # fmt: skip
+"""Commands of `end_effector_lab`, which only the extra `lab` makes usable."""
 _OTHERS = "Added by other distributions"
 _OTHER_NAMES = {
     "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
@@ -84,7 +88,8 @@ class _LazyGroup(click.Group):
     """Loads the module of a command when it is called: the start stays quick."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted({*_COMMANDS, *_ADDED.names})
+        hidden = () if lab_installed() else _WORKSHOP
+        return sorted({*_COMMANDS, *_ADDED.names}.difference(hidden))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in _COMMANDS:
@@ -108,6 +113,8 @@ class _LazyGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         names, name = self.list_commands(ctx), args[0]
+        if name in _WORKSHOP and name not in names and not ctx.resilient_parsing:
+            raise lab_needed(f"`eehal {name}`")
         if name not in names and not name.startswith("-") and not ctx.resilient_parsing:
             meant = _OTHER_NAMES.get(name) or next(iter(get_close_matches(name, names, n=1)), "")
             ctx.fail(f"No such command {name!r}.{f' Did you mean {meant!r}?' if meant else ''}")

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import click
 
+from end_effector_hal._extras import lab_installed
 from end_effector_hal.errors import UsageError, os_errors
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
@@ -49,8 +50,11 @@ class PathName(click.Path):
 
 
 def seed_option(*, default: int | None, help: str) -> Callable[[Decorated], Decorated]:
-    """Return the option ``--seed N``: the seed of the random values of a simulation."""
-    return click.option("--seed", default=default, metavar="N", type=click.IntRange(0, MOST_SEED), help=help)
+    """``--seed N``: of what is drawn in a simulation."""
+    type_ = click.IntRange(0, MOST_SEED)
+    return click.option(
+        "--seed", default=default, metavar="N", type=type_, hidden=not lab_installed(), help=help
+    )
 
 
 def end_in_order() -> None:

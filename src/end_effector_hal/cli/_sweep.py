@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol, cast
 
-from end_effector_hal._extras import command_for
-from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal._extras import lab_installed, lab_needed
+from end_effector_hal.errors import UsageError
 from end_effector_hal.plugins import Plugins
 
 GROUP = "end_effector_hal.sweep"
@@ -47,9 +47,6 @@ def sweep() -> Sweep:
         MissingExtraError: the function is not installed.
         UsageError: the function cannot be loaded.
     """
-    if NAME not in _SWEEPS.names:
-        raise MissingExtraError(
-            "The package that proves a grid of values is not installed.",
-            todo=f"Install it: {command_for('lab')}.",
-        )
+    if not lab_installed():
+        raise lab_needed("--sweep")
     return _SWEEPS.get(NAME)

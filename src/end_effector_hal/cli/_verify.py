@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from end_effector_hal._extras import lab_installed
 from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, REGISTERS, Source, open_source
 from end_effector_hal.errors import UsageError
 
@@ -56,10 +57,16 @@ T = TypeVar("T")
     "--sweep",
     "sweeps",
     multiple=True,
+    hidden=not lab_installed(),
     metavar="KEY=A:B:STEP|A,B,C",
     help="Prove DESCRIPTION with each of these values of a key; given again: each combination.",
 )
-@click.option("--jobs", type=click.IntRange(1), help="Processes of a sweep; default: one for each processor.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    hidden=not lab_installed(),
+    help="Processes of a sweep; default: one for each processor.",
+)
 @click.option(
     "--memory",
     "most_gib",
@@ -67,7 +74,12 @@ T = TypeVar("T")
     metavar="GIB",
     help="Stop beyond it; default: 75 % of the memory that the machine, or the container, has for it.",
 )
-@click.option("--scheduler", metavar="ADDRESS", help="Of dask.distributed: its workers prove the sweep.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    hidden=not lab_installed(),
+    help="Of dask.distributed: its workers prove the sweep.",
+)
 def command(
     description: Path | None,
     model: Path | None,

@@ -3,7 +3,6 @@
 from ._demo import (
     chosen,
     console,
-    figures_wanted,
     json_option,
     no_figures_option,
     only_option,

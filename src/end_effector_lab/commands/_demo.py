@@ -118,7 +118,7 @@ def command(
             drive=drive,
             progress=console(stderr=True, quiet=as_json),
             own_wires=own_wires,
-            figures=figures_wanted(no_figures, progress),
+            figures=not no_figures,
             seed=seed or 0,
         )
     )
@@ -135,21 +135,6 @@ def tell(reports: Sequence[Report], *, as_json: bool) -> None:
         print_table(console(), reports)
     if not all(report.ok for report in reports):
         raise click.exceptions.Exit(1)
-
-
-def figures_wanted(no_figures: bool, progress: Console) -> bool:
-    """Return whether to draw; print a note if figures are wanted but the extra for them is not installed."""
-    from end_effector_hal.cli import figures
-    from end_effector_hal.errors import MissingExtraError
-
-    if no_figures:
-        return False
-    try:
-        figures()
-    except MissingExtraError as error:
-        progress.print(f"There will be no figures. {error}", highlight=False, markup=False, soft_wrap=True)
-        return False
-    return True
 
 
 def chosen(description: Description, names: Sequence[str], *, everything: bool) -> list[DemoScenario]:

@@ -11,7 +11,6 @@ from end_effector_hal.cli import main
 from end_effector_hal.cli.run import _simulation
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import MissingExtraError, UsageError
-from end_effector_hal.plugins import Plugins
 from end_effector_lab.demo import World
 
 TOOL = load(profile_path())
@@ -22,13 +21,11 @@ def test_the_workshop_has_it() -> None:
 
 
 def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        _simulation, "_SIMULATION", Plugins("nothing.of.this", "simulation", {}, lambda it: it)
-    )
+    monkeypatch.setattr(_simulation, "lab_installed", lambda: False)
     with pytest.raises(MissingExtraError) as refused, _simulation.simulated(TOOL, "nominal"):
         pass
     assert str(refused.value) == (
-        "The package that simulates a tool is not installed. "
+        "--simulate needs the extra lab, which is not installed. "
         "Install it: pip install '.[lab]' in a checkout of end-effector-hal."
     )
     assert list(_simulation.possible_scenarios(TOOL)) == []

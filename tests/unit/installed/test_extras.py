@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import json
 import shutil
+import tomllib
 from pathlib import Path
 
 import pytest
 
+from end_effector_hal import _extras
 from end_effector_hal._extras import DISTRIBUTION, extras
+from end_effector_hal.cli import _main
 from end_effector_hal.cli.doctor import _python
 from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
 from tests.support.blocked import eehal_without
 from tests.support.nightly import first_of
+from tests.support.places import ROOT
 from tests.support.recorded_tool import recorded
 from tests.support.refuted import REFUTED
 
@@ -32,15 +36,51 @@ def test_the_extras() -> None:
     }
 
 
-@pytest.mark.thinned
-def test_plot(tmp_path: Path) -> None:
-    run = recorded(tmp_path, "nominal", 1.0, "grip", 1.0)
-    done = eehal_without(["matplotlib", "numpy"], "plot", run)
+WORKSHOP = ("campaign", "compare", "demo", "import", "matrix", "plot", "report", "testbench", "tune")
+
+
+def test_the_workshop_is_what_its_entry_points_say() -> None:
+    points = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]
+    assert sorted(points["end_effector_hal.commands"]) == sorted(_main._WORKSHOP) == sorted(WORKSHOP)
+    assert extras()["lab"] == _extras._LAB
+
+
+@pytest.mark.parametrize("blocked", ["matplotlib", "mcap"])
+def test_a_robot_has_no_commands_of_the_workshop(blocked: str) -> None:
+    done = eehal_without([blocked], "--help")
+    names = {line.split()[0] for line in done.stdout.splitlines() if line.startswith("  ") and line.split()}
+    assert done.returncode == 0
+    assert {"run", "verify", "replay", "page"} <= names
+    assert not names & set(WORKSHOP)
+
+
+@pytest.mark.parametrize("name", first_of(WORKSHOP, 1))
+def test_a_command_of_the_workshop_says_what_to_install(name: str) -> None:
+    done = eehal_without(["matplotlib"], name)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"Figures need matplotlib, {INSTALL_LAB}"
-    done = eehal_without(["matplotlib", "numpy"], "plot", run, "--json")
+    assert done.stderr == (
+        f"`eehal {name}` needs the extra lab, which is not installed. "
+        "Install it: pip install '.[lab]' in a checkout of end-effector-hal.\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [(("run", "tool.yaml"), "--simulate"), (("verify",), "--sweep=sampling.period_ms=20")],
+)
+def test_an_option_of_the_workshop_is_hidden_and_says_what_to_install(
+    words: tuple[str, ...], option: str, tmp_path: Path
+) -> None:
+    for name in ("end_effector.yaml", "end_effector.xml"):
+        shutil.copy(profile_path().with_name(name), tmp_path)
+    (tmp_path / "end_effector.yaml").rename(tmp_path / "tool.yaml")
+    listed = {"run": "Without hardware: virtual lines", "verify": "Prove DESCRIPTION with each"}[words[0]]
+    assert listed in eehal_without([], words[0], "--help").stdout
+    assert listed not in eehal_without(["matplotlib"], words[0], "--help").stdout
+    done = eehal_without(["matplotlib"], *words, option, "--json", cwd=tmp_path)
     (fault,) = json.loads(done.stdout)["faults"]
     assert (done.returncode, fault["code"]) == (2, "EE-101")
+    assert "'.[lab]'" in done.stdout
 
 
 def test_import(tmp_path: Path) -> None:
@@ -99,9 +139,7 @@ def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"run.txt", "states.csv", "run.json"}
 
 
-@pytest.mark.parametrize(
-    "command", first_of(["--help", "check", "plot --help", "demo --help", "import --help"], 2)
-)
+@pytest.mark.parametrize("command", ["--help", "check"])
 def test_what_needs_none(command: str) -> None:
     done = eehal_without(["matplotlib", "numpy", "pymodbus", "rosbags"], *command.split())
     assert (done.returncode, done.stderr) == (0, "")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from end_effector_hal._extras import lab_installed
 from end_effector_hal.cli._completion import completed, scenarios, session_words
 from end_effector_hal.cli._options import PathName, end_in_order, seed_option
 from end_effector_hal.errors import ArbiterError, NotReadyError, ReportedError, UsageError, os_errors
@@ -36,11 +37,13 @@ NOT_SIMULATED = "A scenario is for a simulated tool: nothing makes a real one fa
 @click.option(
     "--simulate",
     is_flag=True,
+    hidden=not lab_installed(),
     help="Without hardware: virtual lines, with a testbench and a line arbiter of its own that end with it.",
 )
 @click.option(
     "--scenario",
     metavar="S",
+    hidden=not lab_installed(),
     shell_complete=completed(scenarios, separator=","),
     help="With --simulate: what goes wrong, such as leak:top_vacuum; `eehal testbench --list` lists them.",
 )

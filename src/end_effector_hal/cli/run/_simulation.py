@@ -11,8 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from end_effector_hal._extras import command_for
-from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal._extras import lab_installed, lab_needed
+from end_effector_hal.errors import UsageError
 from end_effector_hal.plugins import Plugins
 
 if TYPE_CHECKING:
@@ -68,8 +68,8 @@ _SIMULATION: Plugins[Simulation] = Plugins(GROUP, "simulation", {}, _checked, ma
 
 
 def possible_scenarios(description: Description) -> Iterable[str]:
-    """Return the possible scenarios of the simulated tool; empty if no simulator is installed."""
-    return _SIMULATION.get(NAME).scenarios(description) if NAME in _SIMULATION.names else ()
+    """What can go wrong with the simulated tool; nothing where nothing that simulates is installed."""
+    return _SIMULATION.get(NAME).scenarios(description) if lab_installed() else ()
 
 
 @contextmanager
@@ -81,10 +81,8 @@ def simulated(description: Description, scenario: str, seed: int = 0) -> Iterato
         UsageError: the tool cannot have this scenario.
         ReportedError: a process of the simulation does not start.
     """
-    if NAME not in _SIMULATION.names:
-        raise MissingExtraError(
-            "The package that simulates a tool is not installed.", todo=f"Install it: {command_for('lab')}."
-        )
+    if not lab_installed():
+        raise lab_needed("--simulate")
     start = _SIMULATION.get(NAME)
     with TemporaryDirectory(prefix="eehal-run-", ignore_cleanup_errors=True) as folder:
         hardware = start(description, scenario, Path(folder), outlives_us=False, seed=seed)
