@@ -189,7 +189,7 @@ def run_campaign(
         for where, kept in results.lines(KEPT_RUN):
             _add_kept(kept, where, campaign, source, description, results)
         on_progress(campaign)
-        shared, over = _Shared(description, ShippedAutomata(description), known), False
+        shared, over = _Shared(description, ShippedAutomata.read(description), known), False
         while not over:
             waiting: dict[int, dict[str, Any]] = {}
             todo = _Drawn(campaign, source, go_on)

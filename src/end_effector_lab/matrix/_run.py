@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import logging
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
 from end_effector_hal.description import Description
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
-from end_effector_lab.workers import ShippedAutomata, Workers, in_a_copy
+from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._cells import WORDS, Cell
 from ._outcome import Outcome
@@ -27,6 +30,7 @@ LAYOUT = ResultsLayout(
     "Remove the line: its cell is played again.",
     (PAGE, FIGURES, FMEA),
 )
+T = TypeVar("T")
 _SHAPE = TypeAdapter(Played)
 _OUTCOMES = frozenset(each.value for each in Outcome)
 
@@ -82,7 +86,7 @@ class _Shared:
     """What every worker needs; each goes on with the run that cells disturb from where it has played it."""
 
     def __init__(self, description: Description) -> None:
-        self._described, self._automata = description, ShippedAutomata(description)
+        self._described, self._automata = description, ShippedAutomata.read(description)
         self._undisturbed: Undisturbed | None = None
 
     def run_until(self, at: int) -> None:
@@ -105,6 +109,32 @@ def _play(shared: _Shared, cell: Cell) -> dict[str, Any]:
     with no_log():
         shared.run_until(cell.moment.at)
         return in_a_copy(lambda: CellRun(shared.take(), cell).played().as_json())
+
+
+def in_a_copy(work: Callable[[], T]) -> T:
+    """Return what ``work`` returns in a fork of this process, which leaves this process as it is.
+
+    The work is done here if the fork dies or raises, and in any thread but the main one (a worker of a cluster): a
+    lock that another thread holds would never be released in a fork.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return work()
+    fork = get_context("fork")
+    here, there = fork.Pipe(duplex=False)
+    copy = fork.Process(target=_send_result, args=(there, work))
+    copy.start()
+    there.close()
+    with here, suppress(EOFError, OSError):
+        result: T = here.recv()
+        copy.join()
+        return result
+    copy.join()
+    return work()
+
+
+def _send_result(there: Connection, work: Callable[[], object]) -> None:
+    with suppress(Exception):
+        there.send(work())
 
 
 def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:

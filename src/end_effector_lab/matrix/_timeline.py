@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from end_effector_hal.cli import the_folder
 from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import Moment, Recording, read_run
 from end_effector_hal.signals import Frame
-from end_effector_lab.results import replaced_folder
 
 from ._cells import NO_FAULT, Cell
 from ._play import DEAD_US, CellRun, Played, Undisturbed
@@ -27,13 +31,47 @@ _WRITTEN = (
 )
 
 
-def cell_folder(folder: Path) -> AbstractContextManager[Path]:
-    """A new folder for a cell, which replaces that of another cell; raises UsageError if it holds anything else."""
-    return replaced_folder(folder, _WRITTEN, _is_a_cell, "cell of a matrix")
+@contextmanager
+def cell_folder(folder: Path) -> Iterator[Path]:
+    """Yield an empty folder for a cell; its files replace those of the cell in ``folder``, unless an error is raised.
+
+    Raises:
+        UsageError: ``folder`` is no folder, or holds a file of another program; then nothing of it is changed.
+    """
+    _check_folder(folder)
+    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=the_folder(folder.parent)) as name:
+        new = Path(name)
+        yield new
+        _check_folder(the_folder(folder))
+        with os_errors("The folder cannot be replaced", folder):
+            for written in _WRITTEN:  # run.json first: it shows that the folder is ours
+                if (new / written).exists():
+                    (new / written).replace(folder / written)
+                else:
+                    (folder / written).unlink(missing_ok=True)
 
 
-def _is_a_cell(folder: Path) -> bool:
-    return " @ " in read_run(folder).scenario  # no scenario that a testbench takes has it
+def _check_folder(folder: Path) -> None:
+    todo = "Move it away, or name another folder with -o."
+    if not os.path.lexists(folder):
+        return
+    if folder.is_symlink() or not folder.is_dir():
+        raise UsageError("This is not a folder.", where=str(folder), todo=todo)
+    with os_errors("The folder cannot be read", folder):
+        found = sorted(os.scandir(folder), key=lambda each: each.name)
+    other = [
+        each.name for each in found if each.name not in _WRITTEN or not each.is_file(follow_symlinks=False)
+    ]
+    if other:
+        raise UsageError(
+            f"The folder contains {other[0]!r}, which no cell of a matrix wrote.",
+            where=str(folder),
+            todo=todo,
+        )
+    if found and " @ " not in read_run(folder).scenario:  # no scenario of a testbench contains it
+        raise UsageError(
+            "The folder contains a recording that no cell of a matrix wrote.", where=str(folder), todo=todo
+        )
 
 
 def disturbances(cell: Cell) -> tuple[Moment, ...]:

@@ -1,55 +1,95 @@
-"""The workers of a cluster of dask.distributed."""
+"""The workers of a cluster, by the executor of dask.distributed."""
 
 from __future__ import annotations
 
 import logging
 import pickle
+import platform
 import time
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
-from itertools import islice
-from queue import Empty, SimpleQueue
-from typing import Any, Self, TypeVar
+from functools import cache
+from typing import Any, Self
 from uuid import uuid4
 
 import dask
-from distributed import Client, Future, KilledWorker
+from distributed import Client, KilledWorker, Worker, WorkerPlugin, get_worker
 
 from end_effector_hal.errors import WorkersError
+from end_effector_hal.recording import product_version
+from end_effector_lab.results import source_checksum
 
-from ._identity import differences, identity
-from ._on_worker import START, SharedPart, do, refusal, unfit
-from ._workers import S, not_done
-
-T = TypeVar("T")
-R = TypeVar("R")
+from ._workers import LOOK_S, Computation, Workers, results_of
 
 CONNECT_S = 5.0
 JOIN_S = 30.0
-"""So long a scheduler may be without a worker at first."""
+"""A scheduler may be without a worker for so long at first."""
 GONE_S = 60.0
-"""So long it may be without one later: they are started again, or more are coming."""
-_LOOK_S = 2.0
-_TASK_S, _MOST_IN_TASK = 1.0, 64
-"""Short items are sent together: about so many seconds of work in one task, so that the scheduler has little to do."""
-_TASKS_EACH = 2
-"""Tasks for each worker: none waits for the next one."""
+"""It may be without one for so long later: they are started again, or more are coming."""
+_START = "`dask worker ADDRESS --nworkers N --nthreads 1`"
 _CHECKED = ("python", "distributed", "end-effector-hal")
 _FAILURES = (OSError, TimeoutError, CancelledError)
-"""The last one: of what was under way when the connection was lost."""
+"""The last one is raised by a task that was under way when the connection was lost."""
 
 
-class ClusterWorkers:
+@cache
+def identity() -> dict[str, str]:
+    """Return what must be equal on both sides: two versions of a program would mix their results."""
+    return {
+        "Python": ".".join(platform.python_version_tuple()[:2]),
+        "end-effector-hal": product_version(),
+        "the source of end-effector-hal": source_checksum(),
+    }
+
+
+class _SharedPart(WorkerPlugin):  # type: ignore[misc]
+    """The function and the shared value; dask sends it once to each worker, also to one that joins later."""
+
+    def __init__(self, name: str, content: bytes, ours: dict[str, str]) -> None:
+        self.name, self._content, self._ours = name, content, ours
+        self._read: Any = None
+
+    def setup(self, worker: Worker) -> None:
+        self.refusal = _differences(self._ours, identity())
+        if not self.refusal and worker.state.nthreads != 1:
+            self.refusal = f"it has {worker.state.nthreads} threads, which would wait for each other"
+
+    def read(self) -> tuple[Any, Any]:
+        """Return the function and the shared value; raises WorkersError if this worker does not fit."""
+        where = get_worker().address
+        if self.refusal:
+            raise _unfit(where, self.refusal)
+        try:
+            if self._read is None:
+                # anyone who reaches a worker can run programs there anyway
+                self._read = pickle.loads(self._content)
+        except (ImportError, AttributeError, pickle.UnpicklingError) as error:
+            raise _unfit(where, f"it cannot read what it was sent ({error})") from None
+        return self._read  # type: ignore[no-any-return]
+
+
+def _refusal(name: str, dask_worker: Worker) -> str:
+    plugin = dask_worker.plugins.get(name)
+    return plugin.refusal if isinstance(plugin, _SharedPart) else ""
+
+
+def _do(name: str, items: Sequence[Any]) -> tuple[float, list[Any]]:
+    plugin = get_worker().plugins[name]
+    assert isinstance(plugin, _SharedPart)
+    return results_of(*plugin.read(), items)
+
+
+class ClusterWorkers(Workers):
     """See `cluster_workers`."""
 
     def __init__(self, address: str) -> None:
-        self._address, self._open = address, ExitStack()
+        super().__init__()
+        self._address = address
 
     def __enter__(self) -> Self:
         with ExitStack() as opened:
-            opened.enter_context(_quiet())
+            opened.enter_context(_no_log_of_dask())
             opened.enter_context(dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT_S}s"}))
             try:
                 self._client = Client(self._address, timeout=CONNECT_S, set_as_default=False)
@@ -57,40 +97,36 @@ class ClusterWorkers:
                 raise WorkersError(
                     f"The scheduler cannot be reached: {_first_line(error)}.",
                     where=self._address,
-                    todo=f"Start it with `dask scheduler`, and workers with {START}.",
+                    todo=f"Start it with `dask scheduler`, and workers with {_START}.",
                 ) from None
             opened.callback(self._close)
             self._check()
             self._open = opened.pop_all()
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self._open.close()
-
     def _close(self) -> None:
         with suppress(*_FAILURES):
             self._client.close(timeout=CONNECT_S)
 
-    def each(self, function: Callable[[S, T], R], shared: S, items: Iterable[T]) -> Iterator[tuple[T, R]]:
-        """See `Workers`."""
+    @contextmanager
+    def _begun(self, function: Callable[[Any, Any], Any], shared: object) -> Iterator[Computation]:
         name = f"end-effector-hal-{uuid4().hex}"
-        with self._reached():
-            self._client.register_plugin(
-                SharedPart(name, pickle.dumps((function, shared)), identity()), name=name
-            )
-        computation = _Computation(self._client, name, items)
+        part = _SharedPart(name, pickle.dumps((function, shared)), identity())
+        executor = self._client.get_executor(pure=False)
         try:
             with self._reached():
-                found = self._client.run(refusal, name, on_error="return")
+                self._client.register_plugin(part, name=name)
+                found = self._client.run(_refusal, name, on_error="return")
             for worker, why in found.items():
-                if why and not isinstance(why, OSError):  # one that has just died is no other one
-                    raise unfit(worker, str(why))
+                if why and not isinstance(why, OSError):  # a worker that has just died is no misfit
+                    raise _unfit(worker, str(why))
             with self._reached():
-                yield from computation.results()
+                yield _Tasks(self._client, executor, name)
         finally:
             with suppress(*_FAILURES):
-                computation.cancel()
-                self._client.unregister_worker_plugin(name)
+                if self._client.status == "running":
+                    executor.shutdown(wait=False)
+                    self._client.unregister_worker_plugin(name)
 
     def _check(self) -> None:
         """Raise an error that names the first worker that differs, before anything is sent."""
@@ -101,17 +137,17 @@ class ClusterWorkers:
                 raise WorkersError(
                     f"The scheduler has no worker after {JOIN_S:g} s.",
                     where=self._address,
-                    todo=f"Start some with {START}.",
+                    todo=f"Start some with {_START}.",
                 ) from None
             found = self._client.get_versions(packages=["end-effector-hal"])
         ours = _versions(found["client"])
         for where, theirs in [(self._address, found["scheduler"]), *sorted(found["workers"].items())]:
-            if theirs and (why := differences(ours, _versions(theirs))):
-                raise unfit(where, why)
+            if theirs and (why := _differences(ours, _versions(theirs))):
+                raise _unfit(where, why)
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
-        """What goes wrong on the way to the scheduler is one sentence."""
+        """Turn a failure on the way to the scheduler into one sentence."""
         try:
             yield
         except WorkersError:
@@ -124,92 +160,25 @@ class ClusterWorkers:
             ) from None
 
 
-class _Computation:
-    """Some items of which each is done once, in tasks of several."""
+class _Tasks(Computation):
+    died = KilledWorker
+    tries = 1  # dask has tried it `allowed-failures` times already
+    task_s = 1.0  # short items together, so that the scheduler has little to do
 
-    def __init__(self, client: Client, name: str, items: Iterable[Any]) -> None:
-        self._client, self._name, self._items = client, name, iter(items)
-        self._again: deque[list[Any]] = deque()
-        self._tasks: dict[str, tuple[Future, list[Any]]] = {}
-        self._ended: SimpleQueue[Future] = SimpleQueue()
-        self._doubtful: list[Any] = []
-        self._seconds, self._count = 0.0, 0
-        self._looked_at, self._workers, self._seen_at = -_LOOK_S, 0, time.monotonic()
+    def __init__(self, client: Client, executor: Any, name: str) -> None:
+        super().__init__()
+        self._client, self._executor, self._name = client, executor, name
+        self._looked_at, self._workers, self._seen_at = -LOOK_S, 0, time.monotonic()
 
-    def results(self) -> Iterator[tuple[Any, Any]]:
-        yield from self._until_done()
-        lost = []
-        for item in self._doubtful:  # alone: what its worker dies of is nothing else
-            self._doubtful = []
-            self._again.append([item])
-            yield from self._until_done()
-            lost += self._doubtful
-        if lost:
-            raise not_done(lost, "because each worker that did it died")
+    def submit(self, items: list[Any]) -> Future[tuple[float, list[Any]]]:
+        return self._executor.submit(_do, self._name, items)  # type: ignore[no-any-return]
 
-    def cancel(self) -> None:
-        """What is not done is not begun any more."""
-        if self._tasks and self._client.status == "running":
-            self._client.cancel([future for future, _ in self._tasks.values()], force=True)
-
-    def _until_done(self) -> Iterator[tuple[Any, Any]]:
-        while True:
-            self._look()
-            while len(self._tasks) < _TASKS_EACH * max(self._workers, 1) and (items := self._next()):
-                self._submit(items)
-            if not self._tasks:
-                return
-            for future, found in self._gathered([*self._some_ended()]):
-                items = self._tasks.pop(future.key)[1]
-                yield from self._results_of(found, items)
-
-    def _next(self) -> list[Any]:
-        if self._again:
-            return self._again.popleft()
-        each = self._seconds / self._count if self._count else _TASK_S
-        return [*islice(self._items, max(1, min(_MOST_IN_TASK, round(_TASK_S / max(each, 1e-6)))))]
-
-    def _submit(self, items: list[Any]) -> None:
-        future = self._client.submit(do, self._name, items, key=f"{self._name}-{uuid4().hex}", pure=False)
-        self._tasks[future.key] = future, items
-        future.add_done_callback(self._ended.put)
-
-    def _some_ended(self) -> Iterator[Future]:
-        with suppress(Empty):
-            yield self._ended.get(timeout=_LOOK_S)
-            while True:
-                yield self._ended.get_nowait()
-
-    def _gathered(self, ended: list[Future]) -> Iterator[tuple[Future, Any]]:
-        """Each task with what it returned; None: the workers that did it died."""
-        with suppress(KilledWorker):
-            yield from zip(ended, self._client.gather(ended), strict=True)
-            return
-        for future in ended:
-            try:
-                yield future, future.result()
-            except KilledWorker:
-                yield future, None
-
-    def _results_of(self, found: Any, items: list[Any]) -> Iterator[tuple[Any, Any]]:
-        if found is None:
-            if len(items) > 1:
-                self._again.extend([item] for item in items)
-            else:
-                self._doubtful += items
-            return
-        seconds, results = found
-        self._seconds, self._count = self._seconds + seconds, self._count + len(items)
-        yield from zip(items, results, strict=True)
-
-    def _look(self) -> None:
-        """How many workers there are, now and then."""
+    def places(self) -> int:
         now = time.monotonic()
         if self._client.status != "running":
             raise ConnectionError("the connection was closed")
-        if now - self._looked_at < _LOOK_S:
-            return
-        self._workers, self._looked_at = len(self._client.nthreads()), now
+        if now - self._looked_at >= LOOK_S:
+            self._workers, self._looked_at = len(self._client.nthreads()), now
         if self._workers:
             self._seen_at = now
         elif now - self._seen_at > GONE_S:
@@ -218,11 +187,12 @@ class _Computation:
                 where=self._client.scheduler.address,
                 todo="Finished work is kept: repeat the command when there are workers again.",
             )
+        return 2 * max(self._workers, 1)  # no worker waits for its next task
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """What dask.distributed logs about a lost connection is said in one sentence."""
+def _no_log_of_dask() -> Iterator[None]:
+    """Silence what dask.distributed logs about a lost connection: the command reports it in one sentence."""
     logger = logging.getLogger("distributed")
     before = logger.level
     logger.setLevel(logging.CRITICAL + 1)
@@ -230,6 +200,22 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         logger.setLevel(before)
+
+
+def _unfit(worker: str, why: str) -> WorkersError:
+    return WorkersError(
+        f"This worker does not fit: {why}.",
+        where=worker,
+        todo=f"Install the same versions there, and start it with {_START}.",
+    )
+
+
+def _differences(ours: dict[str, str], theirs: dict[str, str]) -> str:
+    return "; ".join(
+        f"{name} is {theirs.get(name) or 'missing'} there, {value or 'missing'} here"
+        for name, value in ours.items()
+        if theirs.get(name) != value
+    )
 
 
 def _versions(found: dict[str, Any]) -> dict[str, str]:

@@ -1,26 +1,127 @@
-"""What every kind of workers can do.
+"""Compute on many items with an executor of `concurrent.futures`.
 
 Rule 1: A result comes once, as soon as it is there, with its item; the order is that of the ends.
 Rule 2: Few items wait in front of the workers, so that a million of them need no memory.
-Rule 3: The items of a worker that dies are done by others. An item with which workers die again and again is named by
-    a WorkersError, after all others are done.
+Rule 3: The items of a worker that dies are computed again, one after the other. An item whose workers die again and
+    again is named by a WorkersError after all others are done.
 Rule 4: What a function raises ends the computation, and is raised here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import Protocol, Self, TypeVar
+import atexit
+import os
+import shutil
+import signal
+import tempfile
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cache
+from itertools import islice
+from multiprocessing import connection, parent_process
+from pathlib import Path
+from typing import Any, Self, TypeVar
 
-from end_effector_hal.errors import WorkersError
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError, WorkersError
 
 S = TypeVar("S")
 T = TypeVar("T")
 R = TypeVar("R")
 
+LOOK_S = 2.0
+"""Seconds between two looks at the workers while no item ends."""
+MOST_IN_TASK, MOST_NAMED = 64, 5
+MOST_JOBS, MOST_EACH = 8, 4
+"""The most processes on any machine, or for each processor; each takes memory of its own."""
 
-class Workers(Protocol):
-    """Computes on many items; a context manager, which ends what it has started."""
+
+class Computation(ABC):
+    """One function on many items, in tasks of one or more items.
+
+    Attributes:
+        died: raised by a task whose worker died.
+        tries: how often an item is computed alone after that.
+        task_s: seconds of work that are sent in one task; 0: one item.
+    """
+
+    died: type[Exception] = BrokenProcessPool
+    tries = 3
+    task_s = 0.0
+
+    def __init__(self) -> None:
+        self._seconds, self._count = 0.0, 0
+
+    @abstractmethod
+    def submit(self, items: list[Any]) -> Future[tuple[float, list[Any]]]:
+        """Begin a task: the results of some items, and the seconds that they took."""
+
+    @abstractmethod
+    def places(self) -> int:
+        """Return how many tasks may be under way; raises WorkersError if no worker will come."""
+
+    def results(self, items: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
+        """Yield each item with its result; raises WorkersError if some were not computed."""
+        doubtful: list[Any] = []
+        yield from self._until_done(iter(items), doubtful)
+        lost = []
+        for item in doubtful:  # alone: only this item can be the cause of another death
+            for _ in range(self.tries):
+                failed: list[Any] = []
+                yield from self._until_done(iter([item]), failed)
+                if not failed:
+                    break
+            else:
+                lost.append(item)
+        if lost:
+            names = [str(getattr(item, "id", item)) for item in lost]
+            more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+            raise WorkersError(
+                f"{len(names)} {'item is' if len(names) == 1 else 'items are'} not done because the workers died: "
+                f"{'; '.join(names[:MOST_NAMED])}{more}.",
+                todo="All others are done. Is there memory enough for each process?",
+            )
+
+    def _until_done(self, items: Iterator[Any], failed: list[Any]) -> Iterator[tuple[Any, Any]]:
+        """Yield results; add to ``failed`` the items whose worker died."""
+        running: dict[Future[tuple[float, list[Any]]], list[Any]] = {}
+        while True:
+            places = self.places()
+            while len(running) < places and (task := [*islice(items, self._size())]):
+                running[self.submit(task)] = task
+            if not running:
+                return
+            for future in wait(running, timeout=LOOK_S, return_when=FIRST_COMPLETED).done:
+                task = running.pop(future)
+                try:
+                    seconds, results = future.result()
+                except self.died:
+                    failed += task
+                    continue
+                self._seconds, self._count = self._seconds + seconds, self._count + len(task)
+                yield from zip(task, results, strict=True)
+
+    def _size(self) -> int:
+        each = self._seconds / self._count if self._count else self.task_s
+        return max(1, min(MOST_IN_TASK, round(self.task_s / max(each, 1e-6))))
+
+
+class Workers(ABC):
+    """Compute on many items; a context manager, which ends what it has started."""
+
+    def __init__(self) -> None:
+        self._open = ExitStack()
+
+    @abstractmethod
+    def _begun(
+        self, function: Callable[[Any, Any], Any], shared: object
+    ) -> AbstractContextManager[Computation]: ...
 
     def each(self, function: Callable[[S, T], R], shared: S, items: Iterable[T]) -> Iterator[tuple[T, R]]:
         """Yield each item with ``function(shared, item)``.
@@ -33,27 +134,158 @@ class Workers(Protocol):
         Raises:
             WorkersError: a worker does not fit, all are gone, or some items could not be done.
         """
-        ...
+        with self._begun(function, shared) as computation:
+            yield from computation.results(items)
 
-    def __enter__(self) -> Self: ...
+    def __enter__(self) -> Self:
+        return self
 
-    def __exit__(self, *_: object) -> None: ...
+    def __exit__(self, *_: object) -> None:
+        self._open.close()
 
 
-MOST_NAMED = 5
+def results_of(
+    function: Callable[[Any, Any], Any], shared: object, items: Sequence[Any]
+) -> tuple[float, list[Any]]:
+    """Return the seconds and the results of one task, in a worker."""
+    begun = time.perf_counter()
+    results = [function(shared, item) for item in items]
+    return time.perf_counter() - begun, results
 
 
-def not_done(items: Iterable[object], died: str) -> WorkersError:
-    """The error that names items.
+class _LocalWorkers(Workers):
+    def __init__(self, jobs: int) -> None:
+        super().__init__()
+        self._jobs = jobs
+
+    @contextmanager
+    def _begun(self, function: Callable[[Any, Any], Any], shared: object) -> Iterator[Computation]:
+        computation = _Processes(self._jobs, function, shared)
+        try:
+            yield computation
+        finally:
+            computation.pool.shutdown(cancel_futures=True)
+
+    def each(self, function: Callable[[S, T], R], shared: S, items: Iterable[T]) -> Iterator[tuple[T, R]]:
+        if self._jobs == 1:
+            yield from ((item, function(shared, item)) for item in items)
+        else:
+            yield from super().each(function, shared, items)
+
+
+class _Processes(Computation):
+    """Processes of this machine; one death ends all of them, and the next task starts others."""
+
+    def __init__(self, jobs: int, function: Callable[[Any, Any], Any], shared: object) -> None:
+        super().__init__()
+        self._jobs, self._work = jobs, (function, shared)
+        self.pool = self._new_pool()
+
+    def submit(self, items: list[Any]) -> Future[tuple[float, list[Any]]]:
+        try:
+            return self.pool.submit(_do, items)
+        except BrokenProcessPool:
+            self.pool = self._new_pool()
+            return self.pool.submit(_do, items)
+
+    def places(self) -> int:
+        return 4 * self._jobs  # no process waits for its next item
+
+    def _new_pool(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self._jobs, initializer=_begin, initargs=self._work)
+
+
+_here: dict[str, Any] = {}
+"""The function and the shared value of this process."""
+
+
+def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it at once, without a traceback
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _here.update(function=function, shared=shared)
+
+
+def _end_with_parent() -> None:
+    """End this process when its parent is killed: it would wait for items without end."""
+    if parent := parent_process():
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+
+def _do(items: list[Any]) -> tuple[float, list[Any]]:
+    return results_of(_here["function"], _here["shared"], items)
+
+
+def local_workers(jobs: int) -> Workers:
+    """Return that many processes of this machine; one job is computed in this process."""
+    return _LocalWorkers(jobs)
+
+
+def cluster_workers(address: str) -> Workers:
+    """Return the workers of a cluster of dask.distributed.
+
+    Entering it raises WorkersError when the scheduler cannot be reached, has no worker, or one of them does not fit.
 
     Args:
-        items: that could not be done.
-        died: how often their workers died, as a phrase.
+        address: of its scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises:
+        ModuleNotFoundError: dask.distributed, the extra `cluster`, is not installed.
     """
-    names = [str(getattr(item, "id", item)) for item in items]
-    named = "; ".join(names[:MOST_NAMED])
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return WorkersError(
-        f"{len(names)} {'item is' if len(names) == 1 else 'items are'} not done, {died}: {named}{more}.",
-        todo="All others are done. Is there memory enough for each process?",
-    )
+    from ._cluster import ClusterWorkers
+
+    return ClusterWorkers(address)
+
+
+def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
+    """Return the cluster of a scheduler, or processes of this machine; without jobs, one for each processor.
+
+    Raises:
+        UsageError: both are given, or the jobs are too many.
+    """
+    if scheduler and jobs:
+        raise UsageError(
+            "--scheduler and --jobs exclude each other.", todo="Leave --jobs out, or --scheduler."
+        )
+    if scheduler:
+        return cluster_workers(scheduler)
+    here = len(os.sched_getaffinity(0))
+    most = max(MOST_JOBS, MOST_EACH * here)
+    if jobs is not None and jobs > most:
+        raise UsageError(
+            f"{jobs} processes are too many for this machine.", where="--jobs",
+            todo=f"At most {most}; without --jobs it is one for each of its processors.",
+        )  # fmt: skip
+    return local_workers(jobs or here)
+
+
+@dataclass(frozen=True)
+class ShippedAutomata:
+    """The UPPAAL file of a tool, for workers that have another one, or none.
+
+    Attributes:
+        content: of the file.
+    """
+
+    content: bytes
+
+    @classmethod
+    def read(cls, description: Description) -> ShippedAutomata:
+        """Read the file of a description; raises OSError."""
+        return cls(description.automata_path.read_bytes())
+
+    def of(self, description: Description) -> Description:
+        """Return the description with these automata, on this machine."""
+        path = description.automata_path
+        if path.is_file() and path.read_bytes() == self.content:
+            return description
+        return description.with_automata(_written(self.content))
+
+
+@cache
+def _written(content: bytes) -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="end-effector-hal-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    file = folder / "end_effector.xml"
+    file.write_bytes(content)
+    return file

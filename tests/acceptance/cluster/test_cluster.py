@@ -124,7 +124,7 @@ def test_an_item_that_kills_is_named_after_all_others_are_done(workers: Workers)
         for item, _ in workers.each(functions.die, 7, range(20)):
             found.append(item)
 
-    with pytest.raises(WorkersError, match=r"1 item is not done, because each worker.*: 7\."):
+    with pytest.raises(WorkersError, match=r"1 item is not done because the workers died: 7\."):
         collect()
     assert sorted(found) == [item for item in range(20) if item != 7]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import signal
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -17,7 +19,8 @@ from click.testing import CliRunner
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_lab.commands import _matrix
-from end_effector_lab.matrix import Cell, Moment, fmea, matrix_folder, play_all, signed_cells
+from end_effector_lab.matrix import Cell, Moment, cell_folder, fmea, matrix_folder, play_all, signed_cells
+from end_effector_lab.matrix._run import in_a_copy
 from end_effector_lab.workers import local_workers, open_workers
 
 SHIPPED = load(profile_path())
@@ -41,7 +44,8 @@ def played() -> tuple[dict[str, Any], ...]:
 
 def kept(folder: Path, *lines: dict[str, Any]) -> list[dict[str, Any]]:
     """What a matrix of two cells makes of these lines."""
-    matrix_folder(SHIPPED, folder).close()
+    with matrix_folder(SHIPPED, folder):
+        pass
     (folder / "cells.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     with matrix_folder(SHIPPED, folder) as results:
         return play_all(SHIPPED, CELLS, results, workers=local_workers(1))
@@ -60,6 +64,35 @@ def test_without_copies_no_cell_goes_on_with_what_another_has_disturbed(tmp_path
 
     with ThreadPoolExecutor(1) as threads:
         assert threads.submit(play, "thread").result() == play("copies")
+
+
+def test_a_copy_returns_its_result_and_changes_nothing_here() -> None:
+    here, changed = os.getpid(), [1]
+
+    def work() -> tuple[int, str]:
+        changed.append(2)
+        return os.getpid(), "x" * 1_000_000
+
+    where, long = in_a_copy(work)
+    assert (where != here, len(long), changed) == (True, 1_000_000, [1])
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)  # no copy is left
+
+
+def test_the_work_of_a_copy_that_dies_or_raises_is_done_here() -> None:
+    here = os.getpid()
+
+    def die() -> int:
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return os.getpid()
+
+    def refuse() -> None:
+        raise UsageError("no such tool")
+
+    assert in_a_copy(die) == here
+    with pytest.raises(UsageError, match="no such tool"):
+        in_a_copy(refuse)
 
 
 def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:
@@ -201,9 +234,35 @@ def test_a_cell_replaces_a_cell_and_nothing_else(tmp_path: Path, monkeypatch: py
     (tmp_path / "cell" / "thesis.txt").unlink()
     file = tmp_path / "cell" / "run.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | {"scenario": "leak:top_vacuum"}))
-    assert "what no cell" in str(run(CELLS[0].id))
+    assert "a recording that no cell" in str(run(CELLS[0].id))
     assert json.loads(file.read_text())["scenario"] == "leak:top_vacuum"
     assert [each.name for each in tmp_path.iterdir()] == ["cell"]
+
+
+def test_a_cell_that_fails_leaves_the_one_before(tmp_path: Path) -> None:
+    folder = tmp_path / "made" / "cell"
+    for name in ("timeline.png", "alarms.csv"):
+        with cell_folder(folder) as new:
+            (new / "run.json").write_text(json.dumps({"scenario": CELLS[0].id}))
+            (new / name).write_text(name)
+    with pytest.raises(FileNotFoundError), cell_folder(folder) as new:
+        (new / "timeline.png").rename(new / "run.json")
+    assert sorted(each.name for each in folder.iterdir()) == ["alarms.csv", "run.json"]
+    assert [each.name for each in folder.parent.iterdir()] == ["cell"]
+
+
+def test_no_link_and_no_file_is_replaced_by_a_cell(tmp_path: Path) -> None:
+    theirs, folder = tmp_path / "theirs", tmp_path / "cell"
+    theirs.mkdir()
+    for make in (lambda: folder.symlink_to(theirs), lambda: folder.write_text("mine")):
+        make()
+        with pytest.raises(UsageError, match="not a folder"), cell_folder(folder):
+            pass
+        folder.unlink()
+    folder.mkdir()
+    (folder / "run.json").symlink_to(theirs)
+    with pytest.raises(UsageError, match=r"'run\.json', which no cell"), cell_folder(folder):
+        pass
 
 
 @pytest.mark.parametrize(

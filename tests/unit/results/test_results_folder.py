@@ -11,7 +11,7 @@ import pytest
 from pydantic import BaseModel, TypeAdapter
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.results import ResultsFolder, ResultsLayout, replaced_folder
+from end_effector_lab.results import ResultsFolder, ResultsLayout
 
 LAYOUT = ResultsLayout(
     "survey", "survey.json", "rows.jsonl", "Remove the line.", ("report.txt",), ("failures",)
@@ -38,7 +38,8 @@ def ids(path: Path) -> list[str]:
 
 
 def begun(path: Path, content: bytes = GOOD) -> Path:
-    opened(path).close()
+    with opened(path):
+        pass
     (path / "rows.jsonl").write_bytes(content)
     return path
 
@@ -90,7 +91,8 @@ def test_a_line_that_does_not_fit_is_named_with_its_number(line: bytes, tmp_path
 def test_two_do_not_write_at_once(tmp_path: Path) -> None:
     with opened(tmp_path), pytest.raises(UsageError, match="Another process is writing"):
         opened(tmp_path)
-    opened(tmp_path).close()
+    with opened(tmp_path):
+        pass
 
 
 @pytest.mark.parametrize("name", ["rows.jsonl", "report.txt", "failures"])
@@ -174,51 +176,3 @@ def test_a_full_disk_leaves_a_folder_that_goes_on(tmp_path: Path, monkeypatch: p
 
 
 _write = os.write
-
-
-def replaced(folder: Path, text: str = "new") -> None:
-    with replaced_folder(
-        folder, ("a", "b"), lambda old: (old / "a").read_text() != "theirs", "survey"
-    ) as new:
-        (new / "a").write_text(text)
-
-
-def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
-    folder = tmp_path / "made" / "one"
-    replaced(folder)
-    (folder / "b").write_text("old")
-    replaced(folder, "newer")
-    assert {each.name: each.read_text() for each in folder.iterdir()} == {"a": "newer"}
-    with pytest.raises(ZeroDivisionError), replaced_folder(folder, ("a",), lambda _: True, "survey"):
-        1 / 0  # noqa: B018
-    assert (folder / "a").read_text() == "newer"
-    assert [each.name for each in folder.parent.iterdir()] == ["one"]
-
-
-def test_nothing_of_somebody_else_is_removed(tmp_path: Path) -> None:
-    theirs, folder = tmp_path / "theirs", tmp_path / "one"
-    theirs.mkdir()
-    (theirs / "a").write_text("precious")
-    folder.symlink_to(theirs)
-    with pytest.raises(UsageError, match="not a folder"):
-        replaced(folder)
-    folder.unlink()
-    folder.write_text("a file")
-    with pytest.raises(UsageError, match="not a folder"):
-        replaced(folder)
-    folder.unlink()
-    folder.mkdir()
-    (folder / "a").write_text("theirs")
-    with pytest.raises(UsageError, match="what no survey wrote"):
-        replaced(folder)
-    (folder / "a").unlink()
-    for make in (lambda path: path.write_text("thesis"), Path.mkdir):
-        make(folder / "thesis")
-        with pytest.raises(UsageError, match="'thesis', which no survey wrote"):
-            replaced(folder)
-        assert (folder / "thesis").exists()
-        (folder / "thesis").unlink() if (folder / "thesis").is_file() else (folder / "thesis").rmdir()
-    (folder / "a").symlink_to(theirs / "a")
-    with pytest.raises(UsageError, match="'a', which no survey wrote"):
-        replaced(folder)
-    assert (theirs / "a").read_text() == "precious"

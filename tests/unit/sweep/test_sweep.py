@@ -16,7 +16,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import prove_tool
-from end_effector_lab.sweep import Axis, _sweep, combinations, read_axis, sweep
+from end_effector_lab.sweep import Axis, combinations, read_axis, sweep
 from end_effector_lab.workers import local_workers
 
 TOOL = Path("examples/tools/diy_text/end_effector.yaml")
@@ -138,8 +138,9 @@ def prove(folder: Path, *axes: str) -> tuple[list[dict[str, Any]], str]:
 @pytest.mark.thinned  # long
 def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, proofs = tmp_path / "sweep", list[object]()
-    real = _sweep.prove_tool
-    monkeypatch.setattr(_sweep, "prove_tool", lambda *given: (proofs.append(given), real(*given))[1])
+    monkeypatch.setattr(
+        "end_effector_lab.sweep.prove_tool", lambda *given: (proofs.append(given), prove_tool(*given))[1]
+    )
     whole, _ = prove(folder, f"{TIMEOUT}=2", f"{GRIP}=5,100")
     assert len(proofs) == 2
     lines = (folder / "combinations.jsonl").read_bytes().splitlines(keepends=True)

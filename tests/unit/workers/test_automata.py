@@ -17,7 +17,7 @@ def test_a_machine_without_the_file_gets_it(tmp_path: Path) -> None:
     text = profile_path().with_name("end_effector.xml").read_text().replace("</nta>", "<!-- mine --></nta>")
     own.write_text(text)
     description = load(tool)
-    sent = pickle.dumps((description, ShippedAutomata(description)))
+    sent = pickle.dumps((description, ShippedAutomata.read(description)))
     there, automata = pickle.loads(sent)
     assert automata.of(there).automata_path == own  # the same machine
     own.unlink()
@@ -32,5 +32,5 @@ def test_a_machine_without_the_file_gets_it(tmp_path: Path) -> None:
 
 def test_the_shipped_file_is_used_where_it_is(tmp_path: Path) -> None:
     description = load(profile_path())
-    there, automata = pickle.loads(pickle.dumps((description, ShippedAutomata(description))))
+    there, automata = pickle.loads(pickle.dumps((description, ShippedAutomata.read(description))))
     assert automata.of(there) is there

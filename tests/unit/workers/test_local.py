@@ -76,7 +76,10 @@ def test_the_items_of_a_process_that_was_killed_are_done_again(tmp_path: Path) -
 
 def test_an_item_that_kills_is_named_after_all_others_are_done() -> None:
     found = []
-    with local_workers(2) as workers, pytest.raises(WorkersError, match=r"1 item is not done.*3 times: 7\."):
+    with (
+        local_workers(2) as workers,
+        pytest.raises(WorkersError, match=r"1 item is not done because the workers died: 7\."),
+    ):
         found += [item for item, _ in _kept(workers.each(die, 7, range(40)), found)]
     assert sorted(found) == [item for item in range(40) if item != 7]
 

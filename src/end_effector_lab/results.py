@@ -1,11 +1,11 @@
-"""A folder of results: locked while it is written, marked with what it belongs to, and read with distrust.
+"""A folder of results, which a computation that was stopped continues.
 
 Rule 1: One process writes in it at a time.
-Rule 2: It has a mark, a file that says what it belongs to. Without one, or with another one, a folder that holds a file
-    of these names is refused: somebody else's files are never taken for results.
-Rule 3: Each result is a line of JSON, written whole or not at all. A last line that a kill has cut off goes; any other
-    line that does not fit is an error with its number.
-Rule 4: The other files are written whole or not at all. One that somebody has changed since stays beside it.
+Rule 2: A file in it, the mark, names what it belongs to. A folder with another mark is refused, and so is one without a
+    mark that holds a file of these names: files of other programs are never taken for results.
+Rule 3: Each result is a line of JSON. A last line that a kill has cut off is removed; any other line that is no result
+    is an error with its number.
+Rule 4: The other files are written whole or not at all. An old one that somebody has edited stays beside the new one.
 Rule 5: Links are not followed.
 """
 
@@ -14,10 +14,12 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
+from importlib.util import find_spec
 from itertools import count
 from pathlib import Path
 from typing import Self, TypeVar
@@ -25,14 +27,16 @@ from typing import Self, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.cli import the_folder, write_whole
+from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError, os_errors
-from end_effector_hal.recording import append_whole, lock
+from end_effector_hal.recording import append_whole, lock, product_version
 from end_effector_hal.vocabulary import printable
 
 T = TypeVar("T")
 
-MOST_LINE, MOST_MARK, MOST_FILE = 4_000_000, 100_000, 64_000_000
-"""Bytes of a line, of the mark, and of a file that is read again."""
+PACKAGES = ("timed_automata", "end_effector_hal", "end_effector_lab")
+MOST_LINE, MOST_MARK = 4_000_000, 100_000
+"""Bytes of a line, and of the mark."""
 WRITTEN = "written"
 ELSEWHERE = "Name another folder with -o."
 _WORDS = {
@@ -41,6 +45,37 @@ _WORDS = {
     "version": "version of the program",
     "source": "state of the program's source",
 }
+
+
+def mark_of(description: Description, **more: object) -> dict[str, object]:
+    """Return the tool, its UPPAAL file, the program, and what the computation adds, such as a seed.
+
+    Plug-ins of other distributions are not in it: after a change of one, name another folder.
+    """
+    path = description.automata_path
+    with os_errors("The UPPAAL file cannot be read", path):
+        automata = sha256(path.read_bytes()).hexdigest()[:12]
+    return {
+        "tool": description.name,
+        "description": description.fingerprint(),
+        "automata": automata,
+        "version": product_version(),
+        "source": source_checksum(),
+    } | more
+
+
+@cache
+def source_checksum() -> str:
+    """Return 12 hex digits of every file of the packages: in a checkout the version stays while the source changes."""
+    found = sha256()
+    for package in PACKAGES:
+        spec = find_spec(package)
+        for folder in (spec and spec.submodule_search_locations) or ():
+            for file in sorted(Path(folder).rglob("*")):
+                if file.suffix != ".pyc" and file.is_file():
+                    found.update(f"{package}/{file.relative_to(folder)}\0".encode())
+                    found.update(sha256(file.read_bytes()).digest())
+    return found.hexdigest()[:12]
 
 
 @dataclass(frozen=True)
@@ -68,7 +103,7 @@ class ResultsFolder:
     Args:
         path: of the folder.
         layout: the names in it.
-        mark: what must be the same to go on, such as `mark_of` makes it; JSON.
+        mark: what must be the same to continue, such as `mark_of` makes it; JSON.
 
     Raises:
         UsageError: it cannot be used, is in use, or belongs to something else.
@@ -76,33 +111,26 @@ class ResultsFolder:
 
     def __init__(self, path: Path, layout: ResultsLayout, mark: Mapping[str, object]) -> None:
         self._path, self._layout, self._mark = path, layout, dict(mark)
-        self._written: dict[str, str] = {}
         with ExitStack() as stack:
-            folder = _opened(the_folder(path), os.O_RDONLY | os.O_DIRECTORY)
-            stack.callback(os.close, folder)
+            folder = _opened(the_folder(path), os.O_DIRECTORY, stack)
             if not lock(folder):
                 raise UsageError(
                     "Another process is writing to this folder.", where=str(path), todo=f"Wait for its end. {ELSEWHERE}"
                 )  # fmt: skip
-            self._check_kinds()
-            self._check_mark()
+            self._written = self._checked_mark()
             self._save_mark()
-            self._fd = _opened(path / layout.lines, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW)
-            stack.callback(os.close, self._fd)
+            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+            self._fd = _opened(path / layout.lines, flags, stack)
             self._open = stack.pop_all()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Let others use it; nothing happens the second time."""
         self._open.close()
 
     def lines(self, shape: TypeAdapter[T]) -> Iterator[tuple[str, T]]:
-        """Each result with its place, ``FILE:LINE``; a last line that was cut off goes.
+        """Yield each result with its place, ``FILE:LINE``; remove a last line that was cut off.
 
         Raises:
             UsageError: a line does not fit, or the file cannot be read.
@@ -122,7 +150,7 @@ class ResultsFolder:
                 os.ftruncate(self._fd, end)
 
     def misfit(self, what: str, where: str) -> UsageError:
-        """The error about a line that does not fit."""
+        """Return the error about a line that does not fit."""
         return UsageError(
             f"This line is not a result of this {self._layout.noun}: {what}",
             where=where,
@@ -131,43 +159,39 @@ class ResultsFolder:
 
     def append(self, result: Mapping[str, object]) -> None:
         """Write a line, whole or not at all; raises UsageError."""
-        try:
+        path = self._path / self._layout.lines
+        with os_errors(
+            "The file cannot be written",
+            path,
+            todo="Its lines are whole: repeat the command with the same folder.",
+        ):
             append_whole(self._fd, json.dumps(result).encode() + b"\n")
-        except OSError as error:
-            path = self._path / self._layout.lines
-            raise UsageError(
-                f"The file cannot be written: {error.strerror}.",
-                where=str(path),
-                todo="What is in it is whole; it goes on with the same folder.",
-            ) from None
 
     def read(self, name: str) -> bytes | None:
-        """One of its files; None: it is not there; raises UsageError."""
+        """Return one of its files; None: it is not there; raises UsageError."""
         path = self._path / name
-        return _content(path, MOST_FILE) if _is_there(path, stat.S_ISREG, "file") else None
+        with os_errors("The file cannot be read", path, todo=ELSEWHERE):
+            return path.read_bytes() if _is_there(path) else None
 
     def write(self, name: str, data: bytes, *, keep: bool = False) -> Path | None:
-        """Write one of its files; what somebody has changed since stays as ``NAME-1``, …, which is returned.
+        """Write one of its files, and return the ``NAME-1``, … that keeps an edited old one.
 
         Args:
             name: of those in the layout.
             data: its new content.
-            keep: the old one stays in any case.
+            keep: keep the old one also if nobody has edited it.
 
         Raises:
             UsageError: it cannot be written; then the old one is still there.
         """
-        path, beside = self._path / name, None
-        digest, before = sha256(data).hexdigest(), _digest(path)
-        changed = before not in (None, digest, self._written.get(name))
-        if changed or (keep and before not in (None, digest)):
-            beside = next(each for number in count(1) if not os.path.lexists(each := _numbered(path, number)))
-            with os_errors(
-                f"The file is to be kept, and cannot be as {beside.name}", path, todo="Move it away."
-            ):
+        path, beside, old = self._path / name, None, self.read(name)
+        if old not in (None, data) and (keep or _digest(old or b"") != self._written.get(name)):
+            names = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(1))
+            beside = next(each for each in names if not os.path.lexists(each))
+            with os_errors(f"The file cannot be kept as {beside.name}", path, todo="Move it away."):
                 os.link(path, beside)
         write_whole(path, data)
-        self._written[name] = digest
+        self._written[name] = _digest(data)
         self._save_mark()
         return beside
 
@@ -181,78 +205,60 @@ class ResultsFolder:
                 printable(f"{at}: {first['msg']}." if at else f"{first['msg']}.", 200), where
             ) from None
 
-    def _check_kinds(self) -> None:
-        """Before hours of work, not behind them."""
-        layout = self._layout
-        for name in (layout.mark, layout.lines, *layout.files):
-            _is_there(self._path / name, stat.S_ISREG, "file")
-        for name in layout.folders:
-            _is_there(self._path / name, stat.S_ISDIR, "folder")
-
-    def _check_mark(self) -> None:
+    def _checked_mark(self) -> dict[str, str]:
+        """Return the digests of the files that were written; raises UsageError before hours of work."""
         layout, path = self._layout, self._path / self._layout.mark
-        if not os.path.lexists(path):
-            others = (layout.lines, *layout.files, *layout.folders)
-            if found := [name for name in others if os.path.lexists(self._path / name)]:
+        found = [name for name in (layout.lines, *layout.files) if _is_there(self._path / name)]
+        found += [name for name in layout.folders if _is_there(self._path / name, folder=True)]
+        if not _is_there(path):
+            if found:
                 raise UsageError(
                     f"This folder holds {found[0]} and no {layout.mark}: no {layout.noun} wrote it.",
                     where=str(self._path), todo=ELSEWHERE,
                 )  # fmt: skip
-            return
+            return {}
+        with os_errors("The file cannot be read", path, todo=ELSEWHERE), path.open("rb") as file:
+            content = file.read(MOST_MARK)
         try:
-            found_mark = json.loads(_content(path, MOST_MARK))
+            mark = json.loads(content)
         except (ValueError, RecursionError):
-            found_mark = None
-        if not isinstance(found_mark, dict):
+            mark = None
+        if not isinstance(mark, dict):
             raise UsageError(f"This is not a mark of a {layout.noun}.", where=str(path), todo=ELSEWHERE)
         for key, value in self._mark.items():
-            if found_mark.get(key) != value:
+            if mark.get(key) != value:
                 raise UsageError(
                     f"This folder has the {layout.noun} of another {_WORDS.get(key, key)}.",
                     where=str(self._path), todo=ELSEWHERE,
                 )  # fmt: skip
-        written = found_mark.get(WRITTEN)
-        if isinstance(written, dict):
-            self._written = {name: str(written[name]) for name in layout.files if name in written}
+        written = mark.get(WRITTEN)
+        return {name: str(written[name]) for name in written} if isinstance(written, dict) else {}
 
     def _save_mark(self) -> None:
         content = json.dumps(self._mark | {WRITTEN: self._written}, indent=1) + "\n"
         write_whole(self._path / self._layout.mark, content.encode())
 
 
-def _opened(path: Path, flags: int) -> int:
+def _opened(path: Path, flags: int, stack: ExitStack) -> int:
     with os_errors("It cannot be opened", path, todo=ELSEWHERE):
-        return os.open(path, flags | os.O_CLOEXEC, 0o666)
+        fd = os.open(path, flags | os.O_CLOEXEC, 0o666)
+    stack.callback(os.close, fd)
+    return fd
 
 
-def _is_there(path: Path, is_kind: Callable[[int], bool], kind: str) -> bool:
-    try:
-        mode = os.lstat(path).st_mode
-    except FileNotFoundError:
+def _is_there(path: Path, *, folder: bool = False) -> bool:
+    """Return whether it exists; raises UsageError if it is a link or of the other kind."""
+    if not os.path.lexists(path):
         return False
-    except OSError as error:
+    mode = os.lstat(path).st_mode
+    if not (stat.S_ISDIR(mode) if folder else stat.S_ISREG(mode)):
         raise UsageError(
-            f"It cannot be reached: {error.strerror}.", where=str(path), todo=ELSEWHERE
-        ) from None
-    if not is_kind(mode):
-        raise UsageError(f"This is not a {kind}.", where=str(path), todo=f"Move it away. {ELSEWHERE}")
+            f"This is not a {'folder' if folder else 'file'}.",
+            where=str(path),
+            todo=f"Move it away. {ELSEWHERE}",
+        )
     return True
 
 
-def _content(path: Path, most: int) -> bytes:
-    with os_errors("The file cannot be read", path, todo=ELSEWHERE), path.open("rb") as file:
-        data = file.read(most + 1)
-    if len(data) > most:
-        raise UsageError(f"The file has more than {most} bytes.", where=str(path), todo="Move it away.")
-    return data
-
-
-def _digest(path: Path) -> str | None:
-    """Of a file; None: there is none."""
-    if not _is_there(path, stat.S_ISREG, "file"):
-        return None
-    return sha256(_content(path, MOST_FILE)).hexdigest()
-
-
-def _numbered(path: Path, number: int) -> Path:
-    return path.with_name(f"{path.stem}-{number}{path.suffix}")
+def _digest(data: bytes) -> str:
+    return sha256(data).hexdigest()

@@ -1,10 +1,13 @@
-"""The proof of each combination, on all workers."""
+"""A grid over values of a description: which combinations hold, what fails first, the worst cases."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from decimal import Decimal, DecimalException
 from io import StringIO
+from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +23,55 @@ from end_effector_hal.verification.lemmas import prove_tool
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
-from ._axis import Axis, combinations
+MOST = 10_000
+"""The most combinations; each is a proof."""
+_TODO = "Write KEY=FROM:TO:STEP or KEY=A,B,C, such as actuators.cylinder.timeout_s=3:7:1."
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What is varied: a key of the description, and its values.
+
+    Attributes:
+        key: with dots, such as ``actuators.cylinder.timeout_s``.
+        values: as they would stand in the file.
+    """
+
+    key: str
+    values: tuple[str, ...]
+
+
+def read_axis(text: str) -> Axis:
+    """Read ``KEY=FROM:TO:STEP``, both ends included, or ``KEY=A,B,C``; raises UsageError."""
+    key, equals, given = text.partition("=")
+    if not equals or not all(key.split(".")) or not given:
+        raise UsageError("This is not a --sweep option.", where=text, todo=_TODO)
+    values = _range(text, given) if ":" in given else tuple(each.strip() for each in given.split(","))
+    if not all(values) or len(set(values)) < len(values):
+        raise UsageError("A --sweep value is empty or repeated.", where=text, todo=_TODO)
+    return Axis(key, values)
+
+
+def combinations(axes: Sequence[Axis]) -> Iterator[dict[str, str]]:
+    """Return every combination, the last axis first; raises UsageError for a repeated key, or too many."""
+    keys = [axis.key for axis in axes]
+    if len(set(keys)) < len(keys):
+        raise UsageError("Two --sweep options name the same key.", where=", ".join(keys))
+    if (count := prod(len(axis.values) for axis in axes)) > MOST:
+        raise UsageError(f"These are {count} combinations; {MOST} are the most.", todo="Choose larger steps.")
+    return (dict(zip(keys, each, strict=True)) for each in product(*(axis.values for axis in axes)))
+
+
+def _range(text: str, given: str) -> tuple[str, ...]:
+    try:
+        first, last, step = (Decimal(each) for each in given.split(":"))
+        count = int((last - first) / step) + 1 if step > 0 else 0
+    except (ValueError, DecimalException, OverflowError):
+        raise UsageError("This is not a range of numbers.", where=text, todo=_TODO) from None
+    if not 1 <= count <= MOST:
+        raise UsageError(f"This range has no value, or more than {MOST}.", where=text, todo=_TODO)
+    return tuple(f"{(first + step * number).normalize():f}" for number in range(count))
+
 
 NOT_THERE = ("EE-205", "EE-206")
 """An unknown key, or one of a stanza that the file does not have and that needs more."""
@@ -64,7 +115,7 @@ class Proven:
     seconds: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
-        """As it is written."""
+        """Return it as it is written."""
         return asdict(self)
 
 
@@ -83,7 +134,7 @@ class _Combination:
 
 
 def sweep_folder(path: Path, axes: Sequence[Axis], folder: Path) -> ResultsFolder:
-    """The results of a sweep over these keys, whatever their values; raises UsageError as `ResultsFolder` does.
+    """Open the results of a sweep over these keys, for any values; raises UsageError as `ResultsFolder` does.
 
     Raises:
         DescriptionError: the description is not valid as it stands.
@@ -122,7 +173,7 @@ def sweep(
     found = {key: kept[key] for values in wanted if (key := tuple(values.values())) in kept}
     todo = [values for values in wanted if tuple(values.values()) not in found]
     on_progress(len(found), len(wanted))
-    shared = ShippedAutomata(described.description)
+    shared = ShippedAutomata.read(described.description)
     items = (_changed(described.text, path, values) for values in todo)
     for combination, proven in workers.each(_prove, shared, items):
         found[tuple(combination.values.values())] = proven
@@ -138,7 +189,7 @@ class _Described(NamedTuple):
 
 
 def _described(path: Path) -> _Described:
-    """The description as it stands, valid."""
+    """Return the valid description as it stands in the file."""
     examination = examine(path)
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
@@ -146,7 +197,7 @@ def _described(path: Path) -> _Described:
 
 
 def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Proven]:
-    """What was proven before, by the values of these keys."""
+    """Return what was proven before, by the values of these keys."""
     done: dict[tuple[str, ...], Proven] = {}
     for where, proven in results.lines(_SHAPE):
         if [*proven.values] != keys:
@@ -160,7 +211,7 @@ def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Prov
 
 
 def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:
-    """The description with other values, or why there is none."""
+    """Return the description with other values, or why it is refused."""
     yaml, output = YAML(), StringIO()
     tree = yaml.load(text)
     for key, value in values.items():
@@ -208,11 +259,21 @@ def _prove(shared: ShippedAutomata, combination: _Combination) -> Proven:
         fails=tuple(each.id for each in failing),
         open=tuple(each.id for each in proof.findings if not each.decided),
         why=failing[0].sentence if failing else "",
-        worst={name: _seconds(worst.computed_ms) for name, worst in proof.bounds.items()},
+        worst={
+            name: None if worst.computed_ms is None else worst.computed_ms / 1000
+            for name, worst in proof.bounds.items()
+        },
         states=proof.states,
         seconds=round(proof.seconds, 3),
     )
 
 
-def _seconds(ms: int | None) -> float | None:
-    return None if ms is None else ms / 1000
+def table(axes: Sequence[Axis], found: Sequence[Proven]) -> list[list[str]]:
+    """Return rows with a head: the values, the verdict, the first failure, the worst cases in seconds."""
+    names = [*dict.fromkeys(name for each in found for name in each.worst)]
+    rows = [[*(axis.key for axis in axes), "verdict", "fails first", *names]]
+    for each in found:
+        verdict = "refused" if each.refused else "fails" if each.fails else "holds" if each.holds else "open"
+        worst = ("-" if (value := each.worst.get(name)) is None else f"{value:g}" for name in names)
+        rows.append([*each.values.values(), verdict, each.fails[0] if each.fails else each.refused, *worst])
+    return rows
