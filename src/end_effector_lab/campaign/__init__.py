@@ -1,10 +1,10 @@
 """Random sequences of commands, faults and deaths: what they reach, and the smallest case of what fails."""
 
+from ._campaign import Campaign, kind_of_failure, never_reached, summary
 from ._case import Case, Happening, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap
 from ._draw import CaseSource
 from ._play import play_case
 from ._processes import play_on_processes
-from ._report import never_reached, summary
-from ._run import UNREACHED, Campaign, campaign_folder, kind_of_failure, read_failures, run_campaign
+from ._run import UNREACHED, campaign_folder, read_failures, run_campaign
 from ._shrink import shrunk_by

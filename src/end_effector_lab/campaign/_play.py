@@ -10,9 +10,9 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
-from end_effector_lab.matrix import Monitors, is_still
+from end_effector_lab.matrix import is_still
 from end_effector_lab.testbench import TOOL_CHANGER
-from end_effector_lab.virtual import Switching, VirtualTool, switchings
+from end_effector_lab.virtual import Monitors, Switching, VirtualTool, switchings
 from timed_automata.execute import Observation
 
 from ._case import ALL, ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, STORES, Case

@@ -1,19 +1,11 @@
-"""A campaign: cases by chance, guided by what they reach; kept as it goes, so that it goes on where it was stopped.
-
-Run n is drawn from the seed, n, and what the first three quarters of the runs before it have reached (`drawn_from`). So
-the same seed gives the same runs, however many workers there are, and in whatever order they end.
-"""
+"""Play a campaign on all workers: random cases, guided by what they reach; a stopped one continues in its folder."""
 
 from __future__ import annotations
 
 import json
 import os
-import re
-from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from random import Random
 from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -26,10 +18,10 @@ from end_effector_lab.matrix import no_log
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
+from ._campaign import KEPT_RUN, MOST_MOMENTS, Campaign, KeptRun, kind_of_failure
 from ._case import LARGEST_BYTES, Case, case_from_json
 from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource
-from ._kept_run import KEPT_RUN, MOST_MOMENTS, KeptRun
 from ._play import play_case
 from ._shrink import shrunk
 
@@ -38,25 +30,8 @@ LAYOUT = ResultsLayout(
     "campaign", "campaign.json", "runs.jsonl",
     "Remove it and all lines behind it: their runs are played again.", (UNREACHED,), (FAILURES,),
 )  # fmt: skip
-LEAST_AHEAD = 16
-"""So many runs are under way at least before one of them must be over."""
 MOST_KINDS = 40
 """Kinds of failures that are shrunk."""
-
-
-class KeptCase(NamedTuple):
-    """A case that reached something new, for mutants of it.
-
-    Attributes:
-        case, moments: with µs at which something moved in it.
-        edge: whether an edge or a location was new, not only one with a fault.
-        run: in which it did.
-    """
-
-    case: Case
-    moments: tuple[int, ...]
-    edge: bool
-    run: int
 
 
 class _Shared(NamedTuple):
@@ -79,79 +54,6 @@ class _Failure(BaseModel):
 
     kind: str
     words: str
-
-
-class FailedRun(NamedTuple):
-    """The first run of a kind of failure."""
-
-    run: int
-    case: Case
-
-
-@dataclass
-class Campaign:
-    """What a campaign has come to.
-
-    Attributes:
-        seed: of all cases.
-        known: what can be reached, and ``reached`` what was.
-        runs, grips, seconds: how many runs, successful grips, and seconds of virtual time.
-        kept: the cases that are mutated.
-        failures: how many runs broke a rule.
-        kinds: the first run of each kind of failure.
-    """
-
-    seed: int
-    known: CoverageMap
-    reached: Reached = field(default_factory=Reached)
-    runs: int = 0
-    grips: int = 0
-    seconds: float = 0.0
-    kept: list[KeptCase] = field(default_factory=list)
-    failures: int = 0
-    kinds: dict[str, FailedRun] = field(default_factory=dict)
-
-    def add(self, found: Mapping[str, Any], description: Description) -> None:
-        """Add the next run, as it is kept in the file."""
-        grips, seconds = int(found["grips"]), float(found["s"])
-        case = case_from_json(found["case"], description) if "case" in found else None
-        if case is not None and "new" in found:
-            new = self.reached.add(Reached.from_json(found["new"]))
-            self.kept.append(
-                KeptCase(case, tuple(found["moments"]), bool(new.edges or new.locations), self.runs)
-            )
-        if "failures" in found:
-            self.failures += 1
-        if case is not None:
-            for what in found.get("failures", {}).values():
-                self.kinds.setdefault(kind_of_failure(what), FailedRun(found["run"], case))
-        self.runs += 1
-        self.grips += grips
-        self.seconds += seconds
-
-    def may_draw(self, run: int) -> bool:
-        """Whether all that this run is drawn from is there."""
-        return drawn_from(run) <= self.runs
-
-    def draw(self, run: int, source: CaseSource) -> Case:
-        """The case of a run."""
-        kept = self.kept[: bisect_left(self.kept, drawn_from(run), key=lambda each: each.run)]
-        random = Random(f"{self.seed} {run}")
-        if not kept or random.random() < 0.3:
-            return source.fresh(random)
-        best = [each for each in kept if each.edge]
-        one = random.choice(best if best and random.random() < 0.4 else kept)
-        return source.mutant(random, one.case, one.moments, random.choice(kept).case)
-
-
-def drawn_from(run: int) -> int:
-    """From how many of the first runs a run is drawn."""
-    return max(0, run - max(LEAST_AHEAD, run // 4))
-
-
-def kind_of_failure(what: str) -> str:
-    """The sentence of a failure without what differs from case to case."""
-    return re.sub(r"\d+(\.\d+)?", "#", re.split(r" \(|, at [\d.]+ s$", what)[0])
 
 
 def campaign_folder(description: Description, folder: Path, seed: int) -> ResultsFolder:

@@ -16,13 +16,12 @@ from end_effector_hal.recording import run_info
 from end_effector_hal.wires.lines import Edge
 from end_effector_lab.figures import STYLES, RecordedRun
 
+from ._agreement import answered, read_edges, replayed
 from ._drive import Drive
 from ._judge import judge
 from ._progress import Progress
 from ._report import Report
 from ._scenario import DemoScenario
-from ._traces import answered, replayed
-from ._wires import read_edges
 from ._world import DESCRIPTION, LINES, World
 
 

@@ -12,9 +12,9 @@ from end_effector_hal.recording import AttemptOutcome, Grip, RunInfo, StatesLog,
 from end_effector_hal.vocabulary import Command, EndEffectorState, TableState
 from end_effector_hal.wires.lines import Edge
 
+from ._agreement import on_the_wires
 from ._report import Finding, Measure, Report
 from ._scenario import DemoScenario
-from ._wires import on_the_wires
 
 
 def judge(

@@ -1,17 +1,26 @@
-"""What came out of one scenario: what was looked for in its recording, what was found, and when."""
+"""The report on a scenario: what was expected and found in its recording, and when; and a table of reports."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from os.path import commonpath
 from pathlib import Path
 from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from end_effector_hal.vocabulary import display_name
 
 from ._scenario import DemoScenario
 
 LATEST_S = 0.1
 """A time-out or reset is taken at most this much after its nominal time, and never before it."""
 
+WIDE = 110
+"""Columns of a console with room for a measure on a line."""
 _RESOLUTION_S = 1e-6
 """Of a recording: half of it is what two rounded times can be wrong by."""
 
@@ -105,3 +114,49 @@ class Report:
             "folder": str(self.folder) if self.folder else None,
             "seconds": round(self.seconds, 1),
         }
+
+
+def print_table(console: Console, reports: Sequence[Report]) -> None:
+    """Print scenario, outcome, attempts, measured and expected times; and the faults below the table."""
+    table = Table(show_lines=True, expand=False)
+    table.add_column("scenario", no_wrap=True)
+    table.add_column("outcome")
+    table.add_column("attempts")
+    table.add_column("measured (expected) s", no_wrap=console.width >= WIDE)
+    for report in reports:
+        table.add_row(_name(report), report.verdict, _attempts(report), _times(report))
+    console.print(table)
+    for report in reports:
+        for fault in report.faults:
+            console.print(Text(f"NOT OK {report.scenario.name}: {fault}", style="red"), soft_wrap=True)
+    folders = [report.folder for report in reports if report.folder is not None]
+    if folders:
+        parent = Path(commonpath([folder.parent for folder in folders]))
+        names = ",".join(folder.name for folder in folders)
+        each = f"{{{names}}}" if len(folders) > 1 else names
+        console.print(f"recordings and pictures: {parent}/{each}/", soft_wrap=True, highlight=False)
+
+
+def _name(report: Report) -> Text:
+    """Return the name of the scenario, its figure in the paper and whether it ran as expected."""
+    text = Text(report.scenario.name)
+    if report.scenario.figure:
+        text.append(f"\n{report.scenario.figure}", style="dim")
+    return text.append_text(_ok(report.ok, before="\n"))
+
+
+def _ok(ok: bool, *, before: str) -> Text:
+    return Text(before).append("ok" if ok else "NOT OK", style="green" if ok else "bold red")
+
+
+def _attempts(report: Report) -> Text:
+    lines = [f"{display_name(name)} {number}" for name, number in report.attempts.items()]
+    return Text("\n".join(lines) or "–")
+
+
+def _times(report: Report) -> Text:
+    text = Text()
+    for index, measure in enumerate(report.measures):
+        line = f"{display_name(measure.what)}  {measure.measured_s:.3f} ({measure.expected_s:g})"
+        text.append("\n" * bool(index) + line).append_text(_ok(measure.ok, before=" "))
+    return text if report.measures else Text("–")

@@ -1,9 +1,10 @@
-"""The cells: every fault, at every place, at every moment, with every command."""
+"""The cells: every fault, at every place, at every moment, with every command; and what can become of one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import count
 from math import ceil, gcd, sqrt
 
@@ -66,6 +67,26 @@ class Cell:
     def number(self) -> float | None:
         """The number that belongs to it; None: none does."""
         return plain_number(self.fault.split(":")[-1])
+
+
+class Outcome(StrEnum):
+    """How the tool stands when nothing moves any more."""
+
+    AT_REST = "at rest"
+    """Nothing was begun."""
+    REFUSED = "refused"
+    """At rest: the last command was refused with a reason."""
+    SUCCESS = "gripped"
+    FAILED = "declared failure"
+    """At rest: the grip was given up and unwound."""
+    CANCELLED = "cancelled"
+    RELEASED = "dropped on command"
+    UNWOUND = "unwound by the last will"
+    HELD = "held with alarm"
+    """GRIP_ERROR, latched: every output stays."""
+    STILL_THERE = "release error"
+    """RELEASE_ERROR, latched: that all is gone is not proven."""
+    UNFINISHED = "not at rest in its time"
 
 
 def faults_of(description: Description) -> tuple[str, ...]:

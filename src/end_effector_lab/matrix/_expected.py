@@ -36,8 +36,7 @@ from end_effector_hal.vocabulary import SETTLE_US, display_name
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 from end_effector_lab.testbench.physics import Supply, Valve, physics_of
 
-from ._cells import BOTH, NOTHING, Cell
-from ._outcome import Outcome
+from ._cells import BOTH, NOTHING, Cell, Outcome
 from ._script import GRIP, HELD, RELEASE, REST
 
 YES, NO, LOST, UNKNOWN = "yes", "no", "lost", "unknown"

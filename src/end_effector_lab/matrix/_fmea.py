@@ -12,9 +12,8 @@ from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import display_name
 from end_effector_lab.testbench import FAULTS
 
-from ._cells import NOTHING, Cell
+from ._cells import NOTHING, Cell, Outcome
 from ._expected import expected_view
-from ._outcome import Outcome
 from ._script import GRIP, HELD, PHASES, RELEASE, REST
 
 COLUMNS = (

@@ -11,13 +11,11 @@ from pydantic import ConfigDict
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.virtual import switchings
+from end_effector_lab.virtual import Monitors, switchings
 
-from ._cells import BOTH, NOTHING, Cell
+from ._cells import BOTH, NOTHING, Cell, Outcome
 from ._expected import LYING, expected, is_loose, lets_go
-from ._judging import Monitors, is_still, not_gripping
-from ._outcome import Outcome
-from ._script import GRIP, RELEASE, REST, Script, prepared
+from ._script import GRIP, RELEASE, REST, Script, is_still, prepared
 
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
@@ -231,7 +229,7 @@ class CellRun:
             return []
         if is_loose(self._description, self._cell):
             return ["lifting is allowed, and the tool is not locked"]
-        missing = not_gripping(self._description, tool)
+        missing = [name for name in self._description.sequence if not tool.bench.devices[name].grips]
         return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
 
     def _lost(self) -> bool:

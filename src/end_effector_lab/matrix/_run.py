@@ -17,8 +17,7 @@ from end_effector_hal.description import Description
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
-from ._cells import WORDS, Cell
-from ._outcome import Outcome
+from ._cells import WORDS, Cell, Outcome
 from ._play import CellRun, Played, Undisturbed
 from ._script import PHASES
 

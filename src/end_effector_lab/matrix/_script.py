@@ -10,7 +10,7 @@ from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.virtual import VirtualTool, Watch, switchings
 
 REST_US, HOLD_US, LONGEST_US = 1_000_000, 1_000_000, 600_000_000
@@ -18,6 +18,7 @@ NEAR_US = 1_000
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
 REST, GRIP, HELD, RELEASE = "rest", "grip", "held", "release"
 PHASES = (REST, GRIP, HELD, RELEASE)
+AT_REST = (STAND_BY, GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,13 @@ def prepared(
         raise UsageError(f"{description.name} does not come to rest: {tool.status.reason}")
     tool.run(REST_US / 1e6)
     return tool
+
+
+def is_still(description: Description, tool: VirtualTool) -> bool:
+    """Return whether all processes run, no command does, and the unlock output is inactive."""
+    status, changer = tool.status, description.tool_changer
+    unlocked = bool(changer and tool.levels.get(changer.line))
+    return len(tool.living) == 3 and status.ee in AT_REST and status.command == Command.NONE and not unlocked
 
 
 class Script:

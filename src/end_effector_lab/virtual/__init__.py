@@ -9,7 +9,6 @@ True
 True
 """
 
-from ._outputs import Edge
-from ._switching import Switching, switchings
+from ._outputs import Edge, Switching, switchings
 from ._tool import VirtualTool
-from ._watching import Watch
+from ._watching import Monitors, Watch

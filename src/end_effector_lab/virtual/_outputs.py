@@ -1,17 +1,42 @@
-"""The output lines in virtual time: what the arbiter writes moves the testbench, and outlives the arbiter."""
+"""The output lines in virtual time: what the arbiter writes moves the testbench, and stays when the arbiter ends."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
+
+from end_effector_hal.description import Description
 
 
 class Edge(NamedTuple):
-    """A line has changed at ``at`` µs."""
+    """A line changed at ``at`` µs."""
 
     at: int
     line: str
     level: bool
+
+
+class Switching(NamedTuple):
+    """The output of an actuator became active or inactive at ``at`` µs."""
+
+    at: int
+    name: str
+    active: bool
+
+    def __str__(self) -> str:
+        return f"{self.name} {'on' if self.active else 'off'}"
+
+
+def switchings(description: Description, edges: Iterable[Edge]) -> Iterator[Switching]:
+    """Yield the switchings of actuators: by one line, two coils or pulses; the last coil decides."""
+    by_line = {part.line: name for name, part in description.ordered}
+    second = {each.line: by_line[line] for line, each in description.opposites.items() if line in by_line}
+    for edge in edges:
+        if edge.line in second:
+            if edge.level:
+                yield Switching(edge.at, second[edge.line], False)
+        elif (name := by_line.get(edge.line)) and (edge.level or edge.line not in description.opposites):
+            yield Switching(edge.at, name, edge.level)
 
 
 class VirtualOutputs:
@@ -35,11 +60,11 @@ class VirtualOutputs:
         self._clock, self._on_edge = clock, on_edge
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """They keep their levels; see `LineBackend`."""
+        """Return their levels, which they keep; see `LineBackend`."""
         return {name: self._levels[name] for name in names}
 
     def levels(self) -> dict[str, bool]:
-        """As they stand."""
+        """Return the levels of all lines."""
         return dict(self._levels)
 
     def set(self, levels: Mapping[str, bool]) -> None:
@@ -50,4 +75,4 @@ class VirtualOutputs:
                 self._on_edge(Edge(self._clock(), name, level))
 
     def close(self) -> None:
-        """They stay as they are."""
+        """Leave the lines as they are."""

@@ -1,22 +1,23 @@
-"""A recorder that keeps nothing: somebody follows what the automata see and do, as it happens."""
+"""Follow what the automata see and do, as it happens; the monitor judges every program by it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from end_effector_hal.control import Controller
+from end_effector_hal.control import Controller, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.boundary import Recorder
 from end_effector_hal.sensing import FrameJudge
 from timed_automata import Network
 from timed_automata.execute import Observation
+from timed_automata.monitor import Monitor
 
 Watch = Callable[[str], Callable[[Observation], None]]
-"""Called with the name of a program for each controller that begins; gives what is called with each observation."""
+"""Called with the name of a program for each controller that begins; returns a function for its observations."""
 
 
 class Watching(Recorder):
-    """Shows each controller to a `Watch`."""
+    """A recorder that keeps nothing, and shows every controller to a `Watch`."""
 
     def __init__(self, watch: Watch) -> None:
         super().__init__()
@@ -25,5 +26,25 @@ class Watching(Recorder):
     def controller(
         self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
     ) -> Controller:
-        """A new controller, from its beginning on."""
+        """Make a controller that is observed from its beginning."""
         return Controller(description, network, program, observe=self._watch(program), judge=judge)
+
+
+class Monitors:
+    """A monitor for each controller that begins, with the requirements of the automata."""
+
+    def __init__(self, description: Description) -> None:
+        self._automata, self._network = description.automata, network_of(description)
+        self._monitors: list[Monitor] = []
+
+    def watch(self, program: str) -> Callable[[Observation], None]:
+        """Begin a monitor; this is a `Watch`."""
+        executed, interface = getattr(self._automata, program), self._automata.interface
+        monitor = Monitor(self._network, executed, interface, requirements=True)
+        self._monitors.append(monitor)
+        return monitor.observe
+
+    @property
+    def objections(self) -> list[str]:
+        """The objections of all monitors, sentences."""
+        return [each.what for monitor in self._monitors for each in monitor.objections]

@@ -8,7 +8,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.boundary import open_recorder
-from end_effector_lab.demo._traces import answered, replayed
+from end_effector_lab.demo._agreement import answered, replayed
 from tests.support.virtual_tool import VirtualTool
 
 
