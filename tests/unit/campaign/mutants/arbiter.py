@@ -104,8 +104,8 @@ def _any_token_will_do(patch: pytest.MonkeyPatch) -> None:
 def _last_will_alone_is_ignored(patch: pytest.MonkeyPatch) -> None:
     real = LineArbiter.write
 
-    def write(arbiter: LineArbiter, session: Session, levels: Any, will: Any, at: int) -> int:
-        return real(arbiter, session, levels, will if levels else None, at)
+    def write(arbiter: LineArbiter, session: Session, levels: Any, will: Any, at: int, **named: Any) -> int:
+        return real(arbiter, session, levels, will if levels else None, at, **named)
 
     patch.setattr(LineArbiter, "write", write)
 

@@ -248,7 +248,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         cell="lost-after:top_vacuum:0.1 @ grip GRIPPED, between + none",
     ),
     "automata that leave out the last step of a drop": WrongProduct(
-        _edited(b"RELEASE,\nk = next_engaged()</label>", b"RELEASE,\nk = next_engaged() + 1</label>"),
+        _edited(b"asked = true, k = next_engaged()</label>", b"asked = true, k = next_engaged() + 1</label>"),
         "the UPPAAL file: Gripped → Unwind", "", "order",
         cell="nominal @ release top_vacuum off, between + kill hal",
     ),
