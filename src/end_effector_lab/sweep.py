@@ -1,4 +1,4 @@
-"""A grid over values of a description: which combinations hold, what fails first, the worst cases."""
+"""A grid over values of a description: the combinations that hold, the first failures, the worst cases."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _range(text: str, given: str) -> tuple[str, ...]:
 
 
 NOT_THERE = ("EE-205", "EE-206")
-"""An unknown key, or one of a stanza that the file does not have and that needs more."""
+"""Codes for an unknown key, and for a key of a stanza that the file lacks and that needs more keys."""
 
 
 TABLE, DOCUMENT = "sweep.csv", "sweep.json"

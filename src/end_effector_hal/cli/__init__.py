@@ -1,4 +1,4 @@
-"""The command line ``eehal``: a thin face; each command is a module of its own, loaded when it is used."""
+"""The command line ``eehal``. The group is thin: every command is a module of its own, loaded when it is used."""
 
 from ._completion import completed, profiles, typed_tool
 from ._figures import figures, is_figure

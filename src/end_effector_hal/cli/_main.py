@@ -1,4 +1,4 @@
-"""The group of all commands, errors as sentences, exit codes."""
+"""The group of all commands. It prints errors as sentences and sets the exit code."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from end_effector_hal.plugins import Plugins
 from ._json_output import print_line
 
 GROUP = "end_effector_hal.commands"
-"""Entry points of further commands; a command of this package wins over another one of its name."""
+"""Entry-point group of further commands; a command of this package has precedence over one of the same name."""
 _COMMANDS = {
     "completion": "shell completion of commands and values",
     "check": "say everything that is wrong with a description",
@@ -48,7 +48,7 @@ _AUDIENCES = {
         "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",
     ),
 }  # fmt: skip
-"""Who uses a command, in the order in which it is needed; those that are not installed are left out."""
+"""The commands by their users, in the order in which they are needed. Commands that are not installed are left out."""
 _WORKSHOP = (
     "campaign", "compare", "demo", "import", "matrix", "plot", "report", "testbench", "tune",
 )  # fmt: skip
@@ -58,13 +58,13 @@ _OTHER_NAMES = {
     "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
     "simulate": "model simulate", "diff": "compare", "watch": "listen", "serve": "page",
 }  # fmt: skip
-"""What other programs call it."""
+"""Names that other programs use for a command, for the hint "Did you mean"."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
-"""Modules that only commands with lines, ports or locks import."""
+"""Modules of Linux that only the commands with lines, ports or locks import."""
 _JUDGING = (
     "campaign", "check", "compare", "doctor", "import", "matrix", "model", "replay", "report", "verify",
 )  # fmt: skip
-"""Commands that end by themselves, and whose exit code says what they found."""
+"""Commands that end by themselves and whose exit code states their result."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _ROOMS = {
@@ -72,7 +72,7 @@ _ROOMS = {
     **dict.fromkeys(("page", "replay"), "recorded"),
     **{name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")},
 }
-"""Commands that do not stand alone, and the folder in which they do."""
+"""Commands whose module is in a subfolder, and the name of that folder."""
 
 
 def _checked(command: object) -> click.Command:
@@ -85,7 +85,7 @@ _ADDED: Plugins[click.Command] = Plugins(GROUP, "command", {}, _checked, make=Fa
 
 
 class _LazyGroup(click.Group):
-    """Loads the module of a command when it is called: the start stays quick."""
+    """A group that loads the module of a command only when the command is called, so that ``eehal`` starts quickly."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         hidden = () if lab_installed() else _WORKSHOP
@@ -141,7 +141,9 @@ def eehal() -> None:
 
 
 def main() -> None:
-    """Entry point; every expected error is one sentence on stderr, or with ``--json`` an object on stdout."""
+    """Run the command line; print every expected error as one sentence on stderr, or with ``--json`` as an object on
+    stdout.
+    """
     _open_closed_streams()
     stdout = sys.stdout
     if any(each in _JUDGING for each in sys.argv[1:2]):
@@ -162,7 +164,7 @@ def main() -> None:
 
 
 def _open_closed_streams() -> None:
-    """A standard stream that is closed becomes an empty one: no file that is opened later gets its number."""
+    """Replace a closed standard stream by an empty one, so that no file that is opened later gets its number."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             nowhere = os.open(os.devnull, os.O_RDWR)
@@ -171,13 +173,15 @@ def _open_closed_streams() -> None:
 
 
 class _Pipe:
-    """Standard output whose reader may leave, as ``head`` does: the rest is discarded, and the exit code is right."""
+    """Standard output whose reader may end early, as ``head`` does: the rest is discarded and the exit code stays
+    right.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write, or nothing."""
+        """Write the text; discard it if the reader has ended."""
         try:
             return self._stream.write(text)
         except BrokenPipeError:
@@ -185,7 +189,7 @@ class _Pipe:
             return len(text)
 
     def flush(self) -> None:
-        """Flush, or nothing."""
+        """Flush the stream; discard its content if the reader has ended."""
         try:
             self._stream.flush()
         except BrokenPipeError:
@@ -196,7 +200,7 @@ class _Pipe:
 
 
 def _discard(stream: TextIO) -> None:
-    """What is still buffered must not fail again when the interpreter ends."""
+    """Redirect the stream to /dev/null, so that its buffered content does not fail again when the interpreter ends."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, stream.fileno())
     os.close(nowhere)
@@ -245,7 +249,7 @@ def _other_system(error: ModuleNotFoundError) -> UsageError | None:
 
 
 def _wants_json() -> bool:
-    """Asked of the arguments themselves: an error may come before they are understood."""
+    """Return whether ``--json`` is among the arguments; they are not parsed yet, since an error may come earlier."""
     return "--json" in sys.argv[1:]
 
 

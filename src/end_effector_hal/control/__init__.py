@@ -1,4 +1,4 @@
-"""What the tool decides with: the executed automata and their words; sans-IO."""
+"""The decisions of the tool: its executed automata and the texts about them; no I/O."""
 
 from ._constants import model_constants
 from ._controller import PROGRAMS, Controller, ControllerSnapshot

@@ -1,7 +1,7 @@
-"""The events of a tool: what the steps of its automata mean, by one table from their edges to events.
+"""The events of a tool: a table maps the edges of its automata to events.
 
-The edges are those of `Gripper` and `Changer` in the UPPAAL file. Terminal, logs of the nodes and page read the events:
-none of them works out an attempt or a time-out by itself.
+The edges are those of `Gripper` and `Changer` in the UPPAAL file. The terminal, the logs of the nodes and the page use
+these events: none of them detects an attempt or a time-out on its own.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from timed_automata import Change, Step
 
 
 class EventKind(StrEnum):
-    """The kinds of events."""
+    """The kinds of events of a tool."""
 
     COMMAND_ACCEPTED = "command accepted"
     ATTEMPT_BEGAN = "attempt began"
@@ -38,12 +38,13 @@ class ToolEvent:
     """One event of a step of the automata.
 
     Attributes:
-        at: µs, when the step was taken.
-        kind: what it is about.
-        actuator: its place in the sequence; of a change of the state that of the cause; -1: it concerns no single one.
-        attempt: its number in this grip, from 1; 0: the event belongs to no attempt.
+        at: time of the step, µs.
+        kind: the kind of the event.
+        actuator: position of the actuator in the sequence; for a change of state, that of its cause; -1: no single
+            actuator.
+        attempt: number of the attempt in this grip, from 1; 0: the event belongs to no attempt.
         old, new: the state before and after, in the integers of Table II; -1: no state has changed.
-        cause: why a grip or a release has ended with this change of the state.
+        cause: the reason why a grip or a release has ended with this change of state.
         command: the name of the channel of an accepted command.
     """
 
@@ -84,18 +85,18 @@ EDGES: Mapping[tuple[str, str, str], tuple[EventKind, ...]] = {
     ("Unlocking", "Relock", ""): (_K.NOT_PROVEN,),
     ("Locking", "Fault", ""): (_K.NOT_PROVEN,),
 }
-"""From an edge of `Gripper` or `Changer` to its events: its source, its target and its channel; empty: it has none."""
+"""Events of an edge of `Gripper` or `Changer`, by source, target and channel; empty: no channel."""
 FAILURES = (_K.TIMED_OUT, _K.CLOSED_ON_NOTHING, _K.NOT_GONE, _K.NOT_PROVEN)
-"""Events that mean that a time-out has passed."""
+"""Events of a time-out that has passed or an attempt that has failed."""
 _ATTEMPTS = (_K.ATTEMPT_BEGAN, _K.CONFIRMED, _K.TIMED_OUT, _K.CLOSED_ON_NOTHING)
 _CAUSES = {int(each): each for each in Cause}  # a lookup costs less than a conversion
 
 
 class EventReader:
-    """Derive the events of one program from its steps, given in their order.
+    """Derives the events of one program from its steps, given in their order.
 
     Args:
-        variables: of the automata before the first step; default: those of the start.
+        variables: the variables of the automata before the first step; default: those at the start.
     """
 
     MEMORY: ClassVar = {"_attempt": int, "_last": int, "_cause": int, "_cause_at": int}
@@ -141,6 +142,6 @@ class EventReader:
 
 
 def restart_events(program: str, before: int, at: int) -> tuple[ToolEvent, ...]:
-    """The events of a restart of a program at ``at`` µs; ``before``: the state that it published last."""
+    """Return the events of a program's restart at ``at`` µs; ``before``: the state it published last."""
     kind = _K.STATE_CHANGED if program == "grip" else _K.CHANGER_CHANGED
     return (ToolEvent(at, kind, old=before, new=0),) if before else ()

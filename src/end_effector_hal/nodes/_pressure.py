@@ -28,11 +28,11 @@ from .transport import (
 
 
 class PressureNode:
-    """Publishes what the link brings, in the thread of the link: the frame first, for the reaction depends on it.
+    """Publishes the frames of the link in the thread of the link: the frame first, because the reaction depends on it.
 
-    Before it, and only when a frame proves something else than before, the line arbiter gets what it proves: this
-    node reads the sensors on which the interlocks IL-01, IL-02, IL-05, IL-07 and IL-13 depend, but for the input lines
-    that the arbiter reads itself.
+    If a frame changes a predicate, the line arbiter gets the predicates before the frame is published: this node reads
+    the sensors on which the interlocks IL-01, IL-02, IL-05, IL-07 and IL-13 depend, except the input lines that the
+    arbiter reads itself.
 
     A pressure that is invalid, doubted or stale is NaN, never the last value; NaN is published once.
     """
@@ -50,7 +50,7 @@ class PressureNode:
         self._looked_us = 0
         self._lock = threading.Lock()
         self._unknown: set[str] = set()
-        """Pressures of which the last that was published is NaN."""
+        """Pressures whose last published value is NaN."""
         self._predicates = PredicatePublisher(description, judge=judge)
         node.on_close(self._predicates.close)
         self._predicates.start()
@@ -143,7 +143,7 @@ def _of_inputs(health: InputsHealth, notices: Sequence[str], *, up: bool) -> Hea
 
 
 def _together(told: Sequence[Health]) -> Health:
-    """The worst, with the texts of all that are not well, or of all."""
+    """Return the worst level, with the texts of all that have this level."""
     level = max(each.level for each in told)
     texts = [each.message for each in told if each.level == level]
     return Health(level, " ".join(texts), {key: value for each in told for key, value in each.values.items()})

@@ -1,8 +1,8 @@
-"""The page of a tool: what its programs say of themselves, or what they have recorded, in a browser.
+"""The page of a tool in a browser: the state of its programs, or a recording of them.
 
-Rooms: ``view``, what is shown, computed from records; ``link``, the sockets of the programs and of a testbench;
-``recorded``, the same view of a recording; ``web``, the server and who may use it, which alone needs the extra
-``page``; ``static``, what the browser runs.
+Packages: ``view`` computes the view from records; ``link`` has the sockets of the programs and of a testbench;
+``recorded`` makes the same view of a recording; ``web`` is the server with its access rules, and alone needs the extra
+``page``; ``static`` has the browser's files.
 """
 
 from ._html import page_html, static_file

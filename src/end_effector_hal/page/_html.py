@@ -11,14 +11,14 @@ _NAME = re.compile(r"[A-Za-z][\w.-]*")
 
 
 def static_file(name: str) -> bytes | None:
-    """A file that the browser asks for; None: there is none of that name."""
+    """Return a file for the browser; None if no file has that name."""
     # looked up among the names that there are: the system refuses to look for one that is too long
     found = next((each for each in _STATIC.iterdir() if each.name == name), None)
     return found.read_bytes() if found is not None and found.is_file() and _NAME.fullmatch(name) else None
 
 
 def page_html(title: str, *, recorded: bool, csrf: str = "") -> str:
-    """The page for a live tool, or for recordings."""
+    """Return the page for a live tool, or for recordings."""
     html = (_STATIC / "index.html").read_text()
     kept, left_out = ("recorded", "live") if recorded else ("live", "recorded")
     html = re.sub(rf"[ \t]*<!--{left_out}-->.*?<!--/{left_out}-->\n?", "", html, flags=re.DOTALL)

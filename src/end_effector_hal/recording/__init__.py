@@ -1,4 +1,4 @@
-"""Records of a run: written as it happens, read back, and told in words."""
+"""Records of a run: written as it happens, read back, and described in words."""
 
 from ._files import append_whole, lock
 from ._limits import RecordingLimits

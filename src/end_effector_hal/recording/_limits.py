@@ -1,4 +1,4 @@
-"""How much a recording may keep: its files are cut into segments, and the oldest segments go first."""
+"""Limit the size of a recording: its files are cut into segments, and the oldest segments are removed first."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ class RecordingLimits:
     """Limits of one recording folder.
 
     Args:
-        segment_bytes: a file that has become so long is closed, and the next segment is begun.
-        total_bytes: the segments of the folder together; when one is begun, the oldest that are closed are removed.
+        segment_bytes: size at which a file is closed and the next segment begins.
+        total_bytes: maximum size of all segments of the folder; when a segment begins, the oldest closed ones are
+            removed.
 
     Raises:
         UsageError: a limit is not positive, or the total has no room for eight segments.
@@ -47,7 +48,7 @@ class RecordingLimits:
 
     @classmethod
     def of_megabytes(cls, segment_mb: float, keep_mb: float) -> RecordingLimits:
-        """From megabytes, as they are given on a command line; raises UsageError."""
+        """Return limits from megabytes, the unit of the command line; raises UsageError."""
         most = 1e9
         if not (0 < segment_mb < most and 0 < keep_mb < most):  # not a number compares false, too
             raise UsageError(f"The limits of a recording are megabytes, not {segment_mb:g} and {keep_mb:g}.")
@@ -55,9 +56,11 @@ class RecordingLimits:
 
 
 def make_room(folder: Path, limits: RecordingLimits) -> tuple[str, ...]:
-    """Remove the oldest closed segments, so that one more fits into the folder; their names, told in ``removed.csv``.
+    """Remove the oldest closed segments until one more fits into the folder; return their names.
 
-    A file that somebody writes (it is locked) is never removed, and counts as the whole segment that it may become.
+    They are also listed in ``removed.csv``.
+
+    A file that a process is writing (it is locked) is never removed, and counts with the full size of a segment.
 
     Raises:
         OSError: the folder cannot be read.

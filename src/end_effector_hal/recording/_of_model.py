@@ -1,4 +1,4 @@
-"""Which folders a run of the model may be written to: what was recorded of a tool is never replaced by it."""
+"""Decide which folders a run of the model may be written to: it never replaces a recording of a tool."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from end_effector_hal.errors import UsageError, os_errors
 from ._run import FILE_NAME, read_run
 
 MODEL_RUN = "run of the model"
-"""How the scenario of a simulated run begins."""
+"""First words of the scenario of a simulated run of the model."""
 COUNTEREXAMPLE = "counterexample"
-"""The scenario of a run that refutes a requirement."""
+"""Scenario of a run that refutes a requirement."""
 _RECORDED = ("*.mcap", "states*.csv", "events*.csv", "pressures*.csv", "alarms*.csv")
 
 
 def check_replaceable(folder: Path) -> None:
-    """Whether files of a run of the model may be written into a folder, and replace some of their names.
+    """Check that a run of the model may be written into a folder, where it may replace files of the same names.
 
     Args:
-        folder: it may not exist.
+        folder: need not exist.
 
     Raises:
-        UsageError: it holds a recording, or what is in it cannot be read.
+        UsageError: the folder contains a recording, or cannot be read.
     """
     with os_errors("Cannot be read", folder):
         recorded = [each for pattern in _RECORDED for each in folder.glob(pattern)]

@@ -1,4 +1,4 @@
-"""The recording of a run: its files, written as it happens."""
+"""Write the files of a run's recording as the run happens."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _log = logging.getLogger("end_effector_hal.runtime")
 MOST_DUE = 1000
 """So many events wait while they cannot be written, the newest."""
 MOST_GAPS = 100
-"""So many are kept in run.json, the newest."""
+"""Maximum number of gaps in run.json; the newest are kept."""
 
 
 class Recording(Closing):
@@ -138,7 +138,7 @@ class Recording(Closing):
             undo.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
-        """The states that hold from ``at`` on; False when they are those of the last row.
+        """Write the states that hold from ``at`` on; return False when they equal the last row.
 
         Raises:
             ReportedError: rows cannot be written now.
@@ -153,7 +153,7 @@ class Recording(Closing):
         return written
 
     def tool_changer(self, at: int, state: int) -> None:
-        """Where the tool changer is from ``at`` on, if there is one.
+        """Write the state of the tool changer from ``at`` on, if there is one.
 
         Raises:
             ReportedError: rows cannot be written now.
@@ -165,7 +165,7 @@ class Recording(Closing):
                 self._settle(at)
 
     def alarms(self, at: int, alarms: Sequence[Alarm]) -> None:
-        """The alarms that stand from ``at`` on; raises ReportedError when rows cannot be written now."""
+        """Write the changes to the alarms that are active from ``at`` on; raises ReportedError if this fails."""
         with self._lock:
             if self._start is not None:
                 self._standing = alarms
@@ -195,9 +195,10 @@ class Recording(Closing):
                 self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
-        """What a frame carries that came at ``at``: gauge Pa or a bit, None for invalid.
+        """Write the values of a frame that arrived at ``at``: gauge Pa or a bit, None for invalid.
 
-        A channel that is not in it keeps its value until that is stale: it comes over another link.
+        A channel that is missing from the frame, because it comes over another link, keeps its value until that is
+        stale.
 
         Raises:
             ReportedError: rows cannot be written now.
@@ -221,13 +222,13 @@ class Recording(Closing):
             self._settle(at)
 
     def note(self, gap: str) -> None:
-        """Have ``run.json`` say what is missing, a sentence; it is written with the next row, or when this closes."""
+        """Add a sentence about missing data to ``run.json``; it is written with the next row, or on close."""
         with self._lock:
             self._losses.gaps.append(gap)
             self._losses.info_due = True
 
     def close(self) -> None:
-        """Close the files; may be called again. What cannot be written any more is told in the log."""
+        """Close the files; may be called again. Data that cannot be written any more is reported in the log."""
         for each in (
             self._states,
             self._events,
@@ -246,7 +247,7 @@ class Recording(Closing):
                 self._write_info()
 
     def seconds(self, at: int) -> float:
-        """µs on the monotonic clock as seconds since the start of the recording."""
+        """Convert µs on the monotonic clock to seconds since the start of the recording."""
         return max(0, at - (self._start or self._begun)) / 1_000_000
 
     def _write_state(self, at: int, *, again: bool = False) -> bool:
@@ -282,7 +283,7 @@ class Recording(Closing):
             )
 
     def _settle(self, at: int) -> None:
-        """Try again what is missing; raises ReportedError while something is."""
+        """Retry the failed writes; raise ReportedError while one fails."""
         losses = self._losses
         if "states.csv" in losses.failing and self._latest is not None:
             self._write_state(at, again=True)  # a state that lasts comes but once
@@ -312,7 +313,7 @@ class Recording(Closing):
 
 
 def _begun(folder: Path) -> datetime | None:
-    """When the recording in a folder was begun; None: there is none."""
+    """Return the time at which the recording in a folder began; None: there is none."""
     try:
         return datetime.fromisoformat(read_run(folder).started) if (folder / "states.csv").exists() else None
     except (ValueError, TypeError):

@@ -1,4 +1,4 @@
-"""How the executables of the ROS package start: an error is one sentence, and the exit code says its kind."""
+"""Start the executables of the ROS package: an error is printed as one sentence, and the exit code shows its kind."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LINE_ARBITER = "line_arbiter"
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run what the first argument names, a node or the line arbiter; returns the exit code."""
+    """Run the program that the first argument names, a node or the line arbiter; return the exit code."""
     program = argv[0]
     if program == LINE_ARBITER:
         return guarded(program, lambda: _run_arbiter(argv))
@@ -45,7 +45,7 @@ def _run_node(program: str, argv: Sequence[str]) -> int:
 
 
 def _run_arbiter(argv: Sequence[str]) -> None:
-    """As ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
+    """Run the line arbiter as ``eehal arbiter`` does, with the arguments of a node; it needs no master."""
     from end_effector_hal.arbiter import run_arbiter
     from end_effector_hal.codecs import load_tool
 
@@ -55,11 +55,11 @@ def _run_arbiter(argv: Sequence[str]) -> None:
 
 
 def _import_ros() -> None:
-    """Import the messages and rospy without libraries that no node uses: 0.3 s and 20 MB less for each node.
+    """Import the messages and rospy without libraries that no node uses, which saves 0.3 s and 20 MB for each node.
 
-    genpy asks numpy only for its number types. rospy asks roslib only whether somebody types at a prompt, and roslib
-    brings catkin_pkg and pyparsing. The master and the nodes talk plain HTTP, for which ``xmlrpc`` needs no ssl; its
-    server has pydoc for a class that shows the methods as a page.
+    genpy needs numpy only for its number types. rospy needs roslib only to detect an interactive prompt, and roslib
+    imports catkin_pkg and pyparsing. The master and the nodes use plain HTTP, for which ``xmlrpc`` needs no ssl; its
+    server uses pydoc only for a class that shows the methods as a page.
     """
     pydoc: Any = ModuleType("pydoc")
     pydoc.HTMLDoc = object

@@ -1,11 +1,15 @@
-"""Whether a program may go on with its description as it is in the file now (`eehal reload`).
+"""Decide whether a running program may adopt the current content of its description file (`eehal reload`).
 
-Rule 1. The file is checked first. While it has a fault the description that runs stays in force.
-Rule 2. What the line arbiter was started with cannot change under it: outputs, their interlocks, times and last wills,
-    the inputs and buses that it reads itself, its socket. For those it is restarted first, with its lines as they are.
-Rule 3. Nothing is taken over but at rest: in STAND_BY, with nothing held, no command, no maintenance. This is asked
-    first: what is held is dropped before anything else.
-Rule 4. A program that takes it over restarts, and adopts the lines as they are, as after any restart.
+Rule 1. The file is checked first. While it has a fault, the running description stays in force.
+
+Rule 2. The configuration with which the line arbiter was started cannot change while it runs: outputs, their
+interlocks, times and last wills, the inputs and buses that the arbiter reads itself, its socket. To change these,
+restart the arbiter first; its lines keep their levels.
+
+Rule 3. A description is adopted only at rest: in STAND_BY, with nothing held, no command and no maintenance. The
+program checks this first; a held part must be dropped before.
+
+Rule 4. A program that adopts the new description restarts, and adopts the lines as they are, as after any restart.
 """
 
 from __future__ import annotations
@@ -34,7 +38,10 @@ CONTENT = "The description is valid and can be loaded."
 
 
 def reload_answer(before: Description) -> Answer:
-    """Whether the file of a description that runs could be taken over (rules 1 and 2); ask first whether it rests."""
+    """Return whether the current file of a running description could be adopted (rules 1 and 2).
+
+    The caller must check rule 3 first.
+    """
     try:
         after = load_tool(before.source)
     except ReportedError as error:
@@ -53,7 +60,7 @@ def reload_answer(before: Description) -> Answer:
 
 
 def fixed_by_arbiter(before: Description, after: Description) -> list[str]:
-    """What differs that the line arbiter was started with, each as a clause; empty: nothing."""
+    """Return clauses about changed settings that need a restart of the line arbiter; empty if there are none."""
     old, new = arbiter_policy(before), arbiter_policy(after)
     found = [
         _OF_POLICY.get(field.name, field.name)

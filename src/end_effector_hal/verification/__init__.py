@@ -1,3 +1,3 @@
-"""What can be shown of a model and of a recorded run: proof and replay."""
+"""Verify models and recorded runs: proofs and replays."""
 
 from ._model_run import has_states, states_of, write_states

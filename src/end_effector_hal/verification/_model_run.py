@@ -1,4 +1,4 @@
-"""A run of a model as the recording that a real run with the same states would leave."""
+"""Turn a run of a model into the recording that a real run with the same states would leave."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _EXECUTED = ("Gripper", "Changer")
 
 
 def has_states(network: Network) -> bool:
-    """Whether a network has the variables that a recording is made of: ``ee``, ``command``, ``actuator[]``."""
+    """Return whether a network has the variables that a recording needs: ``ee``, ``command``, ``actuator[]``."""
     return {"ee", "command", "actuator[0]"} <= set(network.offsets)
 
 

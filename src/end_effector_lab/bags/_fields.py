@@ -1,4 +1,4 @@
-"""The messages of the nodes, from what a bag has: every field is distrusted, and an older version lacks some."""
+"""Converts the messages of a bag to those of the nodes. Every field is checked, and an older version lacks some."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
 OPTIONAL = ("since_us", "count", "tool", "tool_changer", "alarms", "alarm_ids", "events")
-"""Fields of a state that are used, and that an older version may lack."""
+"""Fields of a state that are used, but that an older version may lack."""
 _KINDS: dict[Any, type] = {"int": int, "str": str}
 
 
 def state_of(content: Any) -> StateMessage:
-    """The state; what the bag has not is empty. Raises ValueError for what is none."""
+    """Return the state; fields that the bag lacks are empty. Raises ValueError if it is not a state."""
     used: dict[str, Any] = {
         "at_us": _one(content, "at_us", int),
         "state": EndEffectorState(_one(content, "state", int)),
@@ -48,7 +48,7 @@ def _event(content: Any) -> EventMessage:
 
 
 def frame_of(content: Any) -> FrameMessage:
-    """The frame; raises ValueError for what is none."""
+    """Return the frame; raises ValueError if it is not a frame."""
     return FrameMessage(
         at_us=_one(content, "at_us", int),
         channels=_list(content, "channels", str),
@@ -58,12 +58,12 @@ def frame_of(content: Any) -> FrameMessage:
 
 
 def command_of(content: Any) -> Command:
-    """The command; raises ValueError for what is none."""
+    """Return the command; raises ValueError if it is not a command."""
     return Command(_one(content, "command", int))
 
 
 def lacking(content: Any) -> tuple[str, ...]:
-    """Fields of a state that this version uses, and this one has not."""
+    """Return the fields that this version uses and that the state lacks."""
     return tuple(each for each in OPTIONAL if not hasattr(content, each))
 
 

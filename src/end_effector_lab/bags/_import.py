@@ -1,4 +1,4 @@
-"""Import a bag: write what DataLogger would have written of the same messages."""
+"""Imports a bag: writes the recording that DataLogger would have written from the same messages."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ from ._line_of_time import LineOfTime
 
 NO_TRACE = "A bag holds no traces: `eehal replay` cannot judge this run."
 MOST_GAPS = 90
-"""So many places where changes are missing are told, the last ones."""
+"""Largest number of gaps that are reported; the last ones are kept."""
 WHOLE = RecordingLimits(total_bytes=10**15)
-"""A bag ends: nothing of it is removed to keep a limit."""
+"""Limits for the recording of a bag, which is finite: no segment is removed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ImportedBag:
-    """What was made of a bag.
+    """The result of an import.
 
     Attributes:
-        folder: of the recording.
-        tool: its name.
-        namespace: its topics are below it; empty: below none.
-        states: messages, most of which repeat the one before.
-        frames: messages of the sensors.
-        seconds: from the beginning of the bag to the newest stamp.
-        notes: what a reader of the recording should know.
-        faults: the messages that are left out, a sentence for each topic.
+        folder: folder of the recording.
+        tool: name of the tool.
+        namespace: namespace of its topics; empty if there is none.
+        states: number of state messages, most of which repeat the previous one.
+        frames: number of sensor messages.
+        seconds: time from the beginning of the bag to the newest stamp.
+        notes: sentences for a reader of the recording.
+        faults: one sentence per topic about the messages that are left out.
     """
 
     folder: Path
@@ -55,7 +55,7 @@ class ImportedBag:
     faults: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """For ``--json``."""
+        """Return the result for ``--json``."""
         return {**asdict(self), "folder": str(self.folder)}
 
 
@@ -65,15 +65,15 @@ def import_bag(
     """Write a recording into a new folder.
 
     Args:
-        bag: an open one.
-        folder: it must not exist, or be empty.
-        description: of the tool; without it there are neither pressures nor thresholds.
-        namespace: of the tool; None: there is only one.
+        bag: an open bag.
+        folder: must not exist, or be empty.
+        description: description of the tool; without it there are neither pressures nor thresholds.
+        namespace: namespace of the tool; None: the bag contains only one.
 
     Raises:
-        UsageError: the bag has no such tool, or no state of it can be read, and nothing is written; or the rest of the
-            bag is damaged, and what was written remains.
-        ReportedError: the recording cannot be written any more; what was written remains.
+        UsageError: the bag has no such tool, or none of its states can be read, and nothing is written; or the rest of
+            the bag is damaged, and the part written so far remains.
+        ReportedError: the recording can no longer be written; the part written so far remains.
     """
     with os_errors("Cannot be used", folder):
         taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
@@ -85,7 +85,7 @@ def import_bag(
 
 
 def _space(bag: Bag, topics: Mapping[str, str], namespace: str | None) -> str:
-    """The namespace of the tool, with a slash before it; empty: it has none."""
+    """Return the namespace of the tool with a leading slash; "" if it has none."""
     ending = f"/{END_EFFECTOR_STATE.name}"
     named = [each for each in topics if each.endswith(ending)]
     right = [each for each in named if plain_type(topics[each]) == END_EFFECTOR_STATE.type]
@@ -110,10 +110,10 @@ def _space(bag: Bag, topics: Mapping[str, str], namespace: str | None) -> str:
 
 
 def record_bag(path: Path, folder: Path, description: Description | None) -> ImportedBag:
-    """Open a bag, and write a recording into a new folder; what the page of a bag asks for.
+    """Open a bag and write a recording into a new folder; the page uses it to show a bag.
 
     Raises:
-        UsageError: it is no bag, or has no tool.
+        UsageError: it is not a bag, or contains no tool.
     """
     with closing(Bag(path)) as bag:
         return import_bag(bag, folder, description=description)
@@ -132,7 +132,7 @@ class _Import:
         self._tool = ""
         self._actuators: list[str] = []
         self._first: StateMessage | None = None
-        """The first state, until it is known when the recording begins."""
+        """The first state, kept until the beginning of the recording is known."""
         self._recording: Recording | None = None
         self._commands: CommandsLog | None = None
         self._last: StateMessage | None = None
@@ -280,11 +280,11 @@ class _Import:
         return placed
 
     def _begun(self, message: BagMessage, at: int) -> int:
-        """When the bag began, from a stamp that was made when its message was published."""
+        """Return the time at which the bag began, from a stamp that was made when its message was published."""
         return at - max(0, message.log_us - (self._first_log or 0))
 
     def _begin(self, first: StateMessage, begun: int) -> None:
-        """The first state may be older than the bag: it stands at its beginning."""
+        """Begin the recording with the first state, which may be older than the bag."""
         kinds = dict(zip(first.actuator_names, first.actuator_kinds, strict=False))
         tool = self._description or RunInfo(
             description=self._tool, actuators={each: kinds.get(each, "") for each in self._actuators}

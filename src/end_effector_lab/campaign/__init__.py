@@ -1,4 +1,6 @@
-"""Random sequences of commands, faults and deaths: what they reach, and the smallest case of what fails."""
+"""Random sequences of commands, faults and deaths: measures the coverage, and finds the smallest case of every
+failure.
+"""
 
 from ._campaign import Campaign, kind_of_failure, never_reached, summary
 from ._case import Case, Happening, case_from_json, case_from_words, read_case

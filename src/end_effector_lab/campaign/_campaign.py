@@ -22,13 +22,13 @@ from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource
 
 LEAST_AHEAD = 16
-"""So many runs are under way at least before one of them must be over."""
+"""Smallest number of runs that may be in progress before one of them must be finished."""
 MOST_MOMENTS = 60
 _Number = Annotated[int, Field(ge=0, lt=2**53)]
 
 
 class _KeptReached(BaseModel):
-    """Numbers of a `CoverageMap`."""
+    """Reached numbers of a `CoverageMap`."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -73,12 +73,12 @@ KEPT_RUN = TypeAdapter(KeptRun)
 
 
 class KeptCase(NamedTuple):
-    """A case that reached something new, for mutants of it.
+    """A case that reached something new; mutants are made of it.
 
     Attributes:
-        case, moments: with µs at which something moved in it.
-        edge: whether an edge or a location was new, not only one with a fault.
-        run: in which it did.
+        case, moments: the case, and the times at which something moved in it, µs.
+        edge: whether an edge or a location was new, not only an edge with a fault.
+        run: number of its run.
     """
 
     case: Case
@@ -88,7 +88,7 @@ class KeptCase(NamedTuple):
 
 
 class FailedRun(NamedTuple):
-    """The first run of a kind of failure."""
+    """The first run with a kind of failure."""
 
     run: int
     case: Case
@@ -96,14 +96,14 @@ class FailedRun(NamedTuple):
 
 @dataclass
 class Campaign:
-    """What a campaign has come to.
+    """The results of a campaign.
 
     Attributes:
-        seed: of all cases.
-        known: what can be reached, and ``reached`` what was.
-        runs, grips, seconds: how many runs, successful grips, and seconds of virtual time.
+        seed: seed of all cases.
+        known, reached: everything that can be reached, and what was reached.
+        runs, grips, seconds: number of runs, of successful grips, and seconds of virtual time.
         kept: the cases that are mutated.
-        failures: how many runs broke a rule.
+        failures: number of runs that broke a rule.
         kinds: the first run of each kind of failure.
     """
 
@@ -118,7 +118,7 @@ class Campaign:
     kinds: dict[str, FailedRun] = field(default_factory=dict)
 
     def add(self, found: Mapping[str, Any], description: Description) -> None:
-        """Add the next run, as it is kept in the file."""
+        """Add the next run in the form of the file."""
         grips, seconds = int(found["grips"]), float(found["s"])
         case = case_from_json(found["case"], description) if "case" in found else None
         if case is not None and "new" in found:

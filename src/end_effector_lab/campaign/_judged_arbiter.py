@@ -1,4 +1,4 @@
-"""What the judge knows of the line arbiter: when it lives, and what it has latched."""
+"""The judge's view of the line arbiter: when it lives, and which faults it has latched."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from end_effector_lab.virtual import VirtualTool
 from ._reality import Reality
 
 HEARD_US = 1_000_000
-"""By then a program has told an arbiter that was started again what it wants."""
+"""Time within which a program reports its wishes to a restarted arbiter, µs."""
 
 
 class JudgedArbiter:
-    """The line arbiters of a tool, one after the other, as the judge sees them.
+    """The successive line arbiters of a tool, as the judge sees them.
 
     Attributes:
-        since: µs, when the one that lives, or the last one, has begun.
-        until: µs, when the last one that does not live any more has ended.
+        since: start of the present or last arbiter, µs.
+        until: end of the last arbiter that has ended, µs.
     """
 
     def __init__(self, tool: VirtualTool, reality: Reality) -> None:
@@ -35,11 +35,11 @@ class JudgedArbiter:
 
     @property
     def lives(self) -> bool:
-        """Whether there is one now."""
+        """Whether an arbiter is running now."""
         return "arbiter" in self._tool.living
 
     def look(self) -> tuple[bool, bool]:
-        """Whether one has gone, and whether one has come, since the last look."""
+        """Return whether an arbiter has ended, and whether one has started, since the last call."""
         before, self._life = self._life, self._tool.arbiters if self.lives else None
         if self._life == before:
             return False, False
@@ -50,11 +50,15 @@ class JudgedArbiter:
         return before is not None, self._life is not None
 
     def has_lived_since(self, at: int) -> bool:
-        """Whether it has since ``at`` (µs): else lines may be switched later than asked for."""
+        """Return whether the arbiter has lived since ``at`` (µs); otherwise lines may be switched later than
+        requested.
+        """
         return self.lives and self.since <= at
 
     def has_heard_of(self, release: int) -> bool:
-        """Whether it has got the last will of a release of that time (µs); else it has the one before."""
+        """Return whether the arbiter has received the last will of a release of that time (µs); otherwise it has the
+        previous one.
+        """
         until = self._tool.at if self.lives else self.until
         if self.since <= release and (self.lives or release < until):
             return True
@@ -63,17 +67,17 @@ class JudgedArbiter:
     # What it has latched
 
     def reset(self, answer: Answer) -> None:
-        """A reset was given; one that is refused clears all but the faults that persist."""
+        """Process a reset; a refused one clears everything except the persisting faults."""
         self._latched = set(self._tool.latched)
         if answer.accepted or (answer.decided and "tool_change" not in self._tool.living):
             self._sensor_fault, self._changer_is_reset = False, True
 
     def forget(self) -> None:
-        """What it keeps may be gone."""
+        """Process a loss of the arbiter's data."""
         self._latched, self._sensor_fault = set(), False
 
     def unlatched(self) -> Iterator[str]:
-        """What is latched no more, although nobody has reset it: sentences."""
+        """Yield a sentence about every fault that is no longer latched although no reset was given."""
         tool, latched = self._tool, set(self._tool.latched)
         if tool.changes[-1].changer_fault == ChangerFault.SENSOR:
             self._changer_is_reset = False

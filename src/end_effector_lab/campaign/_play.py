@@ -1,4 +1,4 @@
-"""One case, played in virtual time and judged."""
+"""Plays one case in virtual time and judges it."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from ._judge import Judge
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000
 LONGEST_END_US = 20_000_000
-"""An arbiter that is asked to end has done so by then: its last wills take 10 s, or what the description needs."""
+"""Longest time that an arbiter needs to end, µs: its last wills take 10 s, or the time that the description needs."""
 ALARMS_US = 15_000_000
-"""An alarm that nobody need acknowledge ends by itself by then: a reboot of a device is told for 10 s."""
+"""Longest duration of an alarm that needs no acknowledgement, µs: a reboot of a device is reported for 10 s."""
 SOON_S, KNOWN_S = 0.3, 3.0
-"""Waits before the tool is used again: where nothing is wrong; where links, filters and faults must notice it."""
+"""Waits before the tool is used again, s: without any fault, and if links, filters and faults must react first."""
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
 
 
 class CaseEnd(NamedTuple):
-    """How the tool stands when a case is over, before it is put right.
+    """The state of the tool at the end of a case, before the faults are removed.
 
     Attributes:
         state: name of the state of the end-effector; empty: its program does not run.
-        active: outputs of the grip.
-        moved: what was switched: ``cylinder on``.
+        active: active outputs of the grip.
+        moved: the switchings, such as ``cylinder on``.
     """
 
     state: str
@@ -47,7 +47,7 @@ class CaseEnd(NamedTuple):
     def of(
         cls, description: Description, state: str, every: Iterable[Switching], moved: Iterable[Switching]
     ) -> CaseEnd:
-        """By what was switched since the start, and since the case has begun."""
+        """Return the state from the switchings since the start and since the beginning of the case."""
         active = {each.name: each.active for each in every}
         return cls(
             state,
@@ -61,16 +61,16 @@ class CaseEnd(NamedTuple):
 
 @dataclass(frozen=True)
 class PlayedCase:
-    """What became of a case.
+    """The result of a case.
 
     Attributes:
-        failures: sentence by rule; empty: nothing is wrong.
-        reached: of the executed automata.
-        moments: µs at which something moved or changed its state, for those who aim at them.
-        grips: how many grips succeeded.
-        seconds: of virtual time.
-        end: how the tool stands before it is put right; None: it crashed.
-        log: what happened, a line each, for people.
+        failures: sentence by rule; empty if nothing failed.
+        reached: coverage of the executed automata.
+        moments: times at which something moved or changed its state, µs, as targets for mutants.
+        grips: number of successful grips.
+        seconds: virtual time, s.
+        end: state of the tool before the faults are removed; None: it crashed.
+        log: the events for people, one line each.
     """
 
     failures: dict[str, str]
@@ -82,7 +82,7 @@ class PlayedCase:
     log: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """What a report shows."""
+        """Return the content of a report."""
         end = {"end": self.end._asdict()} if self.end else {}
         return end | {"failures": self.failures, "seconds": round(self.seconds, 3), "log": list(self.log)}
 
@@ -98,11 +98,11 @@ def play_case(
     """Play a case and judge it.
 
     Args:
-        description: the tool.
-        case: what happens to it.
-        known: what can be reached.
-        log: tell what happened, for people, also when nothing is wrong.
-        enough: whether these failures end it before its time.
+        description: the description of the tool.
+        case: the events.
+        known: everything that can be reached.
+        log: write the log even if nothing failed.
+        enough: returns whether these failures end the case early.
 
     Raises:
         UsageError: the tool cannot be played in virtual time, or does not come to rest.
@@ -122,7 +122,7 @@ class _CaseRun:
         self._origin, self._said = tool.at, list[tuple[int, str]]()
 
     def played(self, enough: Callable[[Mapping[str, str]], bool], *, log: bool) -> PlayedCase:
-        """Play it, once."""
+        """Play the case once."""
         crashed: dict[str, str] = {}
         end: CaseEnd | None = None
         try:
@@ -223,7 +223,7 @@ class _CaseRun:
         return answer.accepted
 
     def _reset(self) -> bool:
-        """As the product does it: the tool changer's program first, then the line arbiter."""
+        """Reset as the product does: first the tool changer's program, then the line arbiter."""
         tool = self.tool
         if tool.status.changer_fault and "tool_change" in tool.living:
             answer = tool.command("reset")
@@ -265,7 +265,7 @@ class _CaseRun:
         self._judge.at_rest(still=self._is_still())
 
     def _use_again(self) -> None:
-        """With everything put right the tool can be used: a reset, a lock, a drop; a grip and a drop."""
+        """Remove all faults and check that the tool is usable: a reset, a lock, a drop; a grip and a drop."""
         self._said.append((self.tool.at, "everything is put right, and the tool is used again:"))
         disks = [getattr(self.tool.memories, store) for store in STORES]
         well = self.tool.bench.scenario.text == "nominal" and len(self.tool.living) == 3
@@ -286,12 +286,14 @@ class _CaseRun:
 
     @property
     def _lock_is_never_proven(self) -> bool:
-        """Whether one bit of the tool changer is fitted and the other is not: then it is never LOCKED."""
+        """Whether only one bit of the tool changer is fitted, so that it is never LOCKED."""
         changer, carried = self._description.tool_changer, carrier_of(self._description).channels
         return changer is not None and (changer.locked_bit in carried) != (changer.unlocked_bit in carried)
 
     def _not_usable(self, known_s: float) -> str:
-        """Why it cannot be used, a clause; empty: it can. After ``known_s`` everybody knows that all is well."""
+        """Return why the tool cannot be used, as a clause; "" if it can. After ``known_s`` all programs have detected
+        that all is well.
+        """
         tool, durations = self.tool, self._description.durations
         longest = (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US
         if not self._until(self._is_still, longest):
@@ -330,7 +332,7 @@ class _CaseRun:
         return bool(self._description.tool_changer) and self.tool.status.changer != ChangerState.LOCKED
 
     def _locks(self) -> bool:
-        """A lock that is refused while one is at work is given again."""
+        """Lock the tool; a lock that is refused while another one runs is repeated."""
         for _ in range(2):
             self._command("lock")
             if self._until(lambda: not self._changer_wants_lock(), 5_000_000):
@@ -363,5 +365,5 @@ def _changes_of_state(statuses: Sequence[Any]) -> list[Any]:
 
 
 def processes(name: str) -> tuple[str, ...]:
-    """Those that a word of a case means."""
+    """Return the processes that a word of a case names."""
     return (HAL, ARBITER) if name == ALL else (name,)

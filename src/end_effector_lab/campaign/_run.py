@@ -31,11 +31,11 @@ LAYOUT = ResultsLayout(
     "Remove it and all lines behind it: their runs are played again.", (UNREACHED,), (FAILURES,),
 )  # fmt: skip
 MOST_KINDS = 40
-"""Kinds of failures that are shrunk."""
+"""Largest number of kinds of failures that are shrunk."""
 
 
 class _Shared(NamedTuple):
-    """What every worker needs."""
+    """The data that every worker needs."""
 
     described: Description
     automata: ShippedAutomata
@@ -43,12 +43,12 @@ class _Shared(NamedTuple):
 
     @property
     def description(self) -> Description:
-        """With the automata as they are on the worker's machine."""
+        """The description with the automata as they are on the worker's machine."""
         return self.automata.of(self.described)
 
 
 class _Failure(BaseModel):
-    """What is read again of a failure's file; the rest stays as it is."""
+    """The fields of a failure's file that are read again; the others are kept unchanged."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -57,7 +57,7 @@ class _Failure(BaseModel):
 
 
 def campaign_folder(description: Description, folder: Path, seed: int) -> ResultsFolder:
-    """The results of a campaign; raises UsageError if the folder cannot be used or belongs to something else."""
+    """Return the results folder of a campaign; raises UsageError if it cannot be used or belongs to other results."""
     return ResultsFolder(folder, LAYOUT, mark_of(description, seed=seed))
 
 
@@ -70,19 +70,19 @@ def run_campaign(
     go_on: Callable[[Campaign, int], bool],
     on_progress: Callable[[Campaign], None] = lambda _: None,
 ) -> Campaign:
-    """Play cases until it is enough, and write the smallest case of each kind of failure into ``failures``.
+    """Play cases until ``go_on`` returns False, and write the smallest case of each kind of failure into ``failures``.
 
     Args:
-        description: the tool.
-        folder: keeps what was played; a campaign of the same seed goes on there.
+        description: the description of the tool.
+        folder: keeps the results; a campaign of the same seed continues there.
         workers: play the cases.
-        seed: of all cases.
-        go_on: asked before each run with its number, with what has come so far.
+        seed: seed of all cases.
+        go_on: called before each run with the results so far and the run's number.
         on_progress: called after each run.
 
     Raises:
-        UsageError: the folder cannot be written, or has a campaign of something else; the tool cannot be played.
-        WorkersError: they cannot be reached, or some cases were not played.
+        UsageError: the folder cannot be written, or contains another campaign; the tool cannot be played.
+        WorkersError: the workers cannot be reached, or some cases were not played.
     """
     known, source = CoverageMap(description), CaseSource(description)
     campaign = Campaign(seed, known)
@@ -115,7 +115,7 @@ def _add_kept(
     description: Description,
     results: ResultsFolder,
 ) -> None:
-    """Add a run of the file; raises UsageError if it is not the next one of this campaign."""
+    """Add a run from the file; raise UsageError if it is not the next run of this campaign."""
     if wrong := kept.misfit(campaign.runs, campaign.known):
         raise results.misfit(wrong, where)
     if kept.case is not None:
@@ -129,7 +129,7 @@ def _add_kept(
 
 
 class _Drawn:
-    """The next runs, as long as what they are drawn from is there."""
+    """Yields the next runs, as long as the results that they are drawn from are available."""
 
     def __init__(
         self, campaign: Campaign, source: CaseSource, go_on: Callable[[Campaign, int], bool]
@@ -148,7 +148,7 @@ class _Drawn:
 
 
 def _play(shared: _Shared, item: tuple[int, Case]) -> dict[str, Any]:
-    """One run, in a worker."""
+    """Play one run in a worker."""
     run, case = item
     with no_log():
         played = play_case(shared.description, case, shared.known)
@@ -160,7 +160,7 @@ def _play(shared: _Shared, item: tuple[int, Case]) -> dict[str, Any]:
 
 
 def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
-    """What is kept of a run: its case only if it failed in a new way or reached something new."""
+    """Return the kept part of a run: its case only if it failed in a new way or reached something new."""
     reached, seen = Reached.from_json(found["new"]), campaign.reached
     new = Reached(reached.edges - seen.edges, reached.locations - seen.locations, reached.pairs - seen.pairs)
     line: dict[str, Any] = {"run": found["run"], "grips": found["grips"], "s": found["s"]}
@@ -175,7 +175,7 @@ def _shortened(found: dict[str, Any], campaign: Campaign) -> dict[str, Any]:
 
 
 def _shrink(shared: _Shared, item: tuple[str, Case]) -> tuple[Case, list[str]]:
-    """The smallest case of a kind of failure, and what happens in it; in a worker."""
+    """Return the smallest case of a kind of failure, and its log; runs in a worker."""
     kind, case = item
     description, known = shared.description, shared.known
     with no_log():
@@ -186,7 +186,7 @@ def _shrink(shared: _Shared, item: tuple[str, Case]) -> tuple[Case, list[str]]:
 
 
 def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: Workers) -> None:
-    """A file for each kind of failure that has none yet."""
+    """Write a file for each kind of failure that has none yet."""
     done = {str(each["kind"]) for each in read_failures(folder)}
     todo = [(kind, failed.case) for kind, failed in campaign.kinds.items() if kind not in done][:MOST_KINDS]
     if not todo:
@@ -210,7 +210,9 @@ def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: 
 
 
 def read_failures(folder: Path) -> list[dict[str, Any]]:
-    """The files of failures, in order, each with its path as ``file``; raises UsageError if there is another file."""
+    """Return the contents of the failure files in order, each with its path as ``file``; raises UsageError for any
+    other file.
+    """
     found = []
     for path in sorted(folder.glob("*.json")):
         try:

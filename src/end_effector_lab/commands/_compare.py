@@ -1,4 +1,4 @@
-"""``eehal compare``: the differences of two recordings."""
+"""``eehal compare``: lists the differences of two recordings."""
 
 from __future__ import annotations
 
@@ -30,11 +30,12 @@ _SOURCES = ("description", "hash", "version", "scenario", "seed", "ros_generatio
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print {differences, sources} as JSON.")
 def command(first: Path, second: Path, within_s: float, within_kpa: float, as_json: bool) -> None:
-    """List what differs between two recordings: when, on which line, and what.
+    """List the differences between two recordings: when, on which line, and what.
 
-    FIRST and SECOND are folders of runs. Both are counted from their first command. Each state is looked for in the
-    other recording; listed are states that come earlier or later there, measured from the state before, and stretches
-    in which a pressure differs. Tool, scenario, seed and version of the runs are printed, but are no differences.
+    FIRST and SECOND are folders of runs. In both, time is counted from the first command. Each state is searched in
+    the other recording. The list contains states that come earlier or later there, measured from the state before, and
+    intervals in which a pressure differs. Tool, scenario, seed and version of the runs are printed, but do not count
+    as differences.
 
     Exit code 0: no difference; 1: there are some.
     """
@@ -81,7 +82,7 @@ def read_tables(folder: Path) -> RunTables:
 
 
 def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:
-    """The fields of run.json that differ: the name, and both values."""
+    """Return the fields of run.json that differ, with both values by name."""
     both = {name: [getattr(first, name), getattr(second, name)] for name in _SOURCES}
     return {name: values for name, values in both.items() if values[0] != values[1]}
 

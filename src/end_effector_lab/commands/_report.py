@@ -1,4 +1,4 @@
-"""``eehal report``: a recording as one HTML file."""
+"""``eehal report``: writes a recording as one HTML file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".htm")
 MOST_RUNS, MOST_BYTES = 200, 64_000_000
-"""So many runs are in one file, and of so many bytes together."""
+"""Limits of one file: number of runs, and their total size in bytes."""
 _FULL = f"one file holds {MOST_RUNS} runs or {MOST_BYTES // 1_000_000} MB. Report a folder of it."
 
 
@@ -41,15 +41,15 @@ def command(
     until: float | None,
     as_json: bool,
 ) -> None:
-    """Write RECORDING as one HTML file with everything inside: it opens anywhere, and asks no other host.
+    """Write RECORDING as one HTML file with everything inside: it opens anywhere, and connects to no other host.
 
-    It is the page of `eehal page RECORDING`: what happened, why a grip failed, times against the worst cases, what the
-    replay says, and every moment to scrub through. With a second recording both are compared.
+    It contains the page of `eehal page RECORDING`: the events, the reason for a failed grip, times against the worst
+    cases, the result of the replay, and every moment to scrub through. With a second recording both are compared.
 
-    RECORDING may also be a folder of runs, however deep: then the file begins with a table of them, and opens each. A
-    run that cannot be read stands there with the reason.
+    RECORDING may also be a folder of runs at any depth: then the file begins with a table of them, and opens each. A
+    run that cannot be read is listed with the reason.
 
-    Exit code 0: written, and the replay agrees; 1: written, and it does not, or something cannot be read.
+    Exit code 0: written, and the replay agrees; 1: written, but the replay differs, or something cannot be read.
     """
     if output is not None:
         _check_name(output, recordings, [] if description is None else [description])
@@ -76,11 +76,11 @@ def command(
 
 @dataclass(frozen=True)
 class _Reported:
-    """What is printed of a recording.
+    """The printed result for one recording.
 
     Attributes:
-        ok: what the replay says; None: nobody can say.
-        whole: all of it could be read.
+        ok: whether the replay agrees; None if it cannot be judged.
+        whole: whether all of the recording could be read.
     """
 
     name: str
@@ -108,7 +108,7 @@ def _read(
     *,
     shown: bool,
 ) -> tuple[FoldedRecording, dict[str, Any], _Reported]:
-    """The recording and its verdict; raises ReportedError."""
+    """Read and judge a recording; raises ReportedError."""
     from end_effector_hal.page.recorded import judge_recording, read_recording
 
     with Progress(f"reading {name}{place}", shown=shown) as progress:
@@ -122,7 +122,7 @@ def _read(
 def _one(
     files: Sequence[RecordingFiles | RecordedTables], part: RecordingPart, *, shown: bool
 ) -> tuple[str, list[_Reported], str]:
-    """A recording, or two that are compared: the file, what is told, and its name."""
+    """Report one recording, or compare two; return the HTML text, the printed results, and the file's stem."""
     from end_effector_hal.page.recorded import compare_recordings
     from end_effector_lab.recorded import report_html
 
@@ -141,7 +141,9 @@ def _one(
 def _runs(
     folder: Path, runs: Sequence[Path], description: Path | None, part: RecordingPart, *, shown: bool
 ) -> tuple[str, list[_Reported]]:
-    """Many runs in one file; one that cannot be read, or for which there is no room, is in its table only."""
+    """Report many runs in one file; a run that cannot be read, or that exceeds the limits, appears only in
+    the table.
+    """
     from end_effector_lab.recorded import report_data, runs_html
 
     rows: list[dict[str, Any]] = []
@@ -179,7 +181,7 @@ def _runs(
 
 
 def _check_name(output: Path, recordings: Sequence[Path], others: Sequence[Path]) -> None:
-    """Raises UsageError when a report would replace something else."""
+    """Raise UsageError if the report would replace a file that is no report."""
     plain = output.is_file() or not output.exists()  # else a pipe, or a terminal
     if plain and output.suffix.lower() not in SUFFIXES:
         raise UsageError(

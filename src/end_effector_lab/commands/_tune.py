@@ -1,4 +1,4 @@
-"""``eehal tune``: try other thresholds and time-outs on recorded grips."""
+"""``eehal tune``: tries other thresholds and time-outs on recorded grips."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def command(recordings: tuple[Path, ...], description: Path | None, every: bool,
 
 @dataclass
 class _Read:
-    """What was read: recordings by name, the tool of each, and what is to be known of them."""
+    """The recordings that were read: their names, the tool of each, and notes for the user."""
 
     collector: GripCollector
     tool: Description
@@ -142,7 +142,7 @@ def _runs(paths: tuple[Path, ...]) -> Iterator[Path]:
 
 
 def _opened(path: Path, description: Path | None) -> RecordingFiles | RecordedTables:
-    """With the tool that was recorded, if it is there."""
+    """Open a recording with the tool that was recorded in it, or else with the given description."""
     try:
         (found,) = open_recordings([path], None)
     except UsageError:
@@ -153,7 +153,7 @@ def _opened(path: Path, description: Path | None) -> RecordingFiles | RecordedTa
 
 
 def _foreign(recorded: Description, tool: Description) -> str:
-    """Why a recording is of another tool; empty: it is not."""
+    """Return why a recording belongs to another tool; "" if it belongs to this one."""
     if recorded.sequence != tool.sequence:
         return f"its actuators are {', '.join(recorded.sequence)}, and not {', '.join(tool.sequence)}"
     kinds = [(name, part.kind, tool.actuators[name].kind) for name, part in recorded.ordered]
@@ -213,7 +213,9 @@ def _number(each: Tried, value: float) -> str:
 
 
 def _told(some: Sequence[tuple[float, object]], *, every: bool) -> str:
-    """``54.1: 1 late … 72: 12 failed``: where it begins to change, and the farthest; of what repeats the first."""
+    """Return values and their results as text, such as ``54.1: 1 late … 72: 12 failed``: the first, the middle and the
+    last change; of equal results in a row only the first.
+    """
     told: list[tuple[float, object]] = []
     for value, counts in some:
         if every or not told or told[-1][1] != counts:

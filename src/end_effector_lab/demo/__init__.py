@@ -1,4 +1,4 @@
-"""The demo: the paper's scenarios played, recorded, judged and drawn, on real ROS or without it."""
+"""The demo: plays, records, judges and draws the paper's scenarios, on real ROS or without it."""
 
 from ._demo import fresh_folder, report_on, run_demo
 from ._drive import WithoutRos

@@ -1,4 +1,4 @@
-"""The demo: scenario after scenario, each with fresh hardware, recorded, judged and drawn."""
+"""The demo: plays one scenario after the other with fresh hardware, records, judges and draws it."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def run_demo(
     figures: bool = True,
     seed: int = 0,
 ) -> Iterator[Report]:
-    """Play scenarios one after the other; each report comes when its scenario is over and drawn.
+    """Play scenarios one after the other; yield each report when its scenario has been played and drawn.
 
     Args:
         description: the tool; it gets virtual lines and a pty, unless ``own_wires``.
-        scenarios: what to play.
-        output: gets a folder for each.
-        drive: how the tool is driven.
-        progress: where the progress is shown.
-        own_wires: on the lines and the port of the description; who stands at their other end plays the scenario.
-        figures: draw them.
-        seed: of the noise and the dead times of the testbench; of no use on its own wires.
+        scenarios: the scenarios to play.
+        output: receives a folder for each scenario.
+        drive: drives the tool.
+        progress: console for the progress.
+        own_wires: use the lines and the port of the description; the device at their other end plays the scenario.
+        figures: whether to draw figures.
+        seed: seed of the noise and the dead times of the testbench; ignored on own wires.
 
     Raises:
-        RosError: ROS is asked for and not there.
+        RosError: ROS is requested but not available.
         ReportedError: a process does not start, or a folder cannot be written.
     """
     drive.check()
@@ -77,7 +77,7 @@ def report_on(
     *,
     figures: bool,
 ) -> Report:
-    """The report on a recording and its traces, which is drawn if ``figures``; see `judge`."""
+    """Return the report on a recording and its traces, and draw the recording if ``figures``; see `judge`."""
     run = RecordedRun.read(folder / "states.csv")
     if run.log.rows and figures:
         from end_effector_lab.figures import save  # with matplotlib
@@ -93,10 +93,10 @@ def report_on(
 
 
 def fresh_folder(folder: Path) -> Path:
-    """An empty folder; what an earlier demo left in it goes.
+    """Return an empty folder; the results of an earlier demo in it are deleted.
 
     Raises:
-        UsageError: it holds something else, or cannot be made.
+        UsageError: the folder contains other files, or cannot be made.
     """
     with os_errors("The folder cannot be made", folder):
         if folder.exists() and any(folder.iterdir()) and not (folder / DESCRIPTION).exists():

@@ -25,7 +25,7 @@ class Drive(Protocol):
     """
 
     ros: int
-    """The generation of ROS whose nodes carry the states, for ``run.json``; 0: none."""
+    """ROS version whose nodes carry the states, for ``run.json``; 0: none."""
 
     def check(self) -> None:
         """Raise RosError with the remedy if something that the drive needs is missing."""

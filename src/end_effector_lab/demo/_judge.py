@@ -1,4 +1,4 @@
-"""Whether a recording tells the story that its scenario is for. Everything is read from the recording."""
+"""Judges whether a recording matches its scenario, from the recording alone."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def judge(
     info: RunInfo | None = None,
     edges: Sequence[Edge] | None = None,
 ) -> Report:
-    """The report on one recording.
+    """Return the report on one recording.
 
     Args:
-        scenario: what was played, with the story expected of it.
-        description: the tool; the nominal times are taken from it.
+        scenario: the scenario with its expected story.
+        description: the tool with the nominal times.
         log: the recording.
         info: its run.json.
-        edges: what was written to the lines; None: that is not known.
+        edges: the edges written to the lines; None: not known.
     """
     story = read_story(log, info)
     expected = scenario.expected
@@ -70,7 +70,7 @@ def _start(log: StatesLog) -> Finding:
 
 
 def _shown(column: Iterable[TableState], idle: TableState) -> list[TableState]:
-    """The values of a column in order, without ``idle`` and repetitions."""
+    """Return the values of a column in order, without ``idle`` and repetitions."""
     return [value for value, _ in groupby(value for value in column if value is not idle)]
 
 
@@ -88,7 +88,7 @@ def _timed_out(story: Story) -> dict[str, int]:
 
 
 def _order(description: Description, story: Story) -> Finding:
-    """An actuator is activated only when the one before it was confirmed (section 7, property 2)."""
+    """Check that an actuator is activated only after the previous one was confirmed (section 7, property 2)."""
     expected = "in sequence, each after the one before was confirmed"
     found = []
     for grip in story.grips:
@@ -112,7 +112,7 @@ def _confirmed_by(grip: Grip, actuator: str, at: float) -> bool:
 
 
 def _pending(log: StatesLog) -> Finding:
-    """No actuator goes from OFF to ON without having been PENDING."""
+    """Check that no actuator changes from OFF to ON without PENDING in between."""
     skipped = {
         name
         for before, row in pairwise(log.rows)
@@ -124,14 +124,14 @@ def _pending(log: StatesLog) -> Finding:
 
 
 def _unwound(description: Description, story: Story) -> Finding:
-    """What is deactivated goes one after the other, in the declared order."""
+    """Check that actuators are deactivated one after the other, in the declared order."""
     names = [name for release in story.releases for name in release.deactivated]
     expected = [name for name in description.releasing if name in names]
     return _equal("deactivated", ", ".join(expected) or "none", ", ".join(names) or "none")
 
 
 def _left_active(log: StatesLog) -> Finding:
-    """Nothing is left on, except what a latched GRIP_ERROR keeps."""
+    """Check that nothing is left active, except in a latched GRIP_ERROR."""
     last = log.rows[-1] if log.rows else None
     names = [
         name for name, state in zip(log.actuators, last.actuators if last else (), strict=False) if state
@@ -143,7 +143,7 @@ def _left_active(log: StatesLog) -> Finding:
 def measures(
     description: Description, log: StatesLog, story: Story, slow_release: str | None
 ) -> list[Measure]:
-    """Every time-out and reset of the recording, and the wait for ``slow_release`` while unwinding."""
+    """Return every time-out and reset of the recording, and the wait for ``slow_release`` during the release."""
     parts = description.actuators
     found = [
         Measure(f"{attempt.actuator} time-out {attempt.number}", parts[attempt.actuator].timeout_s, length)

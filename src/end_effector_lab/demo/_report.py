@@ -17,17 +17,17 @@ from end_effector_hal.vocabulary import display_name
 from ._scenario import DemoScenario
 
 LATEST_S = 0.1
-"""A time-out or reset is taken at most this much after its nominal time, and never before it."""
+"""Longest delay of a time-out or reset after its nominal time, s; it must not come earlier."""
 
 WIDE = 110
 """Columns of a console with room for a measure on a line."""
 _RESOLUTION_S = 1e-6
-"""Of a recording: half of it is what two rounded times can be wrong by."""
+"""Time resolution of a recording, s: half of it is the error of two rounded times."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One fact that makes the story: what it is about, what was expected, what was found."""
+    """One fact of the story: its subject, the expected value, the value found."""
 
     what: str
     expected: str
@@ -35,7 +35,7 @@ class Finding:
     ok: bool
 
     def __str__(self) -> str:
-        """``attempts: expected cylinder 2, found cylinder 3``."""
+        """Return the fact as text, such as ``attempts: expected cylinder 2, found cylinder 3``."""
         return (
             f"{self.what}: {self.expected}"
             if self.ok
@@ -45,7 +45,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Measure:
-    """A time that was measured, beside the one that the description gives; seconds."""
+    """A measured time and the time that the description gives, s."""
 
     what: str
     expected_s: float
@@ -53,22 +53,22 @@ class Measure:
 
     @property
     def late_s(self) -> float:
-        """How much later than nominal; negative: too early."""
+        """Delay after the nominal time; negative: too early."""
         return self.measured_s - self.expected_s
 
     @property
     def ok(self) -> bool:
-        """Not early, and not later than `LATEST_S`."""
+        """Whether the time is not early and not later than `LATEST_S`."""
         return -_RESOLUTION_S < self.late_s < LATEST_S + _RESOLUTION_S
 
     def __str__(self) -> str:
-        """``cylinder time-out 1: 5.004 s (expected 5 s)``."""
+        """Return the time as text, such as ``cylinder time-out 1: 5.004 s (expected 5 s)``."""
         return f"{self.what}: {self.measured_s:.3f} s (expected {self.expected_s:g} s)"
 
 
 @dataclass(frozen=True)
 class Report:
-    """A scenario with what its recording shows; ``folder`` holds the recording and its pictures."""
+    """A scenario with the results of its recording; ``folder`` contains the recording and its figures."""
 
     scenario: DemoScenario
     verdict: str
@@ -80,7 +80,7 @@ class Report:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What is not as it should be, in words; empty: the scenario tells its story."""
+        """The deviations in words; empty if the scenario ran as expected."""
         late = [
             f"{measure}: not within {LATEST_S * 1000:g} ms after it"
             for measure in self.measures
@@ -90,11 +90,11 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether the recording tells its story, in time."""
+        """Whether the scenario ran as expected, in time."""
         return not self.faults
 
     def as_json(self) -> dict[str, Any]:
-        """For ``--json``; times in seconds."""
+        """Return the report for ``--json``; times in seconds."""
         return {
             "scenario": self.scenario.name,
             "figure": self.scenario.figure or None,

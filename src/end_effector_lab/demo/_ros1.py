@@ -1,6 +1,6 @@
-"""The tool on ROS 1: a master of its own, the shipped launch file, the Supervisor.
+"""Drives the tool on ROS 1 with a separate master, the shipped launch file, and the Supervisor.
 
-Only processes are started here and the recording is read; nothing of ROS is imported.
+This module only starts processes and reads the recording; it imports nothing of ROS.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Ros1:
 
 
 def start_nodes(world: World, env: Mapping[str, str], *arguments: str) -> Child:
-    """Start the launch file on a world whose line arbiter runs."""
+    """Start the launch file on a world whose line arbiter already runs."""
     return world.children.start(
         "launch file",
         [*LAUNCH, f"description:={world.description_path.absolute()}", *arguments],

@@ -1,6 +1,6 @@
-"""The tool on ROS 2: one process of the HAL or five, and the Supervisor.
+"""Drives the tool on ROS 2 with one process of the HAL or five, and the Supervisor.
 
-Only processes are started here and the recording is read; nothing of ROS is imported.
+This module only starts processes and reads the recording; it imports nothing of ROS.
 """
 
 from __future__ import annotations

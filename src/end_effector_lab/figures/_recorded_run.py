@@ -1,4 +1,4 @@
-"""A recording as figures show it: read from its folder, drawn in a style, written as one table."""
+"""A recording for figures: read from its folder, drawn in a style, written as one table."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ SCRIPT = "plot_run.m"
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """All of a recording that figures show.
+    """All data of a recording that figures show.
 
     Attributes:
-        missed: what the monitor would have decided, and the program did not.
-        notes: what could not be read, in sentences.
-        marks: what a figure shows besides.
+        missed: decisions of the monitor that the program did not make.
+        notes: sentences about data that could not be read.
+        marks: additional moments to show.
     """
 
     log: StatesLog
@@ -56,7 +56,7 @@ class RecordedRun:
 
     @classmethod
     def read(cls, states: Path) -> RecordedRun:
-        """Read ``states.csv`` and what stands beside it; raises UsageError when the states cannot be read."""
+        """Read ``states.csv`` and the files beside it; raises UsageError if the states cannot be read."""
         log, info = read_states(states), read_run(states.parent)
         alarms = read_alarms(states.with_name("alarms.csv"))
         pressures, note = _pressures(states.with_name("pressures.csv"))
@@ -67,10 +67,10 @@ class RecordedRun:
         return cls(log, info, alarms, pressures, changer, missed, notes, switches)
 
     def write_table(self, folder: Path) -> list[Path]:
-        """Write ``run.csv``, everything in one table, and ``plot_run.m``, which draws it in MATLAB or Octave.
+        """Write ``run.csv``, all data in one table, and ``plot_run.m``, which plots it in MATLAB or Octave.
 
         Raises:
-            UsageError: they cannot be written, or the recording holds no row.
+            UsageError: the files cannot be written, or the recording holds no row.
         """
         table = write_run_table(
             folder / "run.csv", self.log, self.pressures, self.changer, self.alarms, self.switches
@@ -81,7 +81,7 @@ class RecordedRun:
         return [table, script]
 
     def figure(self, style: str) -> Figure:
-        """In one of `STYLES`; raises UsageError for a recording without a row."""
+        """Draw the run in one of `STYLES`; raises UsageError for a recording without a row."""
         if style == "paper":
             from ._paper import paper
 
@@ -93,7 +93,7 @@ class RecordedRun:
 
 
 def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
-    """A damaged file of pressures is reported and does not stop the figure of the states."""
+    """Read the pressures; a damaged file is reported and does not prevent the figure of the states."""
     if not path.exists():
         return None, ""
     try:
@@ -104,11 +104,11 @@ def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
 
 
 def missed_moments(folder: str | Path) -> tuple[tuple[Moment, ...], tuple[str, ...]]:
-    """The steps in the traces of a folder that were taken beyond their bound, in the time of its recording.
+    """Return the steps in the traces of a folder that missed their bound, in the time of its recording.
 
     Returns:
-        Moments in order of time, and a note for each trace that cannot be read. Without traces, or where the
-        recording does not say when it began: nothing.
+        Moments in order of time, and a note for each trace that cannot be read. Both are empty without traces, or if
+        the recording has no start time.
     """
     start_us = read_run(folder).start_us
     moments: list[Moment] = []

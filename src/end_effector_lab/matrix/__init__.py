@@ -1,4 +1,4 @@
-"""Every fault of the testbench at every moment of a run, with every command: what becomes of a tool, and what may."""
+"""Every fault of the testbench at every moment of a run, with every command: the outcomes, and the allowed ones."""
 
 from ._cells import COMMANDS, Cell, Outcome, cells_of, faults_of, thinned
 from ._expected import LYING, expected

@@ -19,11 +19,13 @@ NO_FAULT, NOTHING, BOTH = "nominal", "none", "kill both"
 COMMANDS = (
     NOTHING, "cancel", "drop", "lock", "unlock", "kill grip", "kill tool_change", "kill hal", "kill arbiter", BOTH,
 )  # fmt: skip
-"""`hal` is both programs with who reads the sensors; who is killed is started again a second later."""
+"""Commands of the cells. `hal` is both programs with the sensor reader; a killed process is restarted a
+second later.
+"""
 AT_ONCE = ", at once"
-"""Behind a kill: what was killed is started again at the same instant."""
+"""Suffix of a kill: the process is restarted at the same instant."""
 WORDS = (*COMMANDS, *(f"{command}{AT_ONCE}" for command in COMMANDS if command.startswith("kill")))
-"""What may stand behind the moment in the id of a cell."""
+"""Possible texts after the moment in the id of a cell."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +33,10 @@ class Cell:
     """One fault, from one moment on, and a command at the same instant.
 
     Attributes:
-        fault: as the testbench takes it.
-        moment: when.
-        command: of `COMMANDS`.
-        at_once: who is killed is started again at once, not a second later.
+        fault: in the words of the testbench.
+        moment: the time of both.
+        command: one of `COMMANDS`.
+        at_once: whether a killed process is restarted at once, not a second later.
     """
 
     fault: str
@@ -44,53 +46,53 @@ class Cell:
 
     @property
     def id(self) -> str:
-        """Names it within the matrix of its tool."""
+        """The name of the cell within the matrix of its tool."""
         return f"{self.fault} @ {self.moment.name} + {self.words}"
 
     @property
     def words(self) -> str:
-        """The command, of `WORDS`."""
+        """The command, one of `WORDS`."""
         return f"{self.command}{AT_ONCE if self.at_once else ''}"
 
     @property
     def name(self) -> str:
-        """Of the fault alone."""
+        """The name of the fault alone."""
         return self.fault.partition(":")[0]
 
     @property
     def place(self) -> str:
-        """What has the fault; empty: the whole tool."""
+        """The faulty part; empty: the whole tool."""
         parts = self.fault.split(":")
         return parts[1] if len(parts) > 1 and parts[1][:1].isalpha() else ""
 
     @property
     def number(self) -> float | None:
-        """The number that belongs to it; None: none does."""
+        """The number of the fault; None if it has none."""
         return plain_number(self.fault.split(":")[-1])
 
 
 class Outcome(StrEnum):
-    """How the tool stands when nothing moves any more."""
+    """The state of the tool when nothing moves any more."""
 
     AT_REST = "at rest"
-    """Nothing was begun."""
+    """No command was begun."""
     REFUSED = "refused"
     """At rest: the last command was refused with a reason."""
     SUCCESS = "gripped"
     FAILED = "declared failure"
-    """At rest: the grip was given up and unwound."""
+    """At rest: the grip failed and was unwound."""
     CANCELLED = "cancelled"
     RELEASED = "dropped on command"
     UNWOUND = "unwound by the last will"
     HELD = "held with alarm"
     """GRIP_ERROR, latched: every output stays."""
     STILL_THERE = "release error"
-    """RELEASE_ERROR, latched: that all is gone is not proven."""
+    """RELEASE_ERROR, latched: it is not proven that every actuator is gone."""
     UNFINISHED = "not at rest in its time"
 
 
 def faults_of(description: Description) -> tuple[str, ...]:
-    """Every fault that the tool can have, at each of its places, with the numbers of `_numbers`."""
+    """Return every fault that the tool can have, at each of its places, with the numbers of `_numbers`."""
     found: list[str] = []
     for offer in offered_faults(description):
         places = [*([""] if offer.anywhere else []), *offer.places]
@@ -101,7 +103,7 @@ def faults_of(description: Description) -> tuple[str, ...]:
 
 
 def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]:
-    """All of them, in a fixed order; restarts at once without another fault only, in the end."""
+    """Yield all cells in a fixed order; immediate restarts come last, without another fault."""
     for fault in faults_of(description):
         for moment in when:
             for command in COMMANDS:
@@ -113,10 +115,10 @@ def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]
 
 
 def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
-    """One cell of so many, spread over faults, moments and commands alike, in the order of the matrix.
+    """Return one cell of every ``every``, spread evenly over faults, moments and commands, in the order of the matrix.
 
-    A plain stride shares factors with the ten commands and meets one of them only. The step of the golden ratio,
-    coprime to the number of cells, meets each of them once in any ten (Kronecker's sequence).
+    A plain stride has factors in common with the ten commands and would meet only one of them. The step of the golden
+    ratio, coprime to the number of cells, meets each of them once in any ten (Kronecker's sequence).
     """
     total = len(cells)
     step = next(step for step in count(round(total / GOLDEN) or 1) if gcd(step, total) == 1)
@@ -124,7 +126,7 @@ def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
 
 
 def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
-    """Representatives: a value on each side of what the description asks for."""
+    """Return representative numbers: a value on each side of the description's limit."""
     part = description.actuators.get(place)
     match fault:
         case "fails":

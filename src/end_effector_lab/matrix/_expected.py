@@ -1,24 +1,24 @@
-"""What may become of a cell, by the description and the documented rules alone; nothing here was observed.
+"""The allowed outcomes of a cell, from the description and the documented rules alone; nothing here was observed.
 
-Rule 1: A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether what was
-    confirmed stays, whether what is deactivated is gone. `_sensor` says it, fault by fault. A link that says nothing,
-    or nonsense, proves nothing of any actuator.
-Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. A step that is not confirmed in its
-    attempts, a loss, or an activation that an interlock refuses ends it: what was engaged is unwound.
-Rule 3: After an unwinding or a release the tool is at rest if all that was engaged is proven gone, else RELEASE_ERROR.
-Rule 4: What is held stays held: a loss is a GRIP_ERROR with all outputs as they are, a lack of readings an alarm, and
-    so is a tool that is not locked, or absent.
-Rule 5: A cancel counts in a grip only, a drop while something is held, latched, or not proven gone at rest; other
-    commands then are refused.
-    Right after the first activation, before its line may be deactivated (IL-10), the last reading may still prove
-    that nothing is there.
-Rule 6: The death of the gripping program has the declared ending; the program that starts again adopts what it finds.
-    The deaths of the tool changer's program and of the line arbiter move nothing.
-Rule 7: A grip is refused while a sensor shows what should not be there, the link is down, the air is too low, the tool
-    is not proven to be locked and present, or the emergency stop is open.
-Rule 8: An output on a bus moves when its device has acknowledged that. Where the bus is silent or damaged, or the line
-    arbiter dies, it may stay as it was, which is then held, with an alarm. A device that lets go when it hears nothing
-    (`on_link_loss`) may have done so.
+Rule 1: A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether a confirmed
+state stays, whether a deactivated actuator is gone. `_sensor` defines this for each fault. A silent or unreadable link
+proves nothing about any actuator.
+Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. It ends if a step is not confirmed in
+its attempts, a part is lost, or an interlock refuses an activation: then the engaged actuators are released.
+Rule 3: After an unwinding or a release the tool is at rest if all engaged actuators are proven gone, else in
+RELEASE_ERROR.
+Rule 4: A held part stays held: a loss is a GRIP_ERROR with unchanged outputs; missing readings, and a tool that is not
+locked or absent, are alarms.
+Rule 5: A cancel is accepted only in a grip, a drop only while a part is held, an error is latched, or an actuator is
+not proven gone at rest; other commands are then refused. Right after the first activation, before its line may be
+deactivated (IL-10), the last reading may still prove that nothing is there.
+Rule 6: The death of the gripping program has the declared ending; the restarted program adopts the state. The deaths
+of the tool changer's program and of the line arbiter move nothing.
+Rule 7: A grip is refused while a sensor wrongly shows a part, the link is down, the supply pressure is too low, the
+tool is not proven to be locked and present, or the emergency stop is open.
+Rule 8: An output on a bus moves when its device has acknowledged it. If the bus is silent or damaged, or the line
+arbiter dies, it may stay unchanged and is then held, with an alarm. A device that releases when it receives nothing
+(`on_link_loss`) may have done so.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ _YES = frozenset({YES})
 
 
 class SensorView(NamedTuple):
-    """What the sensor of an actuator can show under a fault; several are possible where the rules leave it open.
+    """What the sensor of an actuator can show under a fault; several values are possible if the rules leave it open.
 
     Attributes:
         confirms: a new activation: ``yes``, ``no`` (in all its attempts).
-        keeps: what was confirmed: ``yes``, ``lost``, ``unknown``.
-        goes: what is deactivated: ``yes``, ``no``, ``unknown``.
+        keeps: a confirmed state: ``yes``, ``lost``, ``unknown``.
+        goes: a deactivated actuator: ``yes``, ``no``, ``unknown``.
     """
 
     confirms: Can = _YES
@@ -62,23 +62,23 @@ NORMAL = SensorView()
 BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
 ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
 LET_GO = SensorView(frozenset({NO}), frozenset({LOST}), _YES)
-"""Readings of a sensor that always shows nothing."""
+"""The view of a sensor that never shows a part."""
 SILENCING = {"silent-after", "babble-after"}
 DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
     "wrong-answers",
 }  # fmt: skip
 LYING = {"shows", "frozen-after", "swapped", *DAMAGING}
-"""Of those what a sensor shows is not what is there."""
+"""Faults under which a sensor shows something false."""
 
 
 @dataclass(frozen=True)
 class ExpectedOutcome:
-    """What is allowed.
+    """The allowed results of a cell.
 
     Attributes:
-        outcomes: one of these, in the end.
-        alarm: an alarm or a reason must have been told.
+        outcomes: the allowed outcomes at the end.
+        alarm: whether an alarm or a reason must have been reported.
         why: the rules.
     """
 
@@ -88,12 +88,12 @@ class ExpectedOutcome:
 
 
 def expected(description: Description, cell: Cell) -> ExpectedOutcome:
-    """The allowed outcomes of a cell."""
+    """Return the allowed outcomes of a cell."""
     return _Rules(description, cell).expected()
 
 
 def expected_view(description: Description, cell: Cell) -> str:
-    """What the sensors can show, by rule 1, in words."""
+    """Return in words what the sensors can show, by rule 1."""
     words = {
         NO: "is not confirmed", LOST: "is lost", UNKNOWN: "proves nothing",
     }  # fmt: skip
@@ -107,14 +107,14 @@ def expected_view(description: Description, cell: Cell) -> str:
 
 
 def lets_go(description: Description, cell: Cell) -> bool:
-    """Whether a device may let go of a part because it hears nothing (rule 8)."""
+    """Return whether a device may release a part because it receives nothing (rule 8)."""
     outputs = [each for bus in description.buses.values() for each in bus.values()]
     hears_nothing = cell.command in ("kill arbiter", BOTH) or cell.name in SILENCING | DAMAGING
     return hears_nothing and any(each.on_link_loss == "release" and each.keep_alive_ms for each in outputs)
 
 
 def is_loose(description: Description, cell: Cell) -> bool:
-    """Whether the sensors of the tool changer show that the tool is not locked, or absent (IL-05)."""
+    """Return whether the sensors of the tool changer show that the tool is not locked, or absent (IL-05)."""
     changer, carried = description.tool_changer, carrier_of(description).channels
     if changer is None or not description.interlocks.il_05:
         return False
@@ -131,7 +131,7 @@ class _Rules:
         self.views = {name: self._sensor(name) for name in self._sequence}
 
     def expected(self) -> ExpectedOutcome:
-        """By the phase, and what the command changes in it."""
+        """Return the allowed outcomes by the phase and the command."""
         outcomes, why = self._outcomes()
         if self._is_late:
             outcomes, why = outcomes | self._not_acknowledged(), f"{why}, rule 8"
@@ -141,17 +141,17 @@ class _Rules:
 
     @property
     def _is_loose(self) -> bool:
-        """Whether the tool is not proven to be locked while a part is held, which is an alarm."""
+        """Whether the tool is not proven to be locked while a part is held, which causes an alarm."""
         return is_loose(self._description, self._cell) and self._cell.command != "drop"
 
     @property
     def _goes_on(self) -> bool:
-        """Whether nothing is done to the gripping program."""
+        """Whether the gripping program keeps running."""
         return self._cell.command not in ("kill grip", "kill hal", BOTH)
 
     @property
     def _is_late(self) -> bool:
-        """Whether outputs of the grip are on a bus, and what is written there may not arrive."""
+        """Whether outputs of the grip are on a bus and writes may not arrive."""
         if not self._description.buses:
             return False
         command, at_rest = self._cell.command, self._phase == REST
@@ -160,7 +160,7 @@ class _Rules:
         return not at_rest and command in ("kill arbiter", BOTH)
 
     def _not_acknowledged(self) -> set[Outcome]:
-        """Rule 8."""
+        """Return the outcomes of rule 8."""
         found = {Outcome.HELD, Outcome.STILL_THERE}
         if self._phase == REST and self._cell.command == BOTH:  # what cannot be read may hold something
             return found
@@ -173,11 +173,11 @@ class _Rules:
         return found
 
     def _is_blind(self) -> bool:
-        """Whether nothing proves an actuator any more."""
+        """Return whether an actuator has no evidence any more."""
         return any(view.keeps == {UNKNOWN} for view in self.views.values())
 
     def _is_frozen(self) -> bool:
-        """Whether a sensor stands still that is known to move by its noise."""
+        """Return whether a frozen sensor is detected, because its noise should be visible."""
         part = self._description.actuators.get(self._cell.place)
         watched = (
             part is not None and part.frozen_s is not None and shows_noise(carrier_of(self._description))
@@ -211,7 +211,7 @@ class _Rules:
         return (found | {Outcome.REFUSED}, why) if refusals else (found, why)
 
     def _grips(self) -> tuple[set[Outcome], str]:
-        """From the present step on."""
+        """Return the outcomes from the present step on."""
         done = self._engaged[:-1] if self._phase == GRIP else ()
         todo = self._sequence[len(done) :]
         found: set[Outcome] = set()
@@ -264,7 +264,7 @@ class _Rules:
         return found | ({Outcome.STILL_THERE} if any(each != {YES} for each in every) else set())
 
     def _dies(self) -> tuple[set[Outcome], str]:
-        """Rule 6."""
+        """Return the outcomes of rule 6."""
         if self._phase == RELEASE:
             return {Outcome.UNWOUND, Outcome.RELEASED}, "rule 6: the release is completed"
         of = [self._description.endings_of(name) for name in self._engaged]
@@ -334,13 +334,13 @@ class _Rules:
         return NORMAL
 
     def _blind(self, name: str) -> SensorView:
-        """Nothing more is read of it; an answer that was asked for before may be under way."""
+        """Return the view of an actuator without readings; an answer to an earlier request may still arrive."""
         asked = any(is_polled(codec_of(self._description, link)) for link in self._description.links)
         pending = self._phase == GRIP and name in self._engaged[-1:]
         return BLIND._replace(confirms=frozenset({YES, NO})) if asked and pending else BLIND
 
     def _leaking(self, name: str) -> SensorView:
-        """By what such a leak leaves of the pressure in the end."""
+        """Return the view of a leaking actuator by its final pressure."""
         part, supply = self._description.actuators[name], self._description.supply
         if self._cell.name == "leak-grows":
             return SensorView(frozenset({YES, NO}), frozenset({LOST, YES}), _YES)
@@ -354,28 +354,30 @@ class _Rules:
         )
 
     def _keeps_its_level(self, name: str) -> bool:
-        """Whether it is proven by input lines of the board: a line that falls silent stays as it is."""
+        """Return whether input lines of the board confirm the actuator: a line that falls silent keeps its level."""
         return any(channel.digital for channel in self._proofs(name))
 
     def _proofs(self, name: str) -> list[Channel]:
-        """The channels that prove it, of those that the description declares."""
+        """Return the declared channels that confirm the actuator."""
         part, channels = self._description.actuators[name], self._description.channels
         return [channels[each] for each in kind_of(part).channel_names(part) if each in channels]
 
     def _has_switch(self, name: str) -> bool:
-        """Whether a bit proves it as well."""
+        """Return whether a bit confirms the actuator as well."""
         part = self._description.actuators[name]
         bits = [key.key for key in kind_of(part).channels if key.carries is Kind.BIT]
         return any(named(getattr(part, key)) for key in bits)
 
     def _is_of_link(self, name: str) -> bool:
-        """Whether its sensor comes over the link that is silent."""
+        """Return whether the sensor of the actuator uses the silent link."""
         if not self._cell.place or len(self._description.named_links) < 2:
             return True
         return any(channel.link == self._cell.place for channel in self._proofs(name))
 
     def _pulled(self, name: str) -> bool | None:
-        """What an input of the board shows whose wire is off, as its pull has it; None: no such input proves it."""
+        """Return the level that an input with a broken wire shows because of its pull; None: no such input confirms
+        the actuator.
+        """
         match self._proofs(name):
             case [channel] if channel.digital:
                 pulls = pulls_of(input_lines(self._description))
@@ -386,7 +388,7 @@ class _Rules:
         return name in self._description.blow_off_lines
 
     def _after(self, name: str) -> str:
-        """The actuator with which a swapped one is exchanged."""
+        """Return the actuator whose sensor is exchanged with the swapped one."""
         if name not in self._sequence:
             return ""
         return self._sequence[(self._sequence.index(name) + 1) % len(self._sequence)]
@@ -398,7 +400,7 @@ class _Rules:
     # Rule 7
 
     def _refusals(self) -> set[str]:
-        """Whether a grip is refused from the beginning: yes, or perhaps; empty: it is not."""
+        """Return whether a grip is refused at its beginning: yes, or perhaps; empty if it is not."""
         cell, description = self._cell, self._description
         if cell.name == "invalid":
             return set() if self._pulled(cell.place) is False else {YES}
@@ -412,12 +414,12 @@ class _Rules:
         return self._activation_refused()
 
     def _is_air_read(self) -> bool:
-        """Whether IL-06 has a sensor, and is not switched off."""
+        """Return whether IL-06 has a sensor and is switched on."""
         supply = self._description.supply.channel in carrier_of(self._description).channels
         return supply and self._description.interlocks.il_06
 
     def _activation_refused(self) -> set[str]:
-        """Whether the line arbiter refuses what the gripping program activates."""
+        """Return whether the line arbiter refuses activations of the gripping program."""
         cell, description = self._cell, self._description
         changer = description.tool_changer
         if cell.name == "estop-open" and description.e_stop:

@@ -1,4 +1,4 @@
-"""The failure modes of a tool and their effects, as they were played: what a person signs."""
+"""The failure modes of a tool and their effects as played (FMEA), for a person to sign."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ LET_GO = "falls: its device lets go when it hears nothing"
 
 
 def signed_cells(data: bytes | None) -> SignedCells:
-    """What somebody has filled in in an earlier FMEA; nothing where it cannot be read as one."""
+    """Return the cells that a person filled in in an earlier FMEA; empty if it cannot be read."""
     try:
         text = (data or b"").decode("utf-8-sig")  # some spreadsheets put a mark in front
         separator = ";" if text.partition("\n")[0].count(";") >= len(KEY) else ","
@@ -60,13 +60,13 @@ def fmea(
     played: Mapping[str, Mapping[str, Any]],
     signed: SignedCells | None = None,
 ) -> str:
-    """A row for each fault and function, of the cells without a command, as CSV.
+    """Return the FMEA as CSV: a row for each fault and function, from the cells without a command.
 
     Args:
-        description: the tool.
-        cells: of the matrix.
-        played: what became of them, by id.
-        signed: severity and occurrence, which are empty otherwise.
+        description: the description of the tool.
+        cells: cells of the matrix.
+        played: their results by id.
+        signed: severity and occurrence; empty cells without it.
     """
     groups: dict[tuple[str, str], list[tuple[Cell, Mapping[str, Any]]]] = {}
     for cell in cells:

@@ -1,4 +1,4 @@
-"""One cell, played in virtual time, and what became of it."""
+"""Plays one cell in virtual time and determines its outcome."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from ._script import GRIP, RELEASE, REST, Script, is_still, prepared
 DEAD_US, STILL_US, FOLLOWED_US = 1_000_000, 500_000, 15_000_000
 MARGIN_US = 30_000_000
 GRIP_AFTER_S = 0.7
-"""After a fault at rest: two sensors that contradict each other are a fault after 0.5 s (IL-04)."""
+"""Time of the grip after a fault at rest, s: two contradicting sensors are a fault after 0.5 s (IL-04)."""
 
 
 @dataclass(frozen=True)
 class Played:
-    """A cell with what became of it.
+    """A cell with its result.
 
     Attributes:
         id, fault, moment, phase, command: the cell.
-        outcome: what became of it, and ``expected`` what was allowed.
-        explained: the outcome and the alarm are as expected, and nobody objects.
-        dropped: an output of a held part went inactive without a drop.
-        let_go: the same, because its device hears nothing, as its description says (`on_link_loss`).
-        seconds: from the fault to the last movement of a line or change of state.
-        told: the first alarm or reason after it, and ``told_after`` s.
-        lines: every change of a line after it: seconds, line, level.
-        objections: of the monitor and of the judge, sentences.
+        outcome, expected: the outcome, and the allowed ones.
+        explained: whether outcome and alarm are as expected, without objections.
+        dropped: whether an output of a held part became inactive without a drop.
+        let_go: the same, because its device receives nothing, as its description declares (`on_link_loss`).
+        seconds: time from the fault to the last change of a line or state.
+        told, told_after: the first alarm or reason after the fault, and its delay in s.
+        lines: every later change of a line: seconds, line, level.
+        objections: sentences of the monitor and of the judge.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -59,7 +59,7 @@ class Played:
     let_go: bool = False
 
     def as_json(self) -> dict[str, Any]:
-        """As it is kept."""
+        """Return the result in the form of the file."""
         return asdict(self)
 
 
@@ -71,13 +71,13 @@ def play(description: Description, cell: Cell) -> Played:
 def outcome_of(
     cell: Cell, state: EndEffectorState, phase: str, answered: Collection[tuple[str, bool]]
 ) -> Outcome:
-    """What became of a cell that has come to rest.
+    """Return the outcome of a cell that has come to rest.
 
     Args:
-        cell: what was played.
-        state: of the tool, in the end.
-        phase: of `PHASES`: the last that was begun.
-        answered: commands that were given since the fault, and whether they were accepted.
+        cell: the played cell.
+        state: final state of the tool.
+        phase: the last phase that began, of `PHASES`.
+        answered: the commands since the fault, and whether they were accepted.
     """
     match state:
         case EndEffectorState.GRIPPED:
@@ -99,7 +99,7 @@ def outcome_of(
 
 
 class Undisturbed:
-    """The run that every cell disturbs, until something happens to it: the same for all cells of one moment."""
+    """The run before a cell disturbs it; it is the same for all cells of one moment."""
 
     def __init__(self, description: Description, on_frame: Callable[[Frame], None] | None = None) -> None:
         self.description, self.monitors = description, Monitors(description)
@@ -108,11 +108,11 @@ class Undisturbed:
 
 
 class CellRun:
-    """A cell that goes on with an undisturbed run, and uses it up; ``tool`` keeps what happened for a figure.
+    """A cell that continues an undisturbed run and consumes it; ``tool`` keeps the events for a figure.
 
     Args:
-        undisturbed: gone to the moment of the cell at most; the cell goes on with it.
-        cell: what happens then.
+        undisturbed: a run up to the moment of the cell at most.
+        cell: the disturbance.
     """
 
     def __init__(self, undisturbed: Undisturbed, cell: Cell) -> None:
@@ -123,7 +123,7 @@ class CellRun:
         self.tool = undisturbed.tool
 
     def played(self) -> Played:
-        """Play it, once."""
+        """Play the cell once."""
         cell, tool, script = self._cell, self.tool, self._script
         script.run_until(cell.moment.at)
         self._let_go_at = script.dropped_at
@@ -157,7 +157,7 @@ class CellRun:
             self._answered.append(("grip", script.answer.accepted))
 
     def _settle(self) -> None:
-        """Until nothing moves; what is held is followed for a while, as some faults take their time."""
+        """Wait until nothing moves; follow a held part for a while, because some faults act slowly."""
         tool, longest = self.tool, self._description.durations
         limit = tool.at + (longest.grip_ms + longest.release_ms) * 1000 + MARGIN_US
         follow_until = tool.at + FOLLOWED_US
@@ -206,7 +206,7 @@ class CellRun:
         )  # fmt: skip
 
     def _told(self, marks: tuple[int, int, int]) -> tuple[str, float | None]:
-        """The first alarm or reason that is new after the fault; of a command, its refusal."""
+        """Return the first new alarm or reason after the fault; for a command, its refusal."""
         tool, cell = self.tool, self._cell
         said = [*tool.statuses[marks[1] :], *tool.changes[marks[2] :]]
         before = [*tool.statuses[marks[1] - 1 : marks[1]], *tool.changes[marks[2] - 1 : marks[2]]]
@@ -219,7 +219,7 @@ class CellRun:
         return ("The command was refused.", 0.0) if refused else ("", None)
 
     def _false_success(self) -> list[str]:
-        """A grip that is told, and is not there; where a fault lies about it, nobody can know."""
+        """Return objections to a reported grip that is not real; none if a fault falsifies its sensors."""
         tool = self.tool
         if (
             self._cell.name in LYING
@@ -233,7 +233,7 @@ class CellRun:
         return [f"lifting is allowed, and {', '.join(missing)} does not grip"] if missing else []
 
     def _lost(self) -> bool:
-        """Whether anything was let go between GRIPPED and a drop, where no ending is declared that does."""
+        """Return whether an output was released between GRIPPED and a drop although no ending declares it."""
         tool = self.tool
         held = [status.at for status in tool.statuses if status.ee == EndEffectorState.GRIPPED]
         if not held:

@@ -1,4 +1,4 @@
-"""All cells of a matrix, on all workers; what was played is kept, so that it goes on where it was stopped."""
+"""Plays all cells of a matrix on all workers; results are stored at once, so that a stopped matrix can continue."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _OUTCOMES = frozenset(each.value for each in Outcome)
 
 
 def matrix_folder(description: Description, folder: Path) -> ResultsFolder:
-    """The results of a tool's matrix; raises UsageError if the folder cannot be used or belongs to something else."""
+    """Return the results folder of a matrix; raises UsageError if it cannot be used or belongs to other results."""
     return ResultsFolder(folder, LAYOUT, mark_of(description))
 
 
@@ -47,18 +47,18 @@ def play_all(
     workers: Workers,
     on_progress: Callable[[int, int], None] = lambda _, __: None,
 ) -> list[dict[str, Any]]:
-    """Play the cells that were not played yet; all of them as they are kept, in the order of the matrix.
+    """Play the cells that were not played yet; return all results in the order of the matrix.
 
     Args:
-        description: the tool.
-        cells: of the matrix.
-        results: what was played; of this tool.
-        workers: play them.
-        on_progress: called with how many were played, and how many there are.
+        description: the description of the tool.
+        cells: cells of the matrix.
+        results: the earlier results for this tool.
+        workers: play the cells.
+        on_progress: called with the number of played cells and the total.
 
     Raises:
-        UsageError: a kept line does not fit, or what is played cannot be kept.
-        WorkersError: they cannot be reached or do not fit, or some cells were not played.
+        UsageError: a stored line does not fit, or a result cannot be stored.
+        WorkersError: the workers cannot be reached or do not fit, or some cells were not played.
     """
     done = _kept(results, {cell.id: cell for cell in cells})
     todo = sorted([cell for cell in cells if cell.id not in done], key=lambda cell: cell.moment.at)
@@ -73,7 +73,7 @@ def play_all(
 
 @contextmanager
 def no_log() -> Iterator[None]:
-    """Nothing is logged: who dies is what the cells are about."""
+    """Disable logging, since the cells cause deaths on purpose."""
     logging.disable()
     try:
         yield
@@ -82,20 +82,20 @@ def no_log() -> Iterator[None]:
 
 
 class _Shared:
-    """What every worker needs; each goes on with the run that cells disturb from where it has played it."""
+    """The data that every worker needs; a worker continues the undisturbed run from where it has played it."""
 
     def __init__(self, description: Description) -> None:
         self._described, self._automata = description, ShippedAutomata.read(description)
         self._undisturbed: Undisturbed | None = None
 
     def run_until(self, at: int) -> None:
-        """Have the run played until ``at`` (µs)."""
+        """Play the undisturbed run until ``at`` (µs)."""
         if self._undisturbed is None or self._undisturbed.tool.at > at:
             self._undisturbed = Undisturbed(self._automata.of(self._described))
         self._undisturbed.script.run_until(at)
 
     def take(self) -> Undisturbed:
-        """The run, which a cell uses up: the next one begins another, unless this is a copy."""
+        """Return the run, which a cell consumes: the next one begins another, unless this process is a copy."""
         taken, self._undisturbed = self._undisturbed, None
         assert taken is not None
         return taken
@@ -137,7 +137,7 @@ def _send_result(there: Connection, work: Callable[[], object]) -> None:
 
 
 def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str, Any]]:
-    """What was played, by the id of its cell."""
+    """Return the stored results by the id of their cell."""
     done: dict[str, dict[str, Any]] = {}
     for where, played in results.lines(_SHAPE):
         if wrong := _misfit(played, cells.get(played.id)):
@@ -149,7 +149,7 @@ def _kept(results: ResultsFolder, cells: dict[str, Cell]) -> dict[str, dict[str,
 
 
 def _misfit(played: Played, cell: Cell | None) -> str:
-    """What of a line contradicts its cell, or itself; empty: nothing. None: the cell is not asked for."""
+    """Return how a line contradicts its cell, or itself; "" if it does not. None: the cell is not requested."""
     if played.id != f"{played.fault} @ {played.moment} + {played.command}":
         return "fault, moment and command are not those of its id."
     if played.command not in WORDS or played.phase not in PHASES:

@@ -1,4 +1,4 @@
-"""The run that every cell disturbs: at rest, a grip, a hold, a drop; and its moments."""
+"""The undisturbed run (rest, grip, hold, drop) and its moments."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ AT_REST = (STAND_BY, GRIPPED, EndEffectorState.GRIP_ERROR, EndEffectorState.RELE
 
 @dataclass(frozen=True)
 class Moment:
-    """When something happens to the tool.
+    """A time at which a cell disturbs the tool.
 
     Attributes:
-        name: ``grip cylinder on``, ``held, between``.
-        at: µs.
-        phase: of `PHASES`: what the tool is doing by then.
-        engaged: actuators whose outputs are active by then, in the order of the sequence.
-        since: µs since the last output moved; default: long.
+        name: such as ``grip cylinder on`` or ``held, between``.
+        at: time, µs.
+        phase: phase of the run at that time, of `PHASES`.
+        engaged: actuators whose outputs are active then, in the order of the sequence.
+        since: time since the last output moved, µs; default: long.
     """
 
     name: str
@@ -45,7 +45,7 @@ def prepared(
     watch: Watch | None = None,
     on_frame: Callable[[Frame], None] | None = None,
 ) -> VirtualTool:
-    """A tool at rest, the same each time; raises UsageError where it does not come to rest."""
+    """Return a tool at rest, always in the same state; raises UsageError if it does not come to rest."""
     tool = VirtualTool(description, watch=watch, on_frame=on_frame)
     if not tool.run_until(LONGEST_US, lambda: tool.status.ee == STAND_BY):
         raise UsageError(f"{description.name} does not come to rest: {tool.status.reason}")
@@ -61,13 +61,13 @@ def is_still(description: Description, tool: VirtualTool) -> bool:
 
 
 class Script:
-    """Gives the commands of the run when their time has come, until it is stopped.
+    """Gives the commands of the run at their times, until it is stopped.
 
     Attributes:
-        phase: the last that was begun.
-        begun: µs at which each phase was.
-        answer: to the last command.
-        dropped_at: µs of the drop; None: it was not given.
+        phase: the last phase that began.
+        begun: begin of each phase, µs.
+        answer: answer to the last command.
+        dropped_at: time of the drop, µs; None before it.
     """
 
     def __init__(self, tool: VirtualTool) -> None:
@@ -77,7 +77,7 @@ class Script:
         self.dropped_at: int | None = None
 
     def run_until(self, at: int) -> None:
-        """Let time go on to ``at`` (µs), with all commands that are due by then."""
+        """Advance time to ``at`` (µs), and give all commands that are due."""
         while True:
             if self.phase in (REST, HELD) and self._next <= self._tool.at:
                 self.step()
@@ -90,7 +90,7 @@ class Script:
                 self._advance(at)
 
     def step(self) -> None:
-        """Begin the next phase, if a command does."""
+        """Begin the next phase if it begins with a command."""
         if self.phase == REST:
             self.begun[GRIP] = self._tool.at
             self.phase, self.answer = GRIP, self._tool.command("grip")
@@ -108,7 +108,7 @@ class Script:
 
 
 def moments(description: Description) -> tuple[Moment, ...]:
-    """At each event of the run, a millisecond before and after it, and between two of them.
+    """Return moments at each event of the run, a millisecond before and after it, and between two events.
 
     Raises:
         UsageError: the run does not succeed without a fault.

@@ -1,4 +1,4 @@
-"""One cell as a recording, which every command of `eehal` that takes one reads, and its figure."""
+"""Writes one cell as a recording, which other commands of `eehal` can read, with its figure."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _check_folder(folder: Path) -> None:
 
 
 def disturbances(cell: Cell) -> tuple[Moment, ...]:
-    """What happens to the tool, for its figure; commands are a part of its story."""
+    """Return the disturbances of the tool for its figure; commands are already part of its story."""
     killed = cell.command if cell.command.startswith("kill") else ""
     what = ", ".join(filter(None, ("" if cell.name == NO_FAULT else cell.fault, killed)))
     at, again = cell.moment.at, "started again"
@@ -87,7 +87,7 @@ def disturbances(cell: Cell) -> tuple[Moment, ...]:
 
 
 def record(description: Description, cell: Cell, folder: Path) -> Played:
-    """Play a cell and write its recording into a folder; raises UsageError if that cannot be written."""
+    """Play a cell and write its recording into a folder; raises UsageError if it cannot be written."""
     frames: list[Frame] = []
     with no_log():
         run = CellRun(Undisturbed(description, frames.append), cell)

@@ -1,4 +1,4 @@
-"""From the records of runs to the attempts of their grips: what each actuator's sensors showed while it was active."""
+"""Extract the attempts of grips from recorded runs: the readings of each actuator's sensors while it was active."""
 
 from __future__ import annotations
 
@@ -16,19 +16,23 @@ from end_effector_hal.verification.replay import Entry
 from end_effector_hal.vocabulary import ACTIVE, EndEffectorState
 
 MOST_READINGS = 300_000
-"""Of all recordings together: 100 minutes of grips at 50 frames a second; what bounds memory."""
+"""Maximum number of readings in all recordings together, to bound memory: 100 minutes of grips at 50 frames
+a second.
+"""
 MOST_GRIPS = 10_000
 AFTER_US = 30_000_000
-"""So long after its deactivation an actuator is watched at most."""
+"""Longest time for which an actuator is watched after its deactivation, µs."""
 THINNED_US, REPEAT_US = 600_000, 20_000
-"""Tables leave out steady pressures for half a second: they are repeated there."""
+"""Longest gap that is filled and interval of the repeated frames, µs: tables leave out steady pressures for half a
+second.
+"""
 
 
 class RecordedReadings:
     """Values of the channels at one instant, for a detector; stale and invalid values are absent.
 
     Attributes:
-        at: µs.
+        at: time, µs.
         carried: the channels of the codec.
     """
 
@@ -41,24 +45,24 @@ class RecordedReadings:
         self._values, self._arrived = values, arrived
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        """Gauge Pa or a bit; None: there was none."""
+        """Return the value in gauge Pa, or the bit; None: there was none."""
         return None if channel is None else self._values.get(channel)
 
     def arrived(self, channel: str) -> bool:
-        """Whether a frame brought it then."""
+        """Return whether a frame with this channel arrived at this instant."""
         return channel in self._arrived
 
 
 @dataclass(slots=True)
 class RecordedAttempt:
-    """One activation of an actuator within a grip; µs.
+    """One activation of an actuator within a grip; times in µs.
 
     Attributes:
-        since: it became active.
-        until: it became inactive; None: it was active to the end of the recording.
-        confirmed: when the recorded tool took it for confirmed; None: it did not.
+        since: when it became active.
+        until: when it became inactive; None: it was active to the end of the recording.
+        confirmed: when the recorded tool confirmed it; None: it did not.
         readings: from ``since`` until it is active again, or `AFTER_US` after it was deactivated.
-        seen_until: the last of them.
+        seen_until: time of the last reading.
     """
 
     since: int
@@ -70,11 +74,11 @@ class RecordedAttempt:
 
 @dataclass(slots=True)
 class RecordedGrip:
-    """A grip that was recorded, with what came of it until the next one.
+    """A recorded grip, with the attempts of each actuator.
 
     Attributes:
-        recording: which of the recordings, by its number.
-        since: µs, when GRIPPING began.
+        recording: number of the recording.
+        since: when GRIPPING began, µs.
         activations: by actuator, in order of time.
     """
 
@@ -87,11 +91,11 @@ class GripCollector:
     """Collects the grips of several recordings.
 
     Args:
-        description: with which readings are judged to be fresh and plausible.
+        description: the tool, which decides whether readings are fresh and plausible.
 
     Attributes:
         grips: in the order of the recordings and of time.
-        full: there are more than memory is bounded to.
+        full: whether the limit of grips or readings was reached.
     """
 
     def __init__(self, description: Description) -> None:
@@ -102,7 +106,7 @@ class GripCollector:
         self.full = False
 
     def collect(self, entries: Iterable[Entry], recording: int) -> int:
-        """Take the records of one recording; returns how many grips were in it, until it was full."""
+        """Read the records of one recording, up to the limit; return the number of grips that were added."""
         before = len(self.grips)
         one = _OneRecording(self._description, self._carrier.channels, recording)
         for entry in entries:
@@ -126,7 +130,7 @@ class GripCollector:
 
 
 class _OneRecording:
-    """Follows one run: its sensors, and which actuators are active."""
+    """Follows one run: its sensors, and its active actuators."""
 
     def __init__(self, description: Description, carried: Mapping[str, Kind], recording: int) -> None:
         self._description, self._recording, self._carried = description, recording, carried
@@ -140,13 +144,13 @@ class _OneRecording:
         self._seen_at = 0
 
     def restart(self, at: int) -> None:
-        """A program begins, or begins again: what was active is unknown from here on."""
+        """Handle a start or restart of a program, after which active actuators are unknown."""
         self._open.clear()
         self._grip = self._before = None
         self._sensors, self._last = SensorState(self._description, self._carrier), None
 
     def frame(self, record: FrameTaken) -> int:
-        """Readings of a frame; how many were kept."""
+        """Add the readings of a frame; return how many were kept."""
         kept, last = 0, self._last
         if record.stamp > record.at or (last is not None and record.stamp <= last.stamp):
             return 0  # its stamp is impossible: the tool did not count it either
@@ -159,7 +163,7 @@ class _OneRecording:
         return kept + self._see(Frame(record.stamp, record.seq, record.device_ms, record.values))
 
     def status(self, status: Status) -> RecordedGrip | None:
-        """What was decided; a grip that begins with it."""
+        """Process a status; return the grip that begins with it, or None."""
         before, self._before = self._before, status
         begun: RecordedGrip | None = None
         if before is None or len(status.outputs) != len(self._names):

@@ -1,4 +1,4 @@
-"""What a detector with other values makes of an activation, and what would have become of the grip."""
+"""Evaluate an activation with a detector of other values, and derive the outcome of the grip."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> Tr
 
 @dataclass(frozen=True, slots=True)
 class GripOutcome:
-    """What would have become of one actuator in a grip.
+    """The outcome that a grip would have had for one actuator.
 
     Attributes:
         failed: none of the recorded attempts would have been confirmed within the time-out.
         lost: confirmed, and lost while it was still active.
-        stuck: still there when the wait of the release was over.
-        undecided: the recording ends that attempt, or the release, before it is known.
-        attempt: the one that is confirmed, from 1; 0: none.
-        after_us: from the first activation to the confirmation; None: none.
+        stuck: feedback still present when the wait of the release was over.
+        undecided: the recording ends during the attempt, or the release.
+        attempt: number of the confirmed attempt, from 1; 0: none.
+        after_us: time from the first activation to the confirmation, µs; None: none.
     """
 
     failed: bool = False
@@ -70,12 +70,12 @@ class GripOutcome:
 def outcome_of(
     part: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[TriedCourse]
 ) -> GripOutcome:
-    """What the attempts of one grip come to with the time-outs of ``part``.
+    """Return the outcome of the attempts of one grip with the time-outs of ``part``.
 
     Args:
         part: the actuator.
         activations: its recorded attempts.
-        courses: of each, with the thresholds of ``part``.
+        courses: the course of each attempt, with the thresholds of ``part``.
     """
     timeout_us = to_us(part.timeout_s)
     failed, lost, undecided, attempt = True, False, False, 0
@@ -96,11 +96,11 @@ def outcome_of(
 
 
 SLACK_US = 100_000
-"""A time-out that was recorded is this much shorter or longer than declared: two periods of a usual link."""
+"""Allowed deviation of a recorded time-out from the declared one, µs: two periods of a usual link."""
 
 
 def _release(part: Actuator, last: RecordedAttempt, course: TriedCourse) -> tuple[bool, bool]:
-    """Whether its feedback stays too long, and whether that is not known."""
+    """Return whether the feedback stays too long, and whether that is unknown."""
     if last.until is None:
         return False, False
     limit_us = to_us(part.release_s)

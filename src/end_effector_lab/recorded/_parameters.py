@@ -1,4 +1,4 @@
-"""Which numbers of a description can be tried on recorded grips, which values of them make sense, and which cannot."""
+"""Select the numbers of a description that can be tried on recorded grips, and the values to try."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ from end_effector_hal.kinds.stanza import Actuator, Supply
 from end_effector_hal.signals import Kind
 
 WAITS = ("timeout_s", "release_s", "attempts")
-"""Keys of every actuator that bound a wait, and change nothing of what the sensors prove."""
+"""Keys of every actuator that limit a wait or the number of attempts; the evidence of the sensors does not depend on
+them.
+"""
 UNITS = {"_kpa": "kPa", "_s": "s", "_ms": "ms", "_samples": "samples", "_fraction": ""}
 STEPS = 24
 LEAST, MOST = 0.2, 2.0
-"""Values from a fifth of today's to twice as much are tried; of waits from a fiftieth on, in equal ratios."""
+"""Range of the tried values, as multiples of the current value; for waits the lower end is `LEAST_WAIT`, in equal
+ratios.
+"""
 LEAST_WAIT = 0.02
 _WARNS = "it only warns: no grip succeeds or fails by it"
 _OTHER_PAUSE = "what another pause would have changed is in no recording"
@@ -33,13 +37,13 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class TunableKey:
-    """A number of one actuator.
+    """A number of one actuator's stanza.
 
     Attributes:
         actuator: its name.
-        path: of keys within its stanza.
-        today: its value.
-        whole: only whole numbers make sense.
+        path: the keys within its stanza.
+        today: its current value.
+        whole: whether only whole numbers are valid.
     """
 
     actuator: str
@@ -49,21 +53,21 @@ class TunableKey:
 
     @property
     def key(self) -> str:
-        """``actuators.cylinder.timeout_s``."""
+        """The full key, such as ``actuators.cylinder.timeout_s``."""
         return ".".join(map(str, ("actuators", self.actuator, *self.path)))
 
     @property
     def unit(self) -> str:
-        """Of its value; empty: none."""
+        """Unit of its value; empty: none."""
         return next((unit for end, unit in UNITS.items() if str(self.path[-1]).endswith(end)), "")
 
     @property
     def waits(self) -> bool:
-        """Whether it bounds a wait."""
+        """Whether it is one of `WAITS`."""
         return self.path[0] in WAITS
 
     def with_value(self, part: Actuator, supply: Supply, value: float) -> Actuator | None:
-        """The actuator with another value; None: alone it makes no sense there."""
+        """Return the actuator with another value; None: the value alone is invalid."""
         tree = part.model_dump(by_alias=True, mode="json")
         place: Any = tree
         for key in self.path[:-1]:
@@ -76,7 +80,10 @@ class TunableKey:
         return found if _consistent(found, supply) else None
 
     def grid(self) -> list[float]:
-        """Values to be tried, today's among them, in order; more attempts than were made are in no recording."""
+        """Return the values to try, in order, with the current one.
+
+        For ``attempts`` it is the highest, because no recording has more.
+        """
         if self.path == ("attempts",):
             return [float(number) for number in range(1, int(self.today) + 1)]
         low, high = sorted((LEAST * self.today, MOST * self.today))
@@ -90,7 +97,7 @@ class TunableKey:
 
 
 def parameters_of(description: Description) -> Iterator[TunableKey]:
-    """Thresholds and time-outs of all actuators, in the order of a grip."""
+    """Yield the thresholds and time-outs of all actuators, in the order of a grip."""
     for name, part in description.ordered:
         for key in WAITS:
             yield TunableKey(name, (key,), float(getattr(part, key)), whole=key == "attempts")
@@ -105,7 +112,7 @@ def parameters_of(description: Description) -> Iterator[TunableKey]:
 
 
 def not_tried(description: Description) -> Iterator[tuple[str, str]]:
-    """Keys of times and thresholds that no recorded grip can judge, and why."""
+    """Yield keys of times and thresholds that no recorded grip can judge, and why."""
     for name, part in description.ordered:
         yield f"actuators.{name}.reset_s", _OTHER_PAUSE
         if part.frozen_s is not None:
@@ -123,7 +130,7 @@ def not_tried(description: Description) -> Iterator[tuple[str, str]]:
 
 
 def _is_idle(description: Description, part: Actuator, key: str) -> bool:
-    """Whether it is the threshold of a pressure that no wire carries: a switch alone proves the actuator."""
+    """Return whether the key is a threshold of a pressure that is not carried: a switch alone proves the actuator."""
     return (
         key.endswith(_OF_PRESSURES)
         and carrier_of(description).channels.get(part.channel) is not Kind.PRESSURE
@@ -131,7 +138,7 @@ def _is_idle(description: Description, part: Actuator, key: str) -> bool:
 
 
 def _own(part: Actuator) -> Iterator[tuple[str, float]]:
-    """Numbers that the kind has beside those of every actuator."""
+    """Yield the numbers of the kind that not every actuator has."""
     for key in type(part).model_fields:
         value = getattr(part, key)
         number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -140,7 +147,7 @@ def _own(part: Actuator) -> Iterator[tuple[str, float]]:
 
 
 def _numbers(tree: Any, path: Path = ()) -> Iterator[tuple[Path, float]]:
-    """Thresholds and times of declared conditions."""
+    """Yield the thresholds and times of declared conditions."""
     items = (
         tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list | tuple) else ()
     )
@@ -152,7 +159,7 @@ def _numbers(tree: Any, path: Path = ()) -> Iterator[tuple[Path, float]]:
 
 
 def _consistent(part: Actuator, supply: Supply) -> bool:
-    """Whether its numbers stand in their order, as `eehal check` asks."""
+    """Return whether the numbers are in the order that `eehal check` requires."""
     kind = kind_of(part)
     for low, relation, high in kind.orders:
         less, more = getattr(part, low), getattr(part, high)
@@ -171,5 +178,5 @@ def _consistent(part: Actuator, supply: Supply) -> bool:
 
 
 def _short(value: float, today: float) -> float:
-    """Three digits are enough for a value that is tried; today's stays what it is."""
+    """Round a tried value to three digits, which are enough; the current value is not rounded."""
     return value if value == today else float(f"{value:.3g}")

@@ -22,13 +22,13 @@ def report_html(
     verdicts: list[dict[str, Any]],
     differences: dict[str, Any] | None = None,
 ) -> str:
-    """Recordings in one file that asks nobody for anything.
+    """Return recordings in one file that makes no network requests.
 
     Args:
-        title: of the file.
+        title: title of the file.
         contents: documents of recordings.
-        verdicts: what was said of each by `judge_recording`.
-        differences: of two, by `compare_recordings`.
+        verdicts: the result of `judge_recording` for each of them.
+        differences: the result of `compare_recordings` for two recordings.
     """
     return _one_file(title, {"recordings": report_data(contents, verdicts, differences)})
 
@@ -38,17 +38,17 @@ def report_data(
     verdicts: list[dict[str, Any]],
     differences: dict[str, Any] | None = None,
 ) -> bytes:
-    """Documents with their verdicts, as a file holds them."""
+    """Return documents with their verdicts, as JSON for a file."""
     return to_json({"contents": contents, "verdicts": verdicts, "differences": differences}, fallback=dict)
 
 
 def runs_html(title: str, rows: list[dict[str, Any]], runs: Mapping[int, bytes]) -> str:
-    """Many runs in one file: a table of them, and behind a row the run as `report_html` has it.
+    """Return many runs in one file: a table whose rows open a run as in `report_html`.
 
     Args:
-        title: of the file.
-        rows: ``name, started, tool, story, length_s, ok, replay`` of each.
-        runs: `report_data` by the number of the row; what is not among them is in the table only.
+        title: title of the file.
+        rows: ``name, started, tool, story, length_s, ok, replay`` of each run.
+        runs: `report_data` by row number; a run that is missing here is in the table only.
     """
     data = {f"run-{number}": each for number, each in runs.items()}
     return _one_file(title, {"index": to_json(rows), **data})
@@ -83,7 +83,7 @@ def _text(name: str) -> str:
 
 
 def _one_script(first: str) -> str:
-    """A module with all that it imports, in one script that imports nothing."""
+    """Bundle a module with everything that it imports into one script without imports."""
     done: dict[str, str] = {}
 
     def add(name: str) -> None:

@@ -1,4 +1,4 @@
-"""How many recorded grips would have gone otherwise, for each threshold and time-out, by its value."""
+"""Count the recorded grips that would have ended differently, for each threshold and time-out, by its value."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ._course import GripOutcome, TriedCourse, course_of, outcome_of
 from ._parameters import TunableKey, not_tried, parameters_of
 
 NARROWINGS = 8
-"""So often the edge of what changes nothing is halved between two values that were tried."""
+"""Number of bisection steps between the last value without an effect and the first with one."""
 SAMPLE_US = 20_000
-"""Of the usual link."""
+"""Sample period of the usual link, µs."""
 Report = Callable[[float], None]
 
 
 class Counts(NamedTuple):
-    """How many grips: of those in which the actuator was activated, with one value.
+    """Numbers of grips by outcome with one value, of those in which the actuator was activated.
 
     Attributes:
         failed: none of the recorded attempts would have been confirmed within the time-out.
-        late: confirmed on a later attempt, or later than today by more than the reaction bound.
+        late: confirmed on a later attempt, or later than with the current value by more than the reaction bound.
         lost: confirmed, and lost within the same hold.
-        stuck: still there when the wait of the release was over.
-        undecided: the recording ends before it is known.
+        stuck: feedback still present when the wait of the release was over.
+        undecided: the recording ends before the outcome is known.
     """
 
     failed: int = 0
@@ -38,20 +38,21 @@ class Counts(NamedTuple):
     undecided: int = 0
 
     def __str__(self) -> str:
-        """``3 failed, 1 late``."""
+        """Return text such as ``3 failed, 1 late``."""
         return ", ".join(f"{number} {word}" for word, number in self._asdict().items() if number) or "none"
 
 
 @dataclass(frozen=True)
 class Tried:
-    """One number of the description, over the values that were tried.
+    """The results of one number of the description, for all tried values.
 
     Attributes:
-        parameter: which.
-        grips: how many it was tried on.
-        values: with what came of them, in order of the values; today's is among them.
-        same_from, same_to: the range around today's value in which nothing changes, as far as it was tried.
-        ends_below, ends_above: whether that range ends there because something changes; else nothing beyond was tried.
+        parameter: the number.
+        grips: number of grips it was tried on.
+        values: values with their counts, in order of the values; the current one is among them.
+        same_from, same_to: the range around the current value in which nothing changes, as far as it was tried.
+        ends_below, ends_above: whether the range ends there because a count changes; if not, no value beyond was
+        tried.
     """
 
     parameter: TunableKey
@@ -64,16 +65,16 @@ class Tried:
 
     @property
     def today(self) -> Counts:
-        """What comes of today's value."""
+        """Counts of the current value."""
         return dict(self.values)[self.parameter.today]
 
     @property
     def changes(self) -> bool:
-        """Whether any value that was tried changes anything."""
+        """Whether any tried value changes a count."""
         return self.ends_below or self.ends_above
 
     def as_json(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the results as JSON, for programs."""
         return {
             "key": self.parameter.key,
             "unit": self.parameter.unit,
@@ -89,13 +90,13 @@ class Tried:
 
 @dataclass(frozen=True)
 class Tuning:
-    """What recorded grips say of a description's thresholds and time-outs.
+    """The results of all thresholds and time-outs of a description on recorded grips.
 
     Attributes:
-        description: whose values are today's.
-        grips: how many were recorded.
-        set_aside: grips of which the readings do not show what was recorded: by actuator.
-        tried: in the order of a grip.
+        description: the tool with the current values.
+        grips: number of recorded grips.
+        set_aside: number of grips, by actuator, whose readings do not lead to the recorded decisions.
+        tried: results in the order of a grip.
         not_tried: keys that no recorded grip can judge, and why.
     """
 
@@ -106,7 +107,7 @@ class Tuning:
     not_tried: tuple[tuple[str, str], ...]
 
     def as_json(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the results as JSON, for programs."""
         return {
             "description": self.description.name,
             "grips": self.grips,
@@ -124,15 +125,15 @@ def tune(
 ) -> Tuning:
     """Try values of every threshold and time-out on recorded grips.
 
-    An attempt is judged from its own activation on, which the tool has seen; so each number is tried alone, on readings
-    that answer what the recorded tool did.
+    An attempt is judged from its own activation on, which the recorded tool decided. So each number is tried alone, on
+    readings that are the response to the decisions of the recorded tool.
 
     Args:
-        grips: of one tool, as `GripCollector` has them.
-        description: whose values are today's.
-        recorded: the tool of each recording: where its own thresholds do not make of the readings what was recorded,
-            a grip is set aside; default: ``description``.
-        report: gets the share that is done, 0 to 1.
+        grips: grips of one tool, from a `GripCollector`.
+        description: the tool with the current values.
+        recorded: the tool of each recording: a grip is set aside if the recorded thresholds do not lead from the
+            readings to the recorded decisions; default: ``description``.
+        report: called with the finished share, 0 to 1.
     """
     by_actuator: dict[str, list[list[RecordedAttempt]]] = {}
     aside: dict[str, int] = {}
@@ -160,7 +161,7 @@ def tune(
 
 
 def _as_recorded(activations: Sequence[RecordedAttempt], name: str, recorded: Description) -> bool:
-    """Whether the thresholds that were recorded make of the readings what the tool did then."""
+    """Return whether the recorded thresholds lead from the readings to the recorded decisions."""
     part = recorded.actuators[name]
     slack_us = max(recorded.bounds.reaction_ms * 1000, 2 * SAMPLE_US)
     for each in activations:
@@ -175,7 +176,7 @@ def _as_recorded(activations: Sequence[RecordedAttempt], name: str, recorded: De
 
 
 class _Trial:
-    """One actuator: its recorded attempts, and what values of its numbers make of them."""
+    """The recorded attempts of one actuator, and their outcomes with other values."""
 
     def __init__(self, description: Description, name: str, grips: list[list[RecordedAttempt]]) -> None:
         self._description, self._part, self.grips = description, description.actuators[name], grips
@@ -184,7 +185,7 @@ class _Trial:
         self._today = self._outcomes(self._part, self._courses)
 
     def run(self, parameter: TunableKey) -> Tried:
-        """Every value of the grid, then the edges of what changes nothing."""
+        """Try every value of the grid, then narrow the edges of the range in which nothing changes."""
         found: dict[float, Counts] = {}
         for value in parameter.grid():
             if (counts := self._counts(parameter, value)) is not None:
@@ -208,7 +209,7 @@ class _Trial:
         return Tried(parameter, len(self.grips), tuple(sorted(found.items())), low, high, below, above)
 
     def _counts(self, parameter: TunableKey, value: float) -> Counts | None:
-        """None: the value alone makes no sense."""
+        """Return the counts of a value; None: the value alone is invalid."""
         if value == parameter.today:
             return self._count(self._today)
         part = parameter.with_value(self._part, self._description.supply, value)
@@ -241,7 +242,7 @@ class _Trial:
 
 
 def _edge(values: Sequence[float], found: dict[float, Counts], today: Counts) -> tuple[float, float | None]:
-    """The last value in a row that changes nothing, and the first that does; None: none does."""
+    """Return the last value in a row that changes nothing, and the first that does; None: none does."""
     same = values[0]
     for value in values[1:]:
         if found[value] != today:

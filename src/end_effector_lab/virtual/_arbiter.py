@@ -72,7 +72,7 @@ class VirtualJournal:
             self._write()
 
     def step(self) -> None:
-        """Write what could not be written before."""
+        """Write the data that could not be written before."""
         if self.due is not None and self.due <= self._clock():
             self._write()
 

@@ -1,4 +1,4 @@
-"""One line arbiter of a virtual tool after the other: how each begins, ends or dies."""
+"""The successive line arbiters of a virtual tool: how each begins, ends or dies."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 
 
 class ArbiterLives:
-    """At most one lives at a time; the next one finds what the one before has left.
+    """Manages the line arbiters; at most one lives at a time, and the next one reads the records of the previous one.
 
     Args:
-        description: of the tool.
+        description: the description of the tool.
         outputs: its lines.
-        buses: whose master the arbiter is.
-        clock: µs.
-        reads: whether it reads inputs of its own.
+        buses: the buses whose master the arbiter is.
+        clock: returns the time, µs.
+        reads: whether the arbiter reads inputs of its own.
 
     Attributes:
-        now: the one that lives; None: there is none.
-        begun: how many have begun so far.
-        memories: what outlives an arbiter.
-        publisher: of what its own inputs prove; None: it reads none.
+        now: the living arbiter; None: there is none.
+        begun: number of arbiters started so far.
+        memories: the stores that outlive an arbiter.
+        publisher: publishes the predicates of its own inputs; None: it reads none.
     """
 
     def __init__(
@@ -53,14 +53,14 @@ class ArbiterLives:
         self._opened: Mapping[str, VirtualBus] | None = None  # by one that starts
 
     def start(self) -> None:
-        """Start one where none lives, or once the one that ends has ended."""
+        """Start an arbiter if none lives, or after the ending one has ended."""
         if self.now is None or self.now.ends:
             self._starts = True
             if self.now is None:
                 self._begin()
 
     def end(self) -> None:
-        """Ask it to end in good order: once it waits for nothing any more; asked once more, at once."""
+        """Ask the arbiter to end properly when it has nothing left to wait for; a second call ends it at once."""
         if self.now is None:
             return
         if self.now.ends:
@@ -70,25 +70,25 @@ class ArbiterLives:
             self.look()
 
     def look(self) -> None:
-        """Whether one that was asked to end is over now."""
+        """Close the arbiter if it was asked to end and is over."""
         if self.now is not None and self.now.is_over:
             self._close(self.now)
 
     def kill(self) -> None:
-        """It dies now, or ceases to start."""
+        """Kill the arbiter, or cancel its start."""
         self.now = self.publisher = self._opened = None
         self._starts = False
         self._buses.kill()
 
     def lose_power(self) -> None:
-        """As `kill`; so do the devices on the buses, and what the disk has not taken is lost."""
+        """Kill the arbiter and cut the power of its buses; data that was not synced to the disk is lost."""
         self.kill()
         self._buses.lose_power()
         self.memories.lose_power(f"boot {self._clock()}")
         self._outputs.set(dict.fromkeys(self._outputs.levels(), False))
 
     def heard(self) -> None:
-        """The master of a bus has heard something: one that lives does what follows, one that starts may begin."""
+        """Process news from a bus: a living arbiter reacts, a starting one may begin."""
         if self.now is None:
             self._buses.forget_ended()
             if self._starts:
@@ -97,11 +97,11 @@ class ArbiterLives:
             self.now.step()
 
     def sender(self, *, own: bool) -> ToArbiter:
-        """Takes what is proven to the one that lives; ``own``: by its own inputs."""
+        """Return a sender of predicates to the living arbiter; ``own``: they come from its own inputs."""
         return ToArbiter(self, own=own)
 
     def _begin(self) -> None:
-        """As soon as the ports of its buses are free, and what hangs on them has reported how it stands."""
+        """Begin as soon as the ports of the buses are free and their devices have reported their state."""
         if self._opened is None:
             if self._buses.masters:
                 return
@@ -126,13 +126,13 @@ class ArbiterLives:
 
 
 class ToArbiter:
-    """Takes what is proven to the arbiter that lives."""
+    """Sends predicates to the living arbiter."""
 
     def __init__(self, lives: ArbiterLives, *, own: bool) -> None:
         self._lives, self._own = lives, own
 
     def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
-        """Whether it got there."""
+        """Return whether the predicates were delivered."""
         arbiter = self._lives.now
         if arbiter is None:
             return False
@@ -140,4 +140,4 @@ class ToArbiter:
         return True
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""

@@ -43,9 +43,9 @@ class VirtualOutputs:
     """A `LineBackend`.
 
     Args:
-        names: of all lines of the board.
-        active: those that are active at the start.
-        clock: µs.
+        names: names of all lines of the board.
+        active: lines that are active at the start.
+        clock: returns the time, µs.
         on_edge: called with each change.
     """
 
@@ -68,7 +68,7 @@ class VirtualOutputs:
         return dict(self._levels)
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some of them, at once."""
+        """Write some levels at once."""
         for name, level in levels.items():
             if self._levels[name] != level:
                 self._levels[name] = level

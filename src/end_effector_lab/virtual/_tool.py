@@ -44,33 +44,34 @@ REPEAT_US = 50_000
 _TRIES_US = 200_000
 STARTED_US = 5_000_000
 LONGEST_LOOK_US = 250_000
-"""Somebody may look at the tool at least so often, also while no frame comes."""
+"""Longest time between two looks at the tool, µs, even without frames."""
 
 
 class VirtualTool:
-    """Both programs, the line arbiter with its records, the sensors and the testbench, in one thread, without a clock.
+    """Both programs, the line arbiter with its records, the sensors and the testbench, in one thread, without a real
+    clock.
 
-    What runs is the product: its programs, controllers and detectors, the rules and the records of the arbiter, its
-    codecs. Left out are sockets, threads and the time that they take: what is sent arrives at the same instant. The
-    same seed, scenario and commands give the same run, to the microsecond.
+    The product itself runs: its programs, controllers and detectors, the rules and records of the arbiter, its codecs.
+    Only sockets, threads and their delays are left out: messages arrive at the same instant. The same seed, scenario
+    and commands give the same run, to the microsecond.
 
-    What is due at one instant happens in this order: frames, programs, leases, the arbiter.
+    Events at one instant are processed in this order: frames, programs, leases, the arbiter.
 
     Args:
-        description: the tool.
-        scenario: what goes wrong, in the words of the testbench.
-        seed: of the valves, the noise, and the chance in faults.
-        levels: lines that are active at the start; what they hold has settled.
-        watch: follows the automata, such as a `Monitor` does.
-        on_frame: called with each frame that comes, before the programs get it; default: frames that would change
-            nothing are left out.
+        description: the description of the tool.
+        scenario: the fault, in the words of the testbench.
+        seed: seed of the valves, the noise, and the random faults.
+        levels: lines that are active at the start; their parts have settled.
+        watch: follows the automata, for example with a `Monitor`.
+        on_frame: called with each frame before the programs receive it; default: frames that would change nothing are
+            left out.
 
     Attributes:
-        at: µs since the start.
-        bench: the simulated devices, as they really are.
-        memories: what outlives the arbiter; its disk can be made to fail.
-        statuses: of the gripping program, in order, and ``changes`` those of the tool changer's.
-        edges: of the output lines, in order.
+        at: time since the start, µs.
+        bench: the real state of the simulated devices.
+        memories: the stores that outlive the arbiter; its disk can be made to fail.
+        statuses, changes: statuses of the gripping program, and of the tool changer's, in order.
+        edges: edges of the output lines, in order.
 
     Raises:
         UsageError: the tool cannot be played in virtual time, or the scenario cannot be used.
@@ -117,40 +118,40 @@ class VirtualTool:
 
     @property
     def status(self) -> Status:
-        """Of the whole tool, as the programs have told it last; a program that has died says nothing any more."""
+        """The status of the whole tool from the programs' last reports; a dead program reports nothing."""
         gone = [name for name in PROGRAMS if name not in self._programs]
         return tool_status(self.statuses[-1], self.changes[-1], self.at, gone=gone)
 
     @property
     def levels(self) -> dict[str, bool]:
-        """Of all output lines."""
+        """The levels of all output lines."""
         return self._outputs.levels() | self._on_bus
 
     @property
     def living(self) -> frozenset[str]:
-        """``arbiter``, ``grip`` and ``tool_change``, as far as they run."""
+        """The running processes of ``arbiter``, ``grip`` and ``tool_change``."""
         return frozenset((*self._programs, *([ARBITER] if self._arbiters.now else [])))
 
     @property
     def arbiters(self) -> int:
-        """How many line arbiters have begun so far."""
+        """Number of line arbiters started so far."""
         return self._arbiters.begun
 
     @property
     def ending(self) -> bool:
-        """Whether the arbiter was asked to end, and still waits for something."""
+        """Whether the arbiter was asked to end and still waits."""
         return self._arbiters.now is not None and self._arbiters.now.ends
 
     @property
     def latched(self) -> dict[str, str]:
-        """The faults that the arbiter has latched: sentences by name."""
+        """The latched faults of the arbiter: sentences by name."""
         return dict(self._arbiters.now.rules.predicates.faults) if self._arbiters.now else {}
 
     def command(self, name: str, look: Callable[[], object] = lambda: None) -> Answer:
         """Give ``grip``, ``drop``, ``cancel``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the tool changer).
 
-        An unlock waits for the proof that nothing is gripped, as it does in the product; meanwhile time goes on, and
-        ``look`` is called at each instant.
+        An unlock waits for the proof that nothing is gripped, as in the product; meanwhile time advances, and ``look``
+        is called at each instant.
         """
         program = self._programs.get("tool_change" if name in _OF_CHANGER else "grip")
         if program is None:
@@ -166,7 +167,7 @@ class VirtualTool:
         return program.command(name)
 
     def reset(self) -> Answer:
-        """Clear the faults that the arbiter has latched, and the alarms about a held part that are over."""
+        """Clear the latched faults of the arbiter, and ended alarms about a held part."""
         if "grip" in self._programs:
             self._programs["grip"].acknowledge()
         try:
@@ -178,17 +179,17 @@ class VirtualTool:
         return Answer(not stays, " ".join(stays.values()))
 
     def choose(self, scenario: str) -> None:
-        """Have something else go wrong from now on; raises UsageError if it cannot be used."""
+        """Select another scenario from now on; raises UsageError if it cannot be used."""
         self.bench.choose(scenario, self.at)
         if self._leap:
             self._leap.forget()
 
     def run(self, seconds: float) -> None:
-        """Let time go on."""
+        """Advance time."""
         self.run_until(self.at + round(seconds * 1e6))
 
     def run_until(self, at: int, over: Callable[[], bool] = lambda: False) -> bool:
-        """Let time go on to ``at`` (µs), or until something is so; returns whether it is."""
+        """Advance time to ``at`` (µs), or until ``over`` returns True; return whether it did."""
         while not over():
             if self.at >= at:
                 return False
@@ -206,7 +207,7 @@ class VirtualTool:
     # Births and deaths
 
     def kill(self, name: str) -> None:
-        """``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with who reads the sensors) dies now."""
+        """Kill ``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with the sensor reader) now."""
         if name == ARBITER:
             self._arbiters.kill()
         for program in self._named(name):
@@ -218,9 +219,9 @@ class VirtualTool:
             self._publisher = None
 
     def end(self, name: str) -> None:
-        """The same in good order, as after SIGTERM; a part that is held is treated as the description says.
+        """End the same processes properly, as after SIGTERM; a held part is treated as declared.
 
-        The arbiter ends when it waits for no last will and no pulse any more; asked once more, it ends at once.
+        The arbiter ends when it waits for no last will and no pulse; a second call ends it at once.
         """
         if name == ARBITER:
             self._arbiters.end()
@@ -233,7 +234,7 @@ class VirtualTool:
             self._publisher = None
 
     def start(self, name: str) -> None:
-        """Start what does not run; a program that finds no arbiter, or not its lines, tries again every 0.2 s."""
+        """Start processes that do not run; a program without an arbiter or its lines tries again every 0.2 s."""
         if name == ARBITER:
             self._arbiters.start()
         for program in self._named(name):
@@ -241,7 +242,7 @@ class VirtualTool:
                 self._start_program(program)
 
     def lose_power(self) -> None:
-        """Everything dies, and every line goes inactive; the machine starts again when `start` is called."""
+        """Cut the power: all processes die, and every line becomes inactive; `start` starts the machine again."""
         for name in PROGRAMS:
             self._programs.pop(name, None)
             self._connections.pop(name, None)
@@ -303,12 +304,12 @@ class VirtualTool:
         return self.at
 
     def _bringing(self) -> list[tuple[int, Callable[[], object]]]:
-        """The readings that come next: at one instant, before anything else."""
+        """Return the next readings, which come first at one instant."""
         own = [] if self._own is None else [(self._own.due, self._read_own)]
         return [*own, *((source.due, partial(self._read, source)) for source in self._sources)]
 
     def _waiting(self) -> list[tuple[int, Callable[[], object]]]:
-        """What waits for its time (µs) beside the readings, in the order in which it happens at one instant."""
+        """Return the events other than readings with their times (µs), in their order at one instant."""
         waits: list[tuple[int, Callable[[], object]]] = [
             (silent, partial(devices.advance, silent))
             for devices in self._buses.devices.values()
@@ -336,22 +337,22 @@ class VirtualTool:
                 self._publisher.frame(frame, self._pass_on)
 
     def _hear(self, master: VirtualBus) -> None:
-        """What the master of a bus has read is handed on; what a device has done by now is the arbiter's."""
+        """Pass on the readings of a bus master, and let the arbiter process the devices' changes."""
         for frame in master.frames(self.at):
             if self._publisher is not None:
                 self._publisher.frame(frame, self._pass_on)
         self._arbiters.heard()
 
     def _leap_of(self, sources: Sequence[Source]) -> Leap | None:
-        """None: several bring readings, or one that is asked."""
+        """Return the leap; None if there are several sources of readings, or a polled one."""
         if len(sources) != 1 or self._own or self._buses.devices or not isinstance(sources[0], StreamedLink):
             return None
         return Leap(self.description, sources[0], lambda: self._judge)
 
     def _leave_out(self, leap: Leap, limit: int, end: int) -> None:
-        """Leave out the frames until ``limit`` that change nothing; what watches a part sees them all the same.
+        """Leave out the frames until ``limit`` that change nothing; the watches of a held part still receive them.
 
-        The last one before time stops, at ``end``, is played.
+        The last frame before ``end``, where time stops, is played.
         """
         link = leap.link
         link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._publisher is None)
@@ -380,7 +381,7 @@ class VirtualTool:
         return len(self.statuses), len(self.changes), len(self.edges)
 
     def _read_own(self) -> None:
-        """The arbiter reads its own inputs, and hands them on; while there is none, nobody does."""
+        """Read the arbiter's own inputs and pass them on, if an arbiter lives."""
         for frame in self._own.frames(self.at) if self._own is not None else ():
             if self._arbiters.publisher is not None:
                 self._arbiters.publisher.frame(frame, self._hand_on)
@@ -412,14 +413,14 @@ class VirtualTool:
             self._leap.forget()
 
     def _tell_peers(self, name: str, status: Status) -> None:
-        """What one program must know of the other."""
+        """Inform the other program of a status."""
         if name == "grip" and (change := self._programs.get("tool_change")):
             change.update_peer(ee=status.ee)
         if name == "tool_change" and (grip := self._programs.get("grip")):
             grip.update_peer(**told_to_grip(status))
 
     def _obey(self, name: str, level: bool) -> None:
-        """An output was commanded over its bus."""
+        """Process an output that was commanded over its bus."""
         if self._on_bus[name] != level:
             self._on_bus[name] = level
             self._edge(Edge(self.at, name, level))

@@ -129,7 +129,7 @@ class ClusterWorkers(Workers):
                     self._client.unregister_worker_plugin(name)
 
     def _check(self) -> None:
-        """Raise an error that names the first worker that differs, before anything is sent."""
+        """Raise an error that names the first differing worker, before anything is sent."""
         with self._reached():
             try:
                 self._client.wait_for_workers(1, timeout=JOIN_S)

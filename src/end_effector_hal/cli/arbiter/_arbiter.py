@@ -32,13 +32,13 @@ from end_effector_hal.description import tool_path
 def command(
     description: Path | None, profile: str, socket: Path | None, journal: Path | None, group: str | None
 ) -> None:
-    """Own all output lines of a tool (one request) and serve them on a Unix socket.
+    """Own all output lines of a tool (in one request) and serve them on a Unix socket.
 
     The tool is named by its DESCRIPTION or by --profile; there is no default.
 
     Lines that are outputs already keep their level; inputs become inactive outputs. When a client dies, the arbiter
-    executes its last will. The lines keep their level when the arbiter ends. Latched faults are kept in a journal,
-    and last wills in the session record beside the socket, for the next arbiter.
+    executes its last will. The lines keep their level when the arbiter ends. The arbiter keeps latched faults in a
+    journal, and last wills in the session record beside the socket, for the next arbiter.
     """
     from end_effector_hal.arbiter import run_arbiter
 

@@ -1,4 +1,6 @@
-"""The line arbiter: whether one serves the tool's socket, its clients, and what is active."""
+"""Checks the line arbiter: whether one serves the socket of the tool, which clients it has, and which lines are
+active.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,14 @@ _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/t
 _START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter."
 _GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
 _FRESH_US = 1_000_000
-"""Longer than the arbiter's own 150 ms: the machine may be slow, and reading changes nothing."""
+"""Largest age of a sensor predicate that counts as fresh, µs. It is longer than the 150 ms of the arbiter itself: the
+machine may be slow, and reading changes nothing.
+"""
 _say = CheckedPart("arbiter")
 
 
 def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckResults:
-    """Reads levels, status and records, writes nothing; ``lines`` are all output lines of the tool."""
+    """Read levels, status and records without writing anything; ``lines`` are all output lines of the tool."""
     from end_effector_hal.arbiter import DROP_FIRST, ArbiterClient, arbiter_policy, recorded_left_behind
 
     try:
@@ -61,7 +65,7 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
 
 
 def _sensed(status: dict[str, Any]) -> Iterator[CheckResult]:
-    """What the sensors prove to the arbiter (IL-01, IL-05, IL-13), and its faults."""
+    """Report what the sensors prove to the arbiter (IL-01, IL-05, IL-13), and the faults of the arbiter."""
     needs, told = status.get("needs", []), status.get("told", {})
     fresh = {name: told[name]["holds"] for name in needs if name in told and told[name]["age_us"] < _FRESH_US}
     missing = [name for name in needs if name not in fresh]
@@ -108,7 +112,7 @@ def _unreachable(path: Path, error: ReportedError) -> CheckResult:
 
 
 def _elsewhere(path: Path) -> Iterator[Path]:
-    """Sockets of the same name where other users' programs put them."""
+    """Yield sockets of the same name in the folders that programs of other users use."""
     for folder in _FOLDERS:
         try:
             if folder != path.parent and (folder / path.name).is_socket():

@@ -1,4 +1,4 @@
-"""``eehal doctor``: what this machine lacks to run the tool."""
+"""``eehal doctor``: finds what this machine lacks to run the tool."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def _parts(_context: click.Context, _parameter: click.Parameter, value: str | No
 def command(
     file: Path | None, only: tuple[str, ...], passive: bool, report: Path | None, as_json: bool
 ) -> None:
-    """Look at this machine and say what is missing to run the tool.
+    """Examine this machine and report what is missing to run the tool.
 
-    Each line is ok, warning or missing, with what to do. Nothing is written, requested or stolen: lines are
-    only looked up, and a sensor port that somebody reads is left alone.
+    Each line is ok, warning or missing, with the remedy. Nothing is written or requested: lines are only looked up,
+    and a sensor port that another process reads is not opened.
 
     Exit codes: 0 nothing is missing, 2 the description is bad, 3 something is missing or not reachable.
     """
@@ -98,7 +98,7 @@ def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[Ch
 
 
 def _looks(description: Description | None, *, listen: bool) -> dict[str, Callable[[], CheckResults]]:
-    """What to look at, in this order; without a description only what needs none."""
+    """Return the examinations in their order; without a description, only those that need none."""
     from ._machine import look_at_machine
     from ._python import look_at_python
     from .ros import look_at_ros
@@ -127,7 +127,9 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
 
 
 def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[CheckResult]]:
-    """The description if nothing is wrong with it, and what is; ``wholly``: with its codec and its automata."""
+    """Return the description, or None if it has faults, and the findings about it; ``wholly``: check its codec and its
+    automata as well.
+    """
     from end_effector_hal.cli.check import check
 
     say = CheckedPart("description")
@@ -144,7 +146,7 @@ def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Ch
 
 
 def _guarded(part: str, look: Callable[[], CheckResults]) -> Iterator[CheckResult]:
-    """What goes wrong while looking is a finding, too."""
+    """Yield the findings of an examination; report an exception in it as a finding, too."""
     try:
         yield from look()
     except Exception as error:  # noqa: BLE001 never a traceback: the machine is not as anybody thought

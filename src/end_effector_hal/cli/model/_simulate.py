@@ -1,4 +1,4 @@
-"""``eehal model simulate``: runs of the whole network, as in UPPAAL's simulator."""
+"""``eehal model simulate``: plays runs of the whole network, as UPPAAL's simulator does."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ def simulate(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Play the whole network at random, or as --choose says: a line per transition, time in ms.
+    """Play the whole network at random, or as --choose directs: a line per transition, time in ms.
 
-    --choose "world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350": each is the name of a channel, or a
-    condition that the next transition makes true, and when: @ after the start, + after the step before, in ms;
-    without, as soon as possible. What cannot wait happens in between by itself. The run ends after the last one
-    unless --steps or --for lets it go on at random.
+    --choose "world == IN_TIME; adopt; grip @ 1000; confirmed[0] + 350": each item is the name of a channel, or a
+    condition that the next transition makes true, and its time in ms: @ after the start, + after the previous item;
+    without a time, as soon as possible. Transitions that cannot wait happen in between by themselves. The run ends
+    after the last item unless --steps or --for continues it at random.
     """
     from random import Random
 
@@ -103,7 +103,7 @@ def simulate(
 
 
 def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[list[Path], str]:
-    """The files of a run, and why there is no figure if there is none."""
+    """Write the files of a run; return them, and the reason if there is no figure."""
     from end_effector_hal.recording import MODEL_RUN
     from end_effector_hal.verification import has_states, states_of, write_states
 

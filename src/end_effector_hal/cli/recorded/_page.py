@@ -1,4 +1,4 @@
-"""``eehal page``: the live page of a tool, or recordings in the same page."""
+"""``eehal page``: serves the live page of a tool, or shows recordings in the same page."""
 
 from __future__ import annotations
 
@@ -42,10 +42,11 @@ def command(
 ) -> None:
     """Show a tool in a browser: live, or as it was recorded.
 
-    DESCRIPTION: states, pressures, interlocks, why a command is refused. The page follows the programs that run with
-    the same description (`eehal run`, the nodes of ROS 1 or 2) by their local sockets, and finds them again. The
-    printed address has a token: its user sees the tool and may take control. Closing the page, or ending this
-    command, moves no line. The page lists the recordings of a folder, and opens them.
+    DESCRIPTION: shows states, pressures, interlocks, and why a command is refused. The page follows the programs that
+    run with the same description (`eehal run`, the nodes of ROS 1 or 2) by their local sockets, and reconnects when
+    they restart. The printed address contains a token; a browser that has the token sees the tool and may take
+    control. Closing the page, or ending this command, moves no line. The page also lists and opens the recordings of a
+    folder.
 
     RECORDING: a folder of `eehal run --record`, one of its traces, or a ROS bag, in the same page: scrub, step from
     transition to transition, and compare with a second one. Nothing can be commanded there.

@@ -1,4 +1,4 @@
-"""What `eehal page` and `eehal report` share: which recording is meant, and which part of it."""
+"""Helpers of `eehal page` and `eehal report` that select the recording and the part of it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def recording_options(command: Command) -> Command:
-    """``--description``, ``--from`` and ``--to``: ``description``, ``since``, ``until``."""
+    """Add the options ``--description``, ``--from`` and ``--to`` as the parameters ``description``, ``since``,
+    ``until``.
+    """
     seconds = click.FloatRange(min=0)
     for option in (
         click.option("--to", "until", metavar="SECONDS", type=seconds, help="Show a recording up to there."),
@@ -60,12 +62,14 @@ _BAG_READERS: Plugins[Callable[..., Any]] = Plugins(GROUP, "bag reader", {}, _ch
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a path leads to a recording, and not to a description."""
+    """Return whether a path is a recording and not a description."""
     return path.is_dir() or path.suffix in (TRACE, *BAGS)
 
 
 def runs_in(folder: Path) -> tuple[Path, ...]:
-    """The recordings in a folder that is none itself, however deep, by name; links to folders are not followed."""
+    """Return the recordings in a folder and its subfolders, sorted by name; () if the folder itself is a recording.
+    Links to folders are not followed.
+    """
     if not folder.is_dir() or _is_run(os.listdir(folder)):
         return ()
     return tuple(sorted(Path(each) for each, _, names in os.walk(folder) if _is_run(names)))
@@ -76,14 +80,14 @@ def _is_run(names: Sequence[str]) -> bool:
 
 
 def open_recordings(paths: Sequence[Path], description: Path | None) -> list[RecordingFiles | RecordedTables]:
-    """Those of one page; raises UsageError for what is none, and for more than two."""
+    """Open the recordings for one page; raises UsageError for a path that is no recording, and for more than two."""
     if len(paths) > 2:
         raise UsageError(f"{len(paths)} recordings cannot be compared.", todo="Name one, or two.")
     return [_open(each, description) for each in paths]
 
 
 def part_of(since_s: float | None, until_s: float | None) -> RecordingPart:
-    """What of a recording is shown; raises UsageError when that is nothing."""
+    """Return the part of a recording that is shown; raises UsageError if it would be empty."""
     from end_effector_hal.page.recorded import RecordingPart
 
     if not all(isfinite(each) for each in (since_s or 0.0, until_s or 0.0)):

@@ -1,4 +1,4 @@
-"""``eehal replay``: the same program on recorded inputs, its decisions compared and judged."""
+"""``eehal replay``: runs the same program on recorded inputs, compares its decisions and judges them."""
 
 from __future__ import annotations
 
@@ -32,16 +32,17 @@ if TYPE_CHECKING:
 def command(recording: Path, description: Path | None, as_json: bool) -> None:
     """Feed a recorded run to the same controller, and judge it by its network.
 
-    Says whether the decisions are identical, with the first difference, and whether the automata allow each recorded
-    step: guards, synchronisation, order, time, and the requirements that can be judged on a run. Lines, last wills and
-    the header are compared with what was decided, and with what else the trace holds. A missed reaction bound that the
-    trace records is listed, and does not count as a difference. A trace of a folder that cannot be read is listed, and
-    the others are judged all the same.
+    The command prints whether the decisions are identical, with the first difference, and whether the automata allow
+    each recorded step: guards, synchronisation, order, time, and the requirements that can be judged on a run. Lines,
+    last wills and the header are checked against the decisions and the rest of the trace. A missed reaction bound that
+    the trace records is listed, but does not count as a difference. A trace in a folder that cannot be read is listed,
+    and the others are judged nevertheless.
 
-    FOLDER may also hold folders of runs, however deep: then what is not as recorded is printed, and a table ends it.
+    FOLDER may also contain folders of runs at any depth: then only differences are printed, and a table follows at the
+    end.
 
-    With --description the first decision is printed that another tool would have made: the recorded readings answer
-    the outputs of the recorded tool, so nothing behind it says what would have happened.
+    With --description the first decision that the other tool would have made differently is printed. Later decisions
+    are not compared, because the recorded readings answer the outputs of the recorded tool.
 
     Exit code 0: identical, and every step allowed; 1: not; 2: no recording, or a trace of it cannot be read.
     """
@@ -79,7 +80,7 @@ def command(recording: Path, description: Path | None, as_json: bool) -> None:
 
 @dataclass
 class _Run:
-    """What was found in one folder, by its name."""
+    """The results for one folder, with its name."""
 
     name: str
     reviews: list[Review] = field(default_factory=list)
@@ -103,7 +104,7 @@ class _Run:
 def _judged(
     folder: Path, tool: Description | None, place: str, *, shown: bool
 ) -> Iterator[tuple[Path, Review | UsageError]]:
-    """Each trace of a run, in the order of writing; an error where one cannot be read."""
+    """Yield the review of each trace of a run in the order of writing, or an error for a trace that cannot be read."""
     from end_effector_hal.verification.replay import load_trace, review, traces_of
 
     before: SegmentEnd | None = None

@@ -1,4 +1,4 @@
-"""``eehal run``: one tool in this terminal, without ROS."""
+"""``eehal run``: runs one tool in this terminal, without ROS."""
 
 from __future__ import annotations
 
@@ -75,15 +75,14 @@ def command(
     keep_mb: float,
     as_json: bool,
 ) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, reload, wait SECONDS,
-    status, help, quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, reload, wait SECONDS, status,
+    help, quit.
 
-    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate nothing must, and the command
-    `scenario S` makes something go wrong: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At the
-    prompt of a terminal cancel, stop and status are in reach while a command runs; another command waits for its end.
-    In a script a command followed by `&` goes on in the background, so that it can be cancelled: 'grip &; wait 3;
-    cancel'.
-    Quitting releases nothing that is held; Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
+    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run. With --simulate no other program is needed,
+    and the command `scenario S` causes a fault: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At
+    the prompt, cancel, stop and status are possible while a command runs; any other command waits for its end. In a
+    script a command followed by `&` continues in the background, so that it can be cancelled: 'grip &; wait 3;
+    cancel'. Quitting releases no held part; Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
     """
     from end_effector_hal.cli._progress import Progress
     from end_effector_hal.codecs import load_tool
@@ -162,7 +161,7 @@ def command(
 
 
 def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: bool) -> Answer:
-    """Whether this run may go on with the file as it is now: first of all the tool must be at rest."""
+    """Return whether this run may continue with the changed description; first the tool must be brought to rest."""
     answer = tool.stand_still()
     if answer.accepted and not (answer := _reload_file(description, tool, simulate, recorded)).accepted:
         tool.go_on()
@@ -170,7 +169,9 @@ def _reload(description: Path, tool: EndEffector, *, simulate: bool, recorded: b
 
 
 def _reload_file(description: Path, tool: EndEffector, simulate: bool, recorded: bool) -> Answer:
-    """Whether the file can be taken over; a simulated line arbiter restarts with it, and forgets."""
+    """Return whether the changed file can be used; a simulated line arbiter restarts with it and loses its latched
+    faults.
+    """
     from end_effector_hal.arbiter import ArbiterClient
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import Answer
@@ -196,7 +197,7 @@ def _reload_file(description: Path, tool: EndEffector, simulate: bool, recorded:
 
 
 def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:
-    """The two commands that help, as they can be typed."""
+    """Return the error with the two commands that help, ready to be typed."""
     return ArbiterError(
         error.what,
         where=error.where,
@@ -210,7 +211,9 @@ def _refuse_scenario(_: str) -> None:
 
 
 def _own_folder(folder: Path) -> Path:
-    """The folder, or one beside it if it holds a recording: that is of one run, and no run is refused for it."""
+    """Return the folder, or a new one beside it if it already contains a recording: a folder holds one run, and no run
+    is refused because of that.
+    """
     own, number = folder, 1
     with os_errors("The recording cannot be written", folder, todo="Name another folder."):
         while any(next(own.glob(files), None) for files in ("states*.csv", "*.mcap")):
@@ -221,7 +224,7 @@ def _own_folder(folder: Path) -> Path:
 
 
 def _try_to_write(folder: Path) -> None:
-    """Told once and before anything begins: each program would tell it of its trace."""
+    """Check that the folder can be written, so that the error appears once at the start and not once per program."""
     with os_errors("The recording cannot be written", folder, todo="Name another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()

@@ -1,4 +1,4 @@
-"""What a message means in the rows of a recording: live, and when a bag is imported."""
+"""Convert messages to the rows of a recording, both live and when a bag is imported."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def events_of(message: StateMessage) -> list[ToolEvent]:
 
 
 def write_frame(recording: Recording, message: FrameMessage) -> None:
-    """Raises ReportedError when it cannot be written now."""
+    """Write the rows of a frame message; raises ReportedError when a row cannot be written now."""
     values = {
         channel: value if valid else None
         for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False)

@@ -1,4 +1,4 @@
-"""Node HALMain: the only interface of applications; its actions, and the aggregated state."""
+"""Node HALMain: the only interface for applications, with its actions and the aggregated state."""
 
 from __future__ import annotations
 

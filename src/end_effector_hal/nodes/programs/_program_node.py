@@ -1,4 +1,4 @@
-"""What the nodes Grip and ToolChange have in common: one program with a topic and a service."""
+"""The common part of the nodes Grip and ToolChange: one program with a topic and a service."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ class ProgramNode(Generic[P]):
         node: the connection to ROS.
         description: the tool.
         program: GripProgram or ChangerProgram.
-        state: the topic of its statuses: at each step, and at 10 Hz.
-        command: the service that gives it commands.
+        state: the topic of its statuses: published at each step, and at 10 Hz.
+        command: the service that passes commands to it.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class ProgramNode(Generic[P]):
                 self._log.log(logging.INFO if alarm.over else logging.WARNING, "%s", alarm)
 
     def _with_alarms(self, message: StatusMessage, alarms: Sequence[Alarm]) -> StatusMessage:
-        """A message with the alarms of its program and those about unknown senders."""
+        """Return a message with the alarms of its program and those about unknown senders."""
         every = (*alarms, *self._node.unknown_senders.alarms())
         return replace(message, alarms=tuple(map(str, every)), alarm_ids=tuple(each.name for each in every))
 
@@ -125,7 +125,7 @@ class ProgramNode(Generic[P]):
             return replace(answer, count=self._count)
 
     def log_refusal(self, what: str, answer: Answer) -> None:
-        """Write one line for what was not done, or not in the time of an answer."""
+        """Log one line about a command that was refused, or not answered in time."""
         said = refused if answer.decided else unanswered
         self._log.info("%s", said(what, answer.reason))
 

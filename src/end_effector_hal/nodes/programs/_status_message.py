@@ -1,4 +1,4 @@
-"""From the status of a program to its message."""
+"""Convert the status of a program to its message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the nodes and a ROS generation agree upon: the protocol, the messages, and which of them are accepted."""
+"""The contract between the nodes and a ROS generation: the protocol, the messages, and which messages are accepted."""
 
 from ._commander import Commander
 from ._frames import (

@@ -1,7 +1,7 @@
 """The messages that the nodes publish, with the field names of ``end_effector_msgs``; a transport converts them.
 
-What a node receives has the same fields, in whatever class the generation has for it. Times in µs are of the
-monotonic clock of this machine.
+Received messages have the same fields, in the class of the ROS generation. Times in µs are of the monotonic clock of
+this machine.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from end_effector_hal.vocabulary import Command
 
 @dataclass(slots=True)
 class MessageHeader:
-    """When a message was true, in µs; None: when it is published. The transport makes ROS time of it."""
+    """The time of the content of a message, µs; None: that of publishing. The transport converts it to ROS time."""
 
     at_us: int | None = None
     frame_id: str = ""
@@ -23,7 +23,7 @@ class MessageHeader:
 
 @dataclass(slots=True)
 class FrameMessage:
-    """``SensorFrame``: see its definition for the fields, as for all that follow."""
+    """The message ``SensorFrame``; its definition explains the fields, as for all messages below."""
 
     at_us: int = 0
     seq: int = -1
@@ -35,7 +35,7 @@ class FrameMessage:
 
 @dataclass(slots=True)
 class PressureMessage:
-    """``FluidPressure``: absolute, in Pa; NaN: not known."""
+    """The message ``FluidPressure``: absolute, in Pa; NaN: unknown."""
 
     fluid_pressure: float
     header: MessageHeader
@@ -43,7 +43,7 @@ class PressureMessage:
 
 @dataclass(slots=True)
 class PositionMessage:
-    """``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN, and its name."""
+    """The message ``ToolChangerPosition`` or ``ToolStandPosition``: an integer, 0 is UNKNOWN, and its name."""
 
     position: int
     position_name: str
@@ -52,7 +52,7 @@ class PositionMessage:
 
 @dataclass(slots=True)
 class CylinderPositionMessage:
-    """``CylinderPosition``: also the fraction of the stroke, NaN where it is not known."""
+    """The message ``CylinderPosition``, also with the fraction of the stroke; NaN: unknown."""
 
     position: int
     position_name: str
@@ -62,7 +62,7 @@ class CylinderPositionMessage:
 
 @dataclass(slots=True)
 class JointStateMessage:
-    """``JointState``: only the joints whose position is proven, m or rad."""
+    """The message ``JointState``, with only the joints whose position is proven, m or rad."""
 
     name: Sequence[str]
     position: Sequence[float]
@@ -71,7 +71,7 @@ class JointStateMessage:
 
 @dataclass(slots=True)
 class CommandMessage:
-    """``SupervisorCommand``: an integer of Table II."""
+    """The message ``SupervisorCommand``: an integer of Table II."""
 
     command: int
     command_name: str
@@ -80,7 +80,7 @@ class CommandMessage:
 
 @dataclass(slots=True)
 class StepMessage:
-    """``StepReport``."""
+    """The message ``StepReport``."""
 
     actuator: str
     attempts: int
@@ -104,7 +104,7 @@ class EventMessage:
 
 @dataclass(slots=True)
 class StatusMessage:
-    """``UnitStatus``: what one program does."""
+    """The message ``UnitStatus``: the status of one program."""
 
     header: MessageHeader = field(default_factory=MessageHeader)
     since_us: int = 0
@@ -140,7 +140,7 @@ class StatusMessage:
 
 @dataclass(slots=True)
 class StateMessage:
-    """``EndEffectorState``: the aggregated state."""
+    """The message ``EndEffectorState``: the aggregated state."""
 
     since_us: int
     count: int
@@ -192,7 +192,7 @@ class StateMessage:
 
 @dataclass(slots=True)
 class FeedbackMessage:
-    """``EndEffector_Feedback``."""
+    """The message ``EndEffector_Feedback``."""
 
     state: int
     state_name: str
@@ -204,7 +204,7 @@ class FeedbackMessage:
 
 @dataclass(slots=True)
 class ResultMessage:
-    """``EndEffector_Result``."""
+    """The message ``EndEffector_Result``."""
 
     outcome: int
     outcome_name: str
@@ -217,7 +217,7 @@ class ResultMessage:
 
 @dataclass(slots=True)
 class GripperMessage:
-    """``GripperCommand_Result`` and ``_Feedback``; NaN: not known."""
+    """The messages ``GripperCommand_Result`` and ``_Feedback``; NaN: unknown."""
 
     position: float
     effort: float = nan
@@ -227,7 +227,7 @@ class GripperMessage:
 
 @dataclass(slots=True)
 class ParallelGripperMessage:
-    """``ParallelGripperCommand_Result`` and ``_Feedback``."""
+    """The messages ``ParallelGripperCommand_Result`` and ``_Feedback``."""
 
     state: JointStateMessage
     stalled: bool = False
@@ -236,7 +236,7 @@ class ParallelGripperMessage:
 
 @dataclass(slots=True)
 class KeyValueMessage:
-    """``diagnostic_msgs/KeyValue``."""
+    """The message ``diagnostic_msgs/KeyValue``."""
 
     key: str
     value: str
@@ -244,7 +244,7 @@ class KeyValueMessage:
 
 @dataclass(slots=True)
 class DiagnosticMessage:
-    """``diagnostic_msgs/DiagnosticStatus``."""
+    """The message ``diagnostic_msgs/DiagnosticStatus``."""
 
     level: int
     name: str
@@ -255,7 +255,7 @@ class DiagnosticMessage:
 
 @dataclass(slots=True)
 class DiagnosticsMessage:
-    """``diagnostic_msgs/DiagnosticArray``."""
+    """The message ``diagnostic_msgs/DiagnosticArray``."""
 
     status: Sequence[DiagnosticMessage]
     header: MessageHeader = field(default_factory=MessageHeader)

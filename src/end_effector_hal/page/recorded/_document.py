@@ -1,4 +1,4 @@
-"""A recording as one JSON document: what the view shows at each moment, the log, the timeline, the summary."""
+"""A recording as one JSON document: the view at each moment, the log, the timeline and the summary."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from ._tables import RecordedTables
 from ._tracks import Tracks
 
 MOST_STEPS = 18_000
-"""So many moments are shown in which only readings have changed: 0.1 s apart in half an hour."""
+"""Largest number of shown moments in which only readings have changed: 0.1 s apart in half an hour."""
 LEAST_STEP_US = 20_000
 MOST_MOMENTS = 60_000
 MOST_EVENTS = 20_000
 MOST_CHANGES = 1_500_000
-"""Of single values; what these three bound is the size of a document."""
+"""Largest number of changes of single values; these three limits bound the size of a document."""
 _READINGS = ("frame", "time")
-"""Records after which nothing but readings may have changed; the rest shows itself in a step or a status."""
+"""Kinds of records that change nothing but readings; other changes appear in a step or a status."""
 
 Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingPart:
-    """From when to when a recording is shown, seconds since its beginning; None: from its beginning, to its end."""
+    """The shown part of a recording, in seconds since its beginning; None: from its beginning, to its end."""
 
     since_s: float | None = None
     until_s: float | None = None
@@ -50,8 +50,8 @@ class FoldedRecording:
     """A recording that was read.
 
     Attributes:
-        document: as JSON, for the browser.
-        compared: what another one is compared with.
+        document: the JSON document for the browser.
+        compared: the data for a comparison with another recording.
     """
 
     document: dict[str, Any]
@@ -63,15 +63,15 @@ def read_recording(
     part: RecordingPart | None = None,
     progress: Progress = lambda _: None,
 ) -> FoldedRecording:
-    """Fold a recording into a document, and into tables.
+    """Convert a recording into a document and into tables.
 
     Args:
         files: the traces, or the tables.
-        part: what of it is shown; all by default.
-        progress: gets the share that is done, 0 to 1.
+        part: the part that is shown; default: all.
+        progress: receives the share that is done, 0 to 1.
 
     Raises:
-        ModelError, UsageError: the tool that was recorded cannot be loaded any more.
+        ModelError, UsageError: the recorded tool can no longer be loaded.
     """
     return _Fold(files, part or RecordingPart(), progress).run()
 
@@ -136,7 +136,7 @@ class _Fold:
         return bool(self._ended)
 
     def _take(self, entry: Entry) -> bool:
-        """Whether more than readings may have changed."""
+        """Process one record and return whether more than readings may have changed."""
         at, program, kind, record = entry
         view = self._view
         if kind == "header":
@@ -173,7 +173,7 @@ class _Fold:
         return kind not in _READINGS
 
     def _check(self, status: Status) -> None:
-        """Whether a status is one of this tool; raises UsageError."""
+        """Check that a status fits this tool; raises UsageError."""
         parts = self._files.description.ordered
         if {len(status.actuators), len(status.outputs), len(status.evidence)} != {len(parts)}:
             raise UsageError(f"it is not that of a tool with {len(parts)} actuators")
@@ -209,7 +209,7 @@ class _Fold:
             self._changes.append({**change, "at": max(change["at"], self._since)})
 
     def _short(self, entry: dict[str, Any]) -> dict[str, Any]:
-        """An edge stands in the document once."""
+        """Replace the edges of a log entry by their numbers, so that the document has every edge once."""
         if (detail := entry["detail"]) is None:
             return entry
         numbers = []

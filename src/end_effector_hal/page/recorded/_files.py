@@ -1,4 +1,4 @@
-"""The traces of a recording: which of them belong together, and their records in one order of time."""
+"""The traces of a recording: which of them belong together, and their records in order of time."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from end_effector_hal.runtime.boundary import Header
 from end_effector_hal.verification.replay import Entry, ProgramTrace, load_trace, traces_of
 
 MOST_BYTES = 512_000_000
-"""Of one trace: it is read as a whole; a segment has 64 MB unless somebody asked for more."""
+"""Largest trace that is read, bytes, since it is read whole; a segment has 64 MB unless configured otherwise."""
 
 
 KEPT_BYTES = 100_000_000
 TOLD = "told"
-"""Of an entry that is in no trace: changes of variables, for the log."""
+"""Kind of an entry that is in no trace: changes of variables, for the log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +103,14 @@ class RecordingFiles:
                 self.notes.append(f"There is no trace of the {program} program: its records are missing.")
 
     def again(self) -> RecordingFiles:
-        """The same recording as it is now."""
+        """Return the recording as it is on disk now."""
         return RecordingFiles(self.path, self._given)
 
     def load(self, path: Path) -> ProgramTrace:
-        """One of the traces; a few are kept, for they are read more than once.
+        """Load one of the traces; a few are cached because they are read several times.
 
         Raises:
-            UsageError: it cannot be read.
+            UsageError: the trace cannot be read.
         """
         if path not in self._kept:
             trace = _load(path)
@@ -120,16 +120,16 @@ class RecordingFiles:
         return self._kept[path]
 
     def known(self, view: dict[str, Any]) -> dict[str, Any]:
-        """What is shown, without what nobody has recorded: a trace has everything."""
+        """Return the view without values that were not recorded: unchanged, as a trace records everything."""
         return view
 
     @property
     def grown(self) -> bool:
-        """Whether the files are others than those that were read."""
+        """Whether the files have changed since they were read."""
         return stamp_of(self.path) != self.stamp
 
     def entries(self) -> Iterator[Entry]:
-        """Every record of both programs, in the order of time; one that cannot be read is noted and ends its file."""
+        """Yield all records of both programs by time; an unreadable record is noted and ends its file."""
         ways = [self._of(program) for program in PROGRAMS]
         return heapq.merge(*ways, key=lambda entry: entry.at)
 
@@ -150,7 +150,7 @@ class RecordingFiles:
                 yield Entry(at, program, "unreadable", None)
 
     def _foreign(self, trace: ProgramTrace, first: ProgramTrace | None, parts: list[_Part]) -> str:
-        """Why a trace does not belong to the first one; empty: it does."""
+        """Return why a trace does not belong to the first one; empty if it does."""
         if first is None:
             return ""
         if trace.header.hash != first.header.hash:
@@ -165,7 +165,7 @@ class RecordingFiles:
 
 
 def stamp_of(path: Path) -> tuple[tuple[str, int, int], ...]:
-    """What tells whether a recording has grown: names, sizes and times of its traces."""
+    """Return names, sizes and times of a recording's traces, by which its growth is detected."""
     try:
         return tuple((each.name, each.stat().st_size, each.stat().st_mtime_ns) for each in traces_of(path))
     except (UsageError, OSError):
@@ -173,7 +173,7 @@ def stamp_of(path: Path) -> tuple[tuple[str, int, int], ...]:
 
 
 def _what(error: ReportedError) -> str:
-    """Without the place of the file on this machine: the page may be looked at elsewhere."""
+    """Return an error's text without the file's path, since the page may be viewed on another machine."""
     return error.what if isinstance(error, UsageError) else str(error)
 
 

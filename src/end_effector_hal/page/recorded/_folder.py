@@ -1,4 +1,4 @@
-"""The recordings of a folder, newest first: what each is, in a line, without reading its traces."""
+"""The recordings of a folder, newest first, each described in one line without reading its traces."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from end_effector_hal.vocabulary import printable
 
 MOST_LISTED = 200
 MOST_SCANNED = 20_000
-"""Entries of the folder that are looked at."""
+"""Largest number of the folder's entries that are inspected."""
 MOST_TABLE_BYTES, MOST_INFO_BYTES = 2_000_000, 1_000_000
 BUDGET_S = 4.0
-"""Of a processor: so long their tables are read; what is older then is listed without its story."""
+"""Processor time for reading tables, seconds; after it, older recordings are listed without their story."""
 MOST_S = 40.0
-"""The same by the clock, on a disk that is slow."""
+"""The same limit in elapsed time, seconds, for a slow disk."""
 PROGRESS = "progress "
-"""Before the share that is read, in a line on stderr of the process that reads a recording for the live page."""
+"""Prefix of a line on stderr with the share read, from the process that reads a recording for the page."""
 _LONGEST = 160
 _BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
 _TABLE, _EVENTS, _INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
@@ -35,12 +35,12 @@ class ListedRecording:
     """One line of the list.
 
     Attributes:
-        id: by which a page asks for it: no path.
-        name: of its folder.
-        changed: when it was written last, s since 1970.
+        id: identifier by which a page requests it; not a path.
+        name: name of its folder.
+        changed: time of the last write, s since 1970.
         tool: the name in its ``run.json``.
-        story: how it went, in a sentence; or why that is not known.
-        length_s: of the table of its states; None: not known.
+        story: how it went, in a sentence; or why that is unknown.
+        length_s: duration of its table of states; None: unknown.
     """
 
     id: str
@@ -52,7 +52,7 @@ class ListedRecording:
 
 
 def recording_folders(folder: Path) -> dict[str, Path]:
-    """Those in a folder, and itself if it is one, by the id of each; links are not followed, newest first."""
+    """Return the recordings in a folder, or the folder itself, by id, newest first; links are not followed."""
     found: list[tuple[float, Path]] = []
     for path in (folder, *_inside(folder)):
         changed = _changed(path)
@@ -63,7 +63,7 @@ def recording_folders(folder: Path) -> dict[str, Path]:
 
 
 def list_recordings(folder: Path, budget_s: float = BUDGET_S) -> dict[str, Any]:
-    """The list as JSON, ``{folder, recordings}``; nothing in a recording can make this fail."""
+    """Return the list as JSON, ``{folder, recordings}``; no content of a recording makes this fail."""
     spent, until = time.process_time() + budget_s, time.monotonic() + MOST_S
     rows = []
     for id_, path in recording_folders(folder).items():
@@ -89,7 +89,7 @@ def _inside(folder: Path) -> Iterator[Path]:
 
 
 def _changed(path: Path) -> float | None:
-    """When a recording was written last; None: it is none."""
+    """Return when a recording was last written; None if the folder is no recording."""
     for name in (_TABLE, _INFO):
         try:
             found = os.stat(path / name, follow_symlinks=False)
@@ -131,7 +131,7 @@ def _read(row: ListedRecording, path: Path) -> ListedRecording:
 
 
 def _small(path: Path, most: int) -> bool:
-    """Whether it is a file of its own, no longer than that."""
+    """Return whether the path is a regular file of at most this many bytes."""
     try:
         found = os.stat(path, follow_symlinks=False)
     except OSError:

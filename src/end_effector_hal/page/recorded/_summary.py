@@ -1,4 +1,4 @@
-"""What happened in a recording, as the first page of a report: goals, why they failed, times against worst cases."""
+"""The first page of a report: goals, why they failed, and their durations against the worst cases."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Summary:
         self._events: list[EventRow] = []
 
     def status(self, status: Status) -> None:
-        """A status of the whole tool."""
+        """Add a status of the whole tool."""
         at_s = (status.at - self._epoch) / 1e6
         row = StatesRow(at_s, status.ee, status.command, status.actuators)
         if not self._rows or self._rows[-1].states != row.states:
@@ -71,7 +71,7 @@ class Summary:
         return StatesLog(self._description.sequence, tuple(self._rows), events=events)
 
     def as_json(self, proven: Verdict | None) -> dict[str, Any]:
-        """The story in one sentence, and a row for each goal; times in seconds since time zero."""
+        """Return the story in one sentence, and a row for each goal; times in seconds since time zero."""
         tool = self._description
         story = read_story(self.states, self._info)
         bounds, goals = tool.durations, list[dict[str, Any]]()
@@ -108,7 +108,7 @@ class Summary:
         }
 
     def _reason(self, at_s: float) -> list[str]:
-        """What the status said then."""
+        """Return the reason that the status gave at that time, as a list of at most one text."""
         return [text for time_s, text in self._reasons if at_s - 1e-6 <= time_s <= at_s + 0.2][:1]
 
 

@@ -1,4 +1,4 @@
-"""A recording without traces, as a ROS bag leaves it: states, alarms and pressures, from its tables."""
+"""A recording without traces, such as a converted ROS bag: states, alarms and pressures, from its tables."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ _UNKNOWN = ("held", "lift_allowed", "secure", "changer", "unlock_output", "armed
 
 
 class RecordedTables:
-    """The tables of a folder, in the place of its traces (`RecordingFiles`).
+    """The tables of a folder, used instead of traces (`RecordingFiles`).
 
     Args:
-        folder: with ``states.csv``.
+        folder: the folder, with ``states.csv``.
         description: the tool; tables do not hold it.
-        name: what it is called on the page; default: that of the folder.
-        notes: in words: what is to be known of it.
+        name: its name on the page; default: that of the folder.
+        notes: sentences to show with it.
 
     Raises:
-        UsageError: the states cannot be read, or are of another tool.
+        UsageError: the states cannot be read, or belong to another tool.
     """
 
     def __init__(
@@ -103,18 +103,18 @@ class RecordedTables:
         self._now: Mapping[str, int | None] = {}
 
     def again(self) -> RecordedTables:
-        """The same: nobody writes tables alone."""
+        """Return this object: tables without traces do not change."""
         return self
 
     def entries(self) -> Iterator[Entry]:
-        """What the tables say, as records in the order of time."""
+        """Yield the rows of the tables as records, in order of time."""
         for entry in heapq.merge(self._told(), self._frames(), self._levels(), key=lambda entry: entry.at):
             yield entry
             if entry.kind == "frame":  # the caller asks for the next one
                 self._now = {**self._now, **entry.record.values}
 
     def known(self, view: dict[str, Any]) -> dict[str, Any]:
-        """What is shown, without what nobody has recorded."""
+        """Return the view without values that were not recorded."""
         state = view["state"] and {**view["state"], **dict.fromkeys(_UNKNOWN)}
         cards = []
         for card, (name, _) in zip(view["cards"] or (), self.description.ordered, strict=False):

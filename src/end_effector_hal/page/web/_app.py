@@ -1,4 +1,4 @@
-"""The routes: the page, its files, the events, commands."""
+"""The routes for the page, its files, its events, and commands."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from ._past_routes import past_routes
 
 Ask = Callable[[str, str], Awaitable[Answer]]
 LONGEST = 2_000
-"""Bytes of a POST."""
+"""Largest POST, bytes."""
 _PAGE = re.compile(r"[0-9a-f]{16,32}")
 _TYPES = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml", "txt": "text/plain"}
 _HEADERS = {
@@ -53,7 +53,7 @@ TAKE_CONTROL = "Take control first."
 
 @dataclass(frozen=True)
 class PagePost:
-    """What a page posts: who it is, and a word; in maintenance of which actuator, for faults which scenario."""
+    """Body of a POST: the page's id and a word; the actuator in maintenance, or the scenario of a fault."""
 
     page: str
     word: str
@@ -65,18 +65,18 @@ _POST = TypeAdapter(PagePost)
 
 
 class Guarded:
-    """Nothing gets past the guard, and every answer has the headers.
+    """Checks every request by the guard, and adds the security headers to every answer.
 
     Args:
-        app: what is served.
-        address: of the page.
+        app: the application that is served.
+        address: address of the page.
     """
 
     def __init__(self, app: ASGIApp, address: PageAddress) -> None:
         self._app, self.address, self._guard = app, address, Guard(address)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """One request."""
+        """Handle one request."""
         if scope["type"] != "http":
             return
         request = Request(scope)
@@ -113,16 +113,16 @@ def make_app(
     faults: FaultCommands,
     past: PastRecordings,
 ) -> ASGIApp:
-    """The application.
+    """Return the application.
 
     Args:
-        address: who may come.
-        view: what is shown.
-        ask: gives a command to the tool.
-        hub: those who look.
-        control: which of them commands.
-        faults: what they tell a testbench.
-        past: what was recorded before.
+        address: the address with its access secrets.
+        view: the view of the tool.
+        ask: sends a command to the tool.
+        hub: the open pages.
+        control: the lease of the page that commands.
+        faults: fault commands for a testbench.
+        past: earlier recordings.
     """
     served = _Served(address, view, ask, hub, control, faults)
     routes = [
@@ -138,7 +138,7 @@ def make_app(
 
 
 async def static_route(request: Request) -> Response:
-    """A file of the page's own."""
+    """Serve a static file of the page."""
     name = request.path_params["name"]
     kind = name.rpartition(".")[2]
     content = static_file(name) if kind in _TYPES else None

@@ -1,4 +1,4 @@
-"""The routes of the recordings of the live page: their list, and each as the page of recordings. All of them read."""
+"""The live page's routes for recordings: their list, and a page for each recording; all of them only read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._past import PastRecordings
 
 
 def past_routes(past: PastRecordings) -> list[Route]:
-    """``/past`` and what is below it; the addresses have ids, and nothing of a path."""
+    """Return ``/past`` and the routes below it; the addresses contain ids and no paths."""
 
     async def listing(_: Request) -> Response:
         try:

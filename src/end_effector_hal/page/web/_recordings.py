@@ -1,4 +1,4 @@
-"""The routes of recordings: the page, its files, the documents, what the replay says. Nothing here takes a command."""
+"""The routes for recordings: page, files, documents, and the replay's results; none accepts a command."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from ._app import Guarded, static_route
 
 
 class ServedRecording:
-    """One recording, read in a thread when it is first asked for, and again after `refresh`.
+    """One recording, read in a thread at the first request, and again after `refresh`.
 
     Args:
         files: its traces.
-        part: what of it is shown.
+        part: the part that is shown.
 
     Attributes:
-        compared: what another one is compared with; None: it has not been read, or cannot be.
+        compared: the data for a comparison; None: it has not been read, or cannot be.
     """
 
     def __init__(self, files: RecordingFiles | RecordedTables, part: RecordingPart) -> None:
@@ -49,34 +49,34 @@ class ServedRecording:
 
     @property
     def name(self) -> str:
-        """Of the folder or the file."""
+        """Name of the folder or the file."""
         return self._files.name
 
     @property
     def grown(self) -> bool:
-        """Whether it is another one than was read."""
+        """Whether the recording has changed since it was read."""
         return self._files.grown
 
     def refresh(self) -> None:
-        """Somebody loads the page: what was read long ago is read again, if there is more by now."""
+        """Arrange to read the recording again if it has grown; called when the page is loaded."""
         if self._read is not None and self._read.done() and self.grown:
             self._read = self._judged = None
             self._again = True
 
     def document(self) -> asyncio.Task[bytes]:
-        """Its document as JSON; the task raises ReportedError."""
+        """Return the task for its document as JSON; the task raises ReportedError."""
         if self._read is None:
             self._read = asyncio.create_task(asyncio.to_thread(self._make))
         return self._read
 
     def verdict(self) -> asyncio.Task[bytes]:
-        """What the replay says, as JSON."""
+        """Return the task for the replay's result as JSON."""
         if self._judged is None:
             self._judged = asyncio.create_task(self._judge(self.document()))
         return self._judged
 
     def cancel(self) -> None:
-        """Nobody waits any more."""
+        """Cancel both tasks."""
         for task in (self._read, self._judged):
             if task is not None:
                 task.cancel()
@@ -97,14 +97,14 @@ class ServedRecording:
 
 
 class ServedDifferences:
-    """What differs between two recordings: found in a thread when it is asked for, again when one is read again."""
+    """The differences between two recordings, computed in a thread on request, and again if one is read again."""
 
     def __init__(self) -> None:
         self._of: tuple[asyncio.Task[bytes], ...] = ()
         self._found: asyncio.Task[bytes] | None = None
 
     def of(self, first: ServedRecording, second: ServedRecording) -> asyncio.Task[bytes]:
-        """The differences as JSON; the task raises ReportedError when one of the two cannot be read."""
+        """Return the task for the differences as JSON; it raises ReportedError if a recording cannot be read."""
         documents = first.document(), second.document()
         if self._found is None or documents != self._of:
             self._of, self._found = documents, asyncio.create_task(self._find(documents, first, second))
@@ -122,10 +122,10 @@ class ServedDifferences:
 
 
 def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecording]) -> ASGIApp:
-    """The application.
+    """Return the application.
 
     Args:
-        address: who may come.
+        address: the address with its access secrets.
         recordings: one, or two to compare.
     """
     shown = list(recordings)

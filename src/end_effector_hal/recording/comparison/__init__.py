@@ -1,4 +1,4 @@
-"""What two recordings have in common is aligned, and what is left is told: line, time and what."""
+"""Align two recordings, and report their differences with line, time and text."""
 
 from ._compare import Tolerances, compare_runs
 from ._run_difference import RunDifference, count_differences

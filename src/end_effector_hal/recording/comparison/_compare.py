@@ -1,11 +1,14 @@
-"""The differences of two recordings.
+"""Compare two recordings.
 
-Rule 1: the zero of both is their first command, so that a recording may begin earlier than the other; what was
-before it differs in no time.
-Rule 2: each line is aligned by what it says, not by when; numbers within an alarm do not count.
-Rule 3: what is in both is a difference when it is earlier or later than what came before it lets expect: a time-out
-that one run has more is told once, and not with everything that comes after it.
-Rule 4: a pressure differs where its value is in neither run near what the other one had within the tolerance of time.
+Rule 1: the zero of both is their first command, so that one recording may begin earlier than the other; a change
+before it is never reported as a difference in time.
+
+Rule 2: the changes of a line are aligned by their text, not by their time; numbers within an alarm are ignored.
+
+Rule 3: a change that is in both is a difference if it is earlier or later than the changes before it suggest: an
+additional time-out in one run is reported once, not again for every later change.
+
+Rule 4: a pressure differs where neither value is near a value of the other run within the time tolerance.
 """
 
 from __future__ import annotations
@@ -23,13 +26,13 @@ from end_effector_hal.recording.comparison._run_tables import Change, RunTables
 from end_effector_hal.vocabulary import display_name
 
 MOST_CHANGES = 2_000
-"""Of one line: the alignment takes the square of it."""
+"""Maximum number of changes of one line; the time of the alignment grows with its square."""
 _NUMBERS = re.compile(r"\d+(?:\.\d+)?")
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What is no difference: ``seconds`` in time, ``kpa`` in a pressure."""
+    """The largest deviations that are no difference: ``seconds`` in time, ``kpa`` in a pressure."""
 
     seconds: float = 0.1
     kpa: float = 5.0
@@ -37,7 +40,7 @@ class Tolerances:
 
 @dataclass(frozen=True)
 class _Pair:
-    """What both recordings say on one line."""
+    """A change that both recordings have on one line."""
 
     line: str
     text: str
@@ -52,10 +55,10 @@ class _Pair:
 def compare_runs(
     first: RunTables, second: RunTables, tolerances: Tolerances | None = None
 ) -> list[RunDifference]:
-    """What differs, in order of time.
+    """Return the differences, in order of time.
 
     Raises:
-        UsageError: a line of one of them has more changes than can be aligned.
+        UsageError: a line of a recording has too many changes to be aligned.
     """
     tolerances = tolerances or Tolerances()
     start_s = second.first_command_s - first.first_command_s
@@ -90,7 +93,7 @@ def compare_runs(
 
 
 def _at(difference: RunDifference, start_s: float) -> float:
-    """On the clock of the first recording; what has no time comes first."""
+    """Return the time on the clock of the first recording; differences without a time come first."""
     if difference.first_s is not None:
         return difference.first_s
     return -inf if difference.second_s is None else difference.second_s - start_s

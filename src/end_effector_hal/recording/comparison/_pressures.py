@@ -1,4 +1,4 @@
-"""Where the pressures of two recordings differ."""
+"""Find where the pressures of two recordings differ."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from end_effector_hal.recording.comparison._run_difference import RunDifference
 from end_effector_hal.recording.tables import PressuresLog
 
 LEAST_APART_S = 0.5
-"""Stretches that are nearer to each other are told as one."""
+"""Gap below which two stretches are reported as one, s."""
 STEADY_S = 1.5
-"""A steady pressure is written twice a second: what is further apart has nothing between."""
+"""Longest gap between two samples of a pressure that is interpolated, s; a steady pressure is written twice
+a second.
+"""
 
 
 @dataclass
 class Shifts:
-    """What is to be added to a time of the first recording to get that of the second one, from when on."""
+    """The offset from times of the first recording to those of the second, from given times on."""
 
     start_s: float
     _from: list[float] = field(default_factory=list)
@@ -29,7 +31,7 @@ class Shifts:
         return self._by[-1] if self._by else self.start_s
 
     def add(self, first_s: float, by_s: float) -> None:
-        """From ``first_s`` on; later than all that were added."""
+        """Add an offset that holds from ``first_s`` on, which must be later than all before."""
         self._from.append(first_s)
         self._by.append(by_s)
 
@@ -38,7 +40,7 @@ class Shifts:
         return first_s + (self._by[index - 1] if index else self.start_s)
 
     def first_s(self, second_s: float) -> float | None:
-        """None: where only the second recording goes on."""
+        """Return the time in the first recording; None: only the second recording has this time."""
         starts = [-inf, *self._from, inf]
         for start, end, by in zip(starts, starts[1:], [self.start_s, *self._by], strict=False):
             if start <= second_s - by < end:
@@ -48,7 +50,9 @@ class Shifts:
 
 @dataclass
 class _Stretch:
-    """From when to when one pressure is apart from the other, on the first clock; ``kpa``: the most, signed."""
+    """An interval in which a pressure differs, on the first recording's clock; ``kpa``: the largest difference,
+    signed.
+    """
 
     start_s: float
     end_s: float
@@ -62,7 +66,10 @@ def pressure_differences(
     within_s: float,
     within_kpa: float,
 ) -> Iterator[RunDifference]:
-    """One for each stretch of each channel that both have; those of one only are told without a time."""
+    """Yield a difference for each stretch of each channel that both recordings have.
+
+    A channel of only one recording is reported without a time.
+    """
     names = [] if first is None else first.channels
     others = [] if second is None else second.channels
     for name in dict.fromkeys((*names, *others)):
@@ -80,7 +87,7 @@ def pressure_differences(
 
 @dataclass(frozen=True)
 class _Curve:
-    """The values of one channel, and when; invalid ones are left out."""
+    """The valid values of one channel, and their times."""
 
     times_s: Sequence[float]
     kpa: Sequence[float]
@@ -95,7 +102,7 @@ class _Curve:
         return cls([at for at, _ in valid], [value for _, value in valid])
 
     def near(self, at_s: float, within_s: float) -> tuple[float, float] | None:
-        """The least and the greatest value from ``within_s`` before to ``within_s`` after; None: it has none there."""
+        """Return the least and the greatest value within ``within_s`` of ``at_s``; None: there is no value."""
         times, kpa = self.times_s, self.kpa
         low, high = bisect_left(times, at_s - within_s), bisect_right(times, at_s + within_s)
         values = list(kpa[low:high])
@@ -129,7 +136,7 @@ def _stretches(
 
 
 def _beyond(value: float, others: tuple[float, float] | None) -> float:
-    """How far a value is above or below a range, kPa; 0 within it, and where the other recording has nothing."""
+    """Return how far a value is outside a range, kPa; 0 within it, or if the other recording has no value there."""
     if others is None:
         return 0.0
     low, high = others

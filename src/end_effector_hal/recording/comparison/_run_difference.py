@@ -1,4 +1,4 @@
-"""One thing in which two recordings differ."""
+"""A difference between two recordings."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 @dataclass(frozen=True)
 class RunDifference:
-    """What differs, on which line of the figure, and when.
+    """A difference, with its line of the figure and its time.
 
     Args:
         line: ``end_effector``, ``command``, an actuator, ``tool_changer``, ``alarms``, or the channel of a pressure.
-        text: what differs, in words.
-        first_s, second_s: when, seconds since the start of each recording; None: it is not in that one.
+        text: the difference in words.
+        first_s, second_s: time, seconds since the start of each recording; None: that recording does not have it.
     """
 
     line: str
@@ -22,10 +22,10 @@ class RunDifference:
     second_s: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Its fields."""
+        """Return the fields as JSON."""
         return asdict(self)
 
 
 def count_differences(number: int) -> str:
-    """How many there are, in words: ``no difference``, ``1 difference``, ``2 differences``."""
+    """Return the number in words: ``no difference``, ``1 difference``, ``2 differences``."""
     return f"{number or 'no'} difference{'s' * (number > 1)}"

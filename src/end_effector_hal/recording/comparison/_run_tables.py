@@ -18,7 +18,7 @@ from end_effector_hal.recording.tables import (
 from end_effector_hal.vocabulary import Command
 
 Change = tuple[float, str]
-"""When a line has changed, s, and what it is from then on."""
+"""Time of a change, s, and the new value."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class RunTables:
 
     @property
     def first_command_s(self) -> float:
-        """When the first command is executed; without one the first row."""
+        """Time of the first command; without a command that of the first row."""
         rows = self.log.rows
         return next((row.time_s for row in rows if row.command is not Command.NONE), rows[0].time_s)
 
     def lines(self) -> Iterator[tuple[str, list[Change]]]:
-        """Each line of the figure, and its changes in words."""
+        """Yield each line of the figure, and its changes in words."""
         rows = self.log.rows
         yield "end_effector", _changes([(row.time_s, row.end_effector.label) for row in rows])
         yield "command", _changes([(row.time_s, row.command.label) for row in rows])

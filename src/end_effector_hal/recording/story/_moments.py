@@ -1,4 +1,4 @@
-"""The instants of a story that a figure marks."""
+"""Find the moments of a story that a figure marks."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
 
 
 def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
-    """Alarms that began, once for those of several actuators together; the states show latched errors."""
+    """Return the alarms that began, equal ones of several actuators once; the states already show latched errors."""
     found: dict[str, Moment] = {}
     moments = []
     for row in alarms:

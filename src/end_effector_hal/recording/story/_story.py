@@ -10,7 +10,7 @@ from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 
 class AttemptOutcome(StrEnum):
-    """How an attempt of one actuator ended."""
+    """The end of an attempt of one actuator."""
 
     CONFIRMED = "confirmed"
     TIMED_OUT = "timed out"
@@ -23,7 +23,7 @@ FAILED = (AttemptOutcome.TIMED_OUT, AttemptOutcome.EMPTY)
 
 
 class GripDecision(StrEnum):
-    """How a grip ended."""
+    """The end of a grip."""
 
     GRIPPED = "GRIPPED"
     ABORTED = "ABORTED"
@@ -33,7 +33,7 @@ class GripDecision(StrEnum):
 
 
 class ReleaseCause(StrEnum):
-    """What began an unwinding."""
+    """The cause of an unwinding."""
 
     ABORT = "abort"
     CANCEL = "cancel"
@@ -61,11 +61,11 @@ class Attempt:
 
     @property
     def length_s(self) -> float | None:
-        """How long it was pending; None while it still is."""
+        """Time for which it was pending, s; None while it still is."""
         return None if self.end_s is None else self.end_s - self.start_s
 
     def __str__(self) -> str:
-        """``Cylinder, attempt 2 of 3: confirmed after 0.42 s``."""
+        """Return text such as ``Cylinder, attempt 2 of 3: confirmed after 0.42 s``."""
         of = f" of {self.of}" if self.of else ""
         after = "" if self.length_s is None else f" after {self.length_s:.2f} s"
         return f"{display_name(self.actuator)}, attempt {self.number}{of}: {self.outcome}{after}"
@@ -81,7 +81,7 @@ class Reset:
 
     @property
     def length_s(self) -> float:
-        """How long it was inactive."""
+        """Time for which the actuator was inactive, s."""
         return self.end_s - self.start_s
 
 
@@ -108,8 +108,8 @@ class Release:
 class Grip:
     """One grip, from GRIPPING to its decision.
 
-    ``culprit`` is the actuator that aborted it by its last failed attempt; ``waiting`` what was pending when it
-    ended otherwise.
+    ``culprit`` is the actuator whose last failed attempt aborted the grip; ``waiting`` the one that was pending when
+    it ended for another reason.
     """
 
     start_s: float
@@ -121,7 +121,7 @@ class Grip:
     waiting: str | None = None
 
     def of(self, actuator: str) -> tuple[Attempt, ...]:
-        """The attempts of one actuator."""
+        """Return the attempts of one actuator."""
         return tuple(attempt for attempt in self.attempts if attempt.actuator == actuator)
 
     @property
@@ -136,7 +136,7 @@ class Grip:
 
     @property
     def attempts_by_actuator(self) -> Mapping[str, int]:
-        """How many attempts each actuator took."""
+        """Number of attempts of each actuator."""
         return {attempt.actuator: attempt.number for attempt in self.attempts}
 
 
@@ -155,7 +155,7 @@ class Loss:
 
 @dataclass(frozen=True)
 class Moment:
-    """An instant that a figure marks."""
+    """A moment that a figure marks."""
 
     time_s: float
     kind: str

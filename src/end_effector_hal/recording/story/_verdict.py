@@ -1,4 +1,4 @@
-"""A story in one sentence."""
+"""Summarize a story in one sentence."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LATCHED = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 def verdict_of(log: StatesLog, story: Story) -> str:
-    """For example ``Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order``."""
+    """Return text such as ``Cylinder never confirmed: grip ABORTED after 3 attempts, released in reverse order``."""
     if story.final is None:
         return "Nothing was recorded"
     if log.events is None:
@@ -78,7 +78,7 @@ def _of_grip(grip: Grip, story: Story) -> str:
 
 
 def _failed(grip: Grip) -> str:
-    """How the last attempt of an aborted grip has failed."""
+    """Return how the last attempt of an aborted grip failed."""
     empty = grip.failed and grip.failed[-1].outcome is AttemptOutcome.EMPTY
     return "gripped nothing" if empty else "never confirmed"
 
@@ -94,7 +94,7 @@ def _gripped(grip: Grip, story: Story) -> str:
 
 
 def _aftermath(story: Story) -> list[str]:
-    """What came after the grip was decided, in order of time."""
+    """Return the events after the grip was decided, in order of time."""
     causes = [release.cause for release in story.releases]
     held = "" if ReleaseCause.LOSS in causes else ": outputs held"
     parts = [(loss.time_s, f"then {loss.who} LOST{held}".replace("  ", " ")) for loss in story.losses]

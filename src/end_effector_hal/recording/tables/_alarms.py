@@ -1,4 +1,4 @@
-"""``alarms.csv``: a row when an alarm begins, when it is over, and when it is not shown any more."""
+"""``alarms.csv``: a row when an alarm begins, when its cause is over, and when it is no longer shown."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class AlarmRow:
     """One change of an alarm; seconds since the start of the recording.
 
     Attributes:
-        event: ``begun``; ``over``: it has ended and waits for an acknowledgement; ``ended``: it is not shown any more.
+        event: ``begun``; ``over``: its cause has ended and it waits for an acknowledgement; ``ended``: it is no longer
+            shown.
     """
 
     time_s: float
@@ -37,18 +38,18 @@ class AlarmRow:
         return (self.id, self.about) if self.id else ("", self.text)
 
     def as_alarm(self) -> Alarm:
-        """The alarm that it is about, with the sentence of the row."""
+        """Return the alarm of this row, with the sentence of the row."""
         name = ("over:" if self.event == OVER else "") + self.id + (f":{self.about}" if self.about else "")
         return received_alarms([self.text], [name])[0]
 
     @property
     def title(self) -> str:
-        """Its first words, for a figure."""
+        """First words of the alarm, for a figure."""
         return self.text.split(":")[0].split(" (")[0].rstrip(".")
 
 
 def changed_alarms(time_s: float, before: Sequence[Alarm], now: Sequence[Alarm]) -> list[AlarmRow]:
-    """What has ended, then what has begun or is over."""
+    """Return rows for the alarms that have ended, then for those that have begun or are over."""
     return [
         AlarmRow(time_s, change, alarm.text, alarm.id, alarm.about)
         for alarm, change in alarm_changes(before, now)
@@ -56,10 +57,10 @@ def changed_alarms(time_s: float, before: Sequence[Alarm], now: Sequence[Alarm])
 
 
 class AlarmsWriter(TableWriter):
-    """Writes what is new in the alarms of a state; safe to use from several threads.
+    """Writes the changes of the alarms of a state; thread-safe.
 
     Raises:
-        UsageError: the file cannot be written, or is something else.
+        UsageError: the file cannot be written, or is another kind of file.
     """
 
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
@@ -68,10 +69,10 @@ class AlarmsWriter(TableWriter):
         super().__init__(path, COLUMNS, limits)
 
     def write(self, time_s: float, alarms: Sequence[Alarm]) -> bool:
-        """The alarms that stand from ``time_s`` on; whether there is something new.
+        """Write the changes to the alarms that are active from ``time_s`` on; return whether there are any.
 
         Raises:
-            ReportedError: that cannot be written; it is written with the next call that can.
+            ReportedError: the row cannot be written; the next successful call writes it.
         """
         with self._lock:
             self._last_s = max(time_s, self._last_s)
@@ -87,9 +88,9 @@ class AlarmsWriter(TableWriter):
 
 
 def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
-    """The alarms of a recording, in order; a recording without the file has none.
+    """Return the alarms of a recording, in order; a recording without the file has none.
 
-    Raises UsageError with ``file:line`` for a row that is none; a last one that was cut off is left out.
+    Raises UsageError with ``file:line`` for an invalid row; a truncated last row is left out.
     """
     if not Path(path).exists():
         return ()

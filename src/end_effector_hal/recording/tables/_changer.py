@@ -1,4 +1,4 @@
-"""``tool_changer.csv``: where the tool changer is, in the integers of ``ChangerState``; a row per change."""
+"""``tool_changer.csv``: the state of the tool changer, as the integers of ``ChangerState``; one row per change."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ COLUMNS = ("time_s", "tool_changer")
 
 @dataclass(frozen=True, slots=True)
 class ChangerRow:
-    """Where the tool changer is from ``time_s`` (seconds since start) until the next row."""
+    """The state of the tool changer from ``time_s`` (seconds since start) until the next row."""
 
     time_s: float
     state: ChangerState
 
 
 class ChangerWriter(TableWriter):
-    """Writes a row when the state has changed; safe to use from several threads.
+    """Writes a row when the state has changed; thread-safe.
 
     Raises:
-        UsageError: the file cannot be written, or is something else.
+        UsageError: the file cannot be written, or is another kind of file.
     """
 
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
@@ -33,7 +33,7 @@ class ChangerWriter(TableWriter):
         self._last = self._resumed(lambda line: _row(line, 0.0))
 
     def write(self, time_s: float, state: ChangerState) -> bool:
-        """Write the state that holds from ``time_s`` on; False when it is that of the last row."""
+        """Write the state that holds from ``time_s`` on; return False when it equals the last row."""
         self._check_time(time_s)
         with self._lock:
             if self._last is not None and self._last.state is state:
@@ -48,9 +48,9 @@ class ChangerWriter(TableWriter):
 
 
 def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
-    """The tool changer of a recording; empty: the recording has no such table.
+    """Return the states of the tool changer in a recording; empty: the recording has no table of them.
 
-    Raises UsageError with ``file:line`` for anything that is no such table; a last line that was cut off is left out.
+    Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
     """
     if not Path(path).exists():
         return ()

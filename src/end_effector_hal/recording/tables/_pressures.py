@@ -1,4 +1,4 @@
-"""``pressures.csv``: gauge pressures in kPa, and other quantities in their units, thinned to what a figure needs."""
+"""``pressures.csv``: gauge pressures in kPa, and other quantities in their units, thinned for figures."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from end_effector_hal.recording.tables._rows import Line, TableWriter, read_head
 
 FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
-"""After the name of a channel, in the header."""
+"""Ending of a pressure's column name, after the name of the channel."""
 KPA = "kPa"
 OF_QUANTITIES = {
     "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "N": "_n", "degC": "_degc"
 }  # fmt: skip
-"""The same of what is no pressure, by its unit."""
+"""Endings of the column names of other quantities, by unit."""
 _UNITS = {UNIT: KPA} | {ending: unit for unit, ending in OF_QUANTITIES.items()}
 PERIOD_S, JITTER_S = 0.02, 0.005
 LONGEST_GAP_S = 0.5
 STEP_KPA, STEP = 0.2, 0.005
-"""What counts as steady: of a pressure, and of another quantity in its unit."""
+"""Change below which a value is steady: of a pressure, kPa, and of another quantity in its unit."""
 
 Sample = tuple[float, tuple[float | None, ...]]
 
@@ -33,7 +33,7 @@ Sample = tuple[float, tuple[float | None, ...]]
 class PressuresLog:
     """Samples in order of time: seconds since start, gauge kPa per channel, None = invalid or stale.
 
-    Of a channel in ``units`` it is a quantity in that unit, and no pressure.
+    A channel in ``units`` is a quantity in that unit, not a pressure.
     """
 
     channels: tuple[str, ...]
@@ -48,19 +48,18 @@ class PressuresLog:
         return tuple(time_s for time_s, _ in self.samples)
 
     def curve(self, channel: str) -> tuple[float | None, ...]:
-        """The values of one channel, kPa."""
+        """Return the values of one channel, kPa."""
         index = self.channels.index(channel)
         return tuple(values[index] for _, values in self.samples)
 
 
 class PressuresWriter(TableWriter):
-    """Writes at most 50 samples a second, and of a steady pressure two a second.
+    """Writes at most 50 samples a second, and two a second of a steady pressure.
 
     A sample is left out while every channel stays within 0.2 kPa (or 0.005 of another unit) of the last written one,
-    for at most 0.5 s.
-    When a pressure moves again the last sample left out is written too, so that the edge keeps its steepness.
-    A channel that becomes invalid or valid is written at once. After samples that could not be written a row without
-    values comes first, at the time of the first of them. Safe to use from several threads.
+    for at most 0.5 s. When a pressure moves again, the last sample that was left out is written too, so that the edge
+    keeps its steepness. A channel that becomes invalid or valid is written at once. After samples that could not be
+    written, a row without values is written first, with the time of the first of them. Thread-safe.
     """
 
     def __init__(
@@ -87,7 +86,7 @@ class PressuresWriter(TableWriter):
         return self._channels
 
     def write(self, time_s: float, kpa: Mapping[str, float | None]) -> bool:
-        """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); True when written."""
+        """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); return whether it was written."""
         self._check_time(time_s)
         values = tuple(_finite(kpa.get(channel)) for channel in self._channels)
         with self._lock:
@@ -134,7 +133,7 @@ class PressuresWriter(TableWriter):
         return ",".join([f"{time_s:.6f}", *numbers]) + "\n"
 
     def close(self) -> None:
-        """Write the last sample left out and close the file; may be called again."""
+        """Write the last sample that was left out, and close the file; may be called again."""
         with self._lock:
             try:
                 if self._left_out is not None:
@@ -144,9 +143,9 @@ class PressuresWriter(TableWriter):
 
 
 def read_pressures(path: str | Path) -> PressuresLog:
-    """Read a recording of pressures; raises UsageError with ``file:line`` for anything that is not one.
+    """Read a recording of pressures; raises UsageError with ``file:line`` if it is another kind of file.
 
-    A last line without its end is dropped and reported in ``note``: its last number may have lost digits.
+    A last line without its end is dropped and reported in ``note``, because its last number may have lost digits.
     """
     lines = read_lines(path)
     units = _units_of(read_header(lines, path, FIXED), f"{path}:1")
@@ -165,12 +164,12 @@ def read_pressures(path: str | Path) -> PressuresLog:
 
 
 def column_of(channel: str, units: Mapping[str, str]) -> str:
-    """The name of a column: the channel with its unit; one that is not in ``units`` is a gauge pressure."""
+    """Return the name of a column, with its unit; a channel that is not in ``units`` is a gauge pressure."""
     return f"{channel}{OF_QUANTITIES.get(units.get(channel, KPA), UNIT)}"
 
 
 def _units_of(columns: tuple[str, ...], where: str) -> dict[str, str]:
-    """The unit of each channel of a header."""
+    """Return the unit of each channel of a header."""
     found: dict[str, str] = {}
     for column in columns:
         ending = next((each for each in _UNITS if column.endswith(each) and column != each), None)

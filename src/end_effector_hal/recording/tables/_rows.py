@@ -1,4 +1,4 @@
-"""A CSV file that is appended to row by row, and read back line by line."""
+"""A CSV file that is written row by row, and read back line by line."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,79}", re.ASCII)
 
 
 class RowFile:
-    """Rows that reach the kernel in one write each, so that a kill loses at most the last one.
+    """A file of rows, each passed to the kernel in one write: a kill of the process loses at most the last one.
 
-    An existing file with the same header is continued; a last line that was cut off is removed first. One
-    writer at a time, held by a lock that dies with its process.
+    An existing file with the same header is continued; a truncated last line is removed first. Only one process can
+    write at a time; it holds a lock that ends with it.
 
     Args:
-        path: of the file.
-        columns: of its header.
-        limits: a file that has become so long is kept as ``NAME-1.csv``, ``NAME-2.csv``, …, and the next one begins
-            under the same name; None: it may become as long as it will.
-        opening: the rows with which the next one begins, so that it can be understood alone.
+        path: path of the file.
+        columns: names for its header.
+        limits: a file that has reached the limit is renamed ``NAME-1.csv``, ``NAME-2.csv``, …, and the next one begins
+            under the same name; None: no limit.
+        opening: returns the rows with which the next file begins, so that it can be read alone.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class RowFile:
             self.last = tuple(lines[-1].split(","))
 
     def append(self, text: str) -> None:
-        """One or more whole rows, each with its line end; raises ReportedError when they cannot be written."""
+        """Append one or more whole rows, each with its line end; raises ReportedError when they cannot be written."""
         if self._fd < 0:
             raise UsageError("This file is closed.", where=str(self.path))
         data = text.encode()
@@ -107,7 +107,7 @@ class RowFile:
             raise ReportedError(what, where=str(self.path)) from None
 
     def _begin_segment(self, limits: RecordingLimits) -> None:
-        """Keep the file under a number, and begin the next one; raises OSError, and nothing has changed."""
+        """Rename the file with a number, and begin the next one; if this raises OSError, nothing has changed."""
         make_room(self.path.parent, limits)
         fresh = self.path.with_name(f".{self.path.name}.next")
         fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
@@ -143,22 +143,22 @@ class Line:
 
     @property
     def where(self) -> str:
-        """``file:line``."""
+        """The place as ``file:line``."""
         return f"{self.path}:{self.number}"
 
     def fault(self, what: str, todo: str = "") -> UsageError:
-        """The error to raise about this line."""
+        """Return the error to raise about this line."""
         return UsageError(what, where=self.where, todo=todo)
 
     def fields(self, columns: Sequence[str]) -> list[str]:
-        """The fields, as many as there are columns."""
+        """Return the fields; their number must equal that of the columns."""
         fields = [field.strip() for field in self.text.split(",")]
         if len(fields) != len(columns):
             raise self.fault(f"This row has {len(fields)} fields, the header names {len(columns)}.")
         return fields
 
     def seconds(self, text: str, earliest_s: float) -> float:
-        """A time since start that does not run backwards."""
+        """Return a time since start; it must not be earlier than ``earliest_s``."""
         value = self.number_of(text, "time_s")
         if not 0 <= value <= LONGEST_S:
             raise self.fault(f"time_s is {text[:40]}, expected are seconds since the start, from 0 on.")
@@ -167,14 +167,14 @@ class Line:
         return value
 
     def number_of(self, text: str, column: str) -> float:
-        """A finite number."""
+        """Return a finite number."""
         if not _NUMBER.fullmatch(text):
             raise self.fault(f"{column} is {text[:40]!r}, expected is a number.")
         return float(text)
 
 
 class TableWriter(Closing):
-    """What the writers of all tables have in common; see `RowFile` for the arguments and for what they raise."""
+    """The base class of the writers of all tables; see `RowFile` for the arguments and the errors."""
 
     def __init__(
         self, path: str | Path, columns: Sequence[str], limits: RecordingLimits | None = None
@@ -183,10 +183,10 @@ class TableWriter(Closing):
 
     @abstractmethod
     def _opening(self) -> str:
-        """The rows with which the next segment begins."""
+        """Return the rows with which the next segment begins."""
 
     def _resumed(self, read: Callable[[Line], Row]) -> Row | None:
-        """The last row of the file, also if an earlier process wrote it."""
+        """Return the last row of the file, also if an earlier process wrote it."""
         if self._file.last is None:
             return None
         where = str(self._file.path)
@@ -210,7 +210,7 @@ class TableWriter(Closing):
 
 
 def read_lines(path: str | Path) -> Iterator[Line]:
-    """The lines of a file that are not blank, those of the segments before it first; one header for all.
+    """Yield the non-blank lines of a file, after those of its earlier segments; the header comes only once.
 
     Raises:
         UsageError: a file cannot be read, or has another header than the first.
@@ -241,7 +241,7 @@ def _lines_of(path: str | Path) -> Iterator[Line]:
 
 
 def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -> tuple[str, ...]:
-    """The names after the fixed ones of the header."""
+    """Return the names in the header after the fixed ones."""
     expected = ",".join(fixed) + ",…"
     first = next(lines, None)
     if first is None:
@@ -256,7 +256,7 @@ def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -
 
 
 def checked_names(names: Sequence[str]) -> Sequence[str]:
-    """The names of columns, each usable and given once."""
+    """Check that every column name is valid and unique; return the names."""
     for name in names:
         if not _NAME.fullmatch(name):
             raise UsageError(f"{name[:40]!r} cannot be the name of a column.")

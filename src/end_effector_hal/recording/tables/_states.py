@@ -1,4 +1,4 @@
-"""``states.csv``: a row per change, in the integers of Table II."""
+"""``states.csv``: one row per change, in the integers of Table II."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ class StatesLog:
 
 
 class StatesWriter(TableWriter):
-    """Writes a row whenever a state has changed; safe to use from several threads.
+    """Writes a row whenever a state has changed; thread-safe.
 
     Args:
         path: the file; continued when it has the same header, refused (UsageError) when it has another.
         actuators: their names, in sequence order.
-        limits: of the folder; None: the file may become as long as it will.
+        limits: the limits of the folder; None: no limit.
     """
 
     def __init__(
@@ -76,20 +76,19 @@ class StatesWriter(TableWriter):
 
     @property
     def last(self) -> StatesRow | None:
-        """The last row, also if an earlier process wrote it; new rows go on from its time."""
+        """The last row, also if an earlier process wrote it; new rows are not earlier than it."""
         return self._last
 
     def write(
         self, time_s: float, end_effector: int, command: int, actuators: Sequence[int] | Mapping[str, int]
     ) -> bool:
-        """Write the states that hold from ``time_s`` on (seconds since start); False when nothing changed.
+        """Write the states that hold from ``time_s`` on (seconds since start); return False when nothing changed.
 
-        A time before that of the last row is written as that of the last row: rows stand in the order of
-        arrival. After a row that could not be written the next one is written even if it is as the last: between
-        the two there was another state.
+        A time before that of the last row is replaced by it: rows are in the order of arrival. After a row that could
+        not be written, the next one is written even if it equals the last: there was another state between the two.
 
         Raises:
-            UsageError: a value is none of Table II.
+            UsageError: a value is not in Table II.
             ReportedError: the row cannot be written.
         """
         values = (

@@ -1,4 +1,4 @@
-"""``switches.csv``: the levels of switches, 1 on, 0 off, empty where there is no valid reading; a row per change."""
+"""``switches.csv``: the levels of switches, 1 on, 0 off, empty without a valid reading; one row per change."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from end_effector_hal.recording.tables._rows import Line, TableWriter, read_head
 
 FIXED = ("time_s",)
 ON = "_on"
-"""After the name of a channel, in the header."""
+"""Ending of a column name, after the name of the channel."""
 _LEVELS = {"0": False, "1": True, "": None}
 
 Levels = tuple[bool | None, ...]
@@ -20,7 +20,7 @@ Levels = tuple[bool | None, ...]
 
 @dataclass(frozen=True)
 class SwitchesLog:
-    """Rows in order of time: seconds since start, and the levels that hold from then on; None: not known."""
+    """Rows in order of time: seconds since start, and the levels that hold from then on; None: unknown."""
 
     channels: tuple[str, ...]
     rows: tuple[tuple[float, Levels], ...]
@@ -32,16 +32,16 @@ class SwitchesLog:
         return tuple(time_s for time_s, _ in self.rows)
 
     def levels(self, channel: str) -> tuple[bool | None, ...]:
-        """Those of one channel, one for each row."""
+        """Return the levels of one channel, one for each row."""
         index = self.channels.index(channel)
         return tuple(levels[index] for _, levels in self.rows)
 
 
 class SwitchesWriter(TableWriter):
-    """Writes a row when a level has changed; safe to use from several threads.
+    """Writes a row when a level has changed; thread-safe.
 
     Raises:
-        UsageError: the file cannot be written, or is something else.
+        UsageError: the file cannot be written, or is another kind of file.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class SwitchesWriter(TableWriter):
         self._last = self._resumed(lambda line: _row(line, columns, 0.0))
 
     def write(self, time_s: float, levels: Mapping[str, bool | None]) -> bool:
-        """Write the levels that hold from ``time_s`` on, missing: not known; False when they are as in the last row."""
+        """Write the levels from ``time_s`` on (missing: unknown); return False when they equal the last row."""
         self._check_time(time_s)
         row = tuple(levels.get(channel) for channel in self.channels)
         with self._lock:
@@ -69,9 +69,9 @@ class SwitchesWriter(TableWriter):
 
 
 def read_switches(path: str | Path) -> SwitchesLog | None:
-    """The switches of a recording; None: it has no such table.
+    """Return the switches of a recording; None: it has no table of them.
 
-    Raises UsageError with ``file:line`` for anything that is no such table; a last line that was cut off is left out.
+    Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
     """
     if not Path(path).exists():
         return None

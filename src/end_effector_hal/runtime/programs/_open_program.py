@@ -1,4 +1,4 @@
-"""A program with its connection to the line arbiter."""
+"""Open a program with its connection to the line arbiter."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ def open_program(
     judge: FrameJudge | None = None,
     observe: Observer | None = None,
 ) -> P:
-    """A program that is not started yet; it keeps its lease at the arbiter only while it works.
+    """Return a program that is not started yet; it keeps its lease at the arbiter only while it works.
 
     Args:
         program: GripProgram or ChangerProgram.
         description: the tool.
         on_status: called with each status.
-        patience_s: how long to wait for an arbiter to appear.
-        traces: the folder that gets its trace; None: nothing is recorded. One that cannot be written is an alarm: a
-            full disk is no reason not to hold a part.
-        limits: of that folder.
-        judge: shared with all others in this process who get the same frames.
-        observe: gets each record of the program.
+        patience_s: longest wait for an arbiter to appear.
+        traces: the folder for its trace; None: nothing is recorded. If the folder cannot be written, the program
+            raises an alarm and goes on: a full disk is no reason not to hold a part.
+        limits: the recording limits of that folder.
+        judge: shared by all parts of this process that get the same frames.
+        observe: called with each record of the program.
 
     Raises:
         ArbiterError: there is no line arbiter.
-        LineBusyError: another process runs this program; says who.
+        LineBusyError: another process runs this program; the error names it.
     """
     lines = connect_arbiter(description, program.NAME, patience_s=patience_s)
     try:

@@ -1,4 +1,4 @@
-"""The tool changer's sensor fault outlives its program: the line arbiter keeps it until a reset (section 6)."""
+"""Store the tool changer's sensor fault at the line arbiter, where it survives its program (section 6)."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class FaultKeeper(Protocol):
-    """What it needs of the line arbiter."""
+    """The methods of the line arbiter that `SensorFault` calls."""
 
     def status(self) -> dict[str, Any]:
-        """With ``faults``: sentences by name."""
+        """Return the status, whose ``faults`` are sentences by name."""
 
     def latch(self, fault: str, why: str) -> None:
-        """Latch one, with a sentence; what could not be sent is said with the next connection."""
+        """Latch a fault, with a sentence; if it cannot be sent, it is sent with the next connection."""
 
     def clear(self, fault: str) -> None:
-        """End one that was latched; what could not be sent is said with the next connection."""
+        """Clear a latched fault; if the request cannot be sent, it is sent with the next connection."""
 
 
 class SensorFault:
-    """Has the line arbiter latch it when the program shows it, and clear it when the program was reset.
+    """Latches the sensor fault at the line arbiter when the program shows it, and clears it after a reset.
 
     Args:
         keeper: the line arbiter.
@@ -38,25 +38,30 @@ class SensorFault:
         self._is_latched = self._is_reset = self._was_found = False
 
     def found(self) -> bool:
-        """Whether one was latched before; raises WireError."""
+        """Return whether a sensor fault was latched before; raises WireError."""
         self._is_latched = self._is_reset = False
         self._was_found = self._is_kept()
         return self._was_found
 
     def came_late(self) -> bool:
-        """Whether one is latched that was not `found` and that the program has not shown; raises WireError."""
+        """Return whether a fault is latched that `found` did not see and the program has not shown; raises
+        WireError.
+        """
         return not (self._was_found or self._is_latched) and self._is_kept()
 
     def reset(self) -> None:
-        """The automaton has accepted a reset: the next status that shows no fault clears it."""
+        """Note that the automaton has accepted a reset: the next status without a fault clears the latched one."""
         self._is_reset = True
 
     def restarted(self) -> None:
-        """The program has restarted: a reset before it clears nothing."""
+        """Note that the program has restarted: an earlier reset clears nothing."""
         self._is_reset = False
 
     def update(self, status: Status) -> None:
-        """A status is published. One that shows none and follows no reset clears nothing: a restart begins so."""
+        """Latch or clear the fault as a published status shows it.
+
+        A status without a fault clears nothing unless a reset came before it, because a restart begins with one.
+        """
         shown = status.changer_fault == ChangerFault.SENSOR
         try:
             if shown and not self._is_latched:

@@ -34,22 +34,24 @@ from ._ready import changer_ready, gripper_ready, missing
 from ._reset import reset, stop
 
 RESET_S = 5.0
-"""Longer than a lock takes to be proven, which a reset of the tool changer asks for."""
+"""Longest wait for a reset of the tool changer, s; longer than the proof of a lock takes, which the reset needs."""
 RENEWED_S = 2.0
-"""Several times what passes between two renewals of a lease, with which a program learns what is latched."""
+"""Longest wait until the programs learn that faults are cleared, s; several times the interval between lease renewals,
+which carry the latched faults.
+"""
 
 
 class EndEffector(Closing):
     """Both programs of a tool, its sensors and its lines.
 
-    The line arbiter (``eehal arbiter``) is a process of its own and must run: it is what stands between a crash
-    of this process and a dropped part.
+    The line arbiter (``eehal arbiter``) is a separate process and must run: it keeps a held part held if this process
+    crashes.
 
     Args:
         description: the tool.
-        traces: the folder that gets the traces of both programs; None: nothing is recorded.
-        limits: of that folder.
-        observe: gets each record of both programs: what they hear, what the automata do and decide.
+        traces: the folder for the traces of both programs; None: nothing is recorded.
+        limits: the recording limits of that folder.
+        observe: called with each record of both programs: their inputs, and the steps and decisions of the automata.
 
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
@@ -104,16 +106,18 @@ class EndEffector(Closing):
         return tool
 
     def start(self) -> None:
-        """Start reading and adopt; raises LinkBusyError or LineBusyError when somebody else reads its sensors."""
+        """Start to read the sensors and adopt the lines; raises LinkBusyError or LineBusyError if another process
+        does.
+        """
         self._reader.start()
         self._predicates.start()
         for unit in self._units:
             unit.start()
 
     def close(self, ending: str = "sigterm") -> None:
-        """End: the line arbiter does what the description declares. Listeners get what waits for them, within 2 s.
+        """End: the line arbiter does what the description declares. Listeners get the waiting items, within 2 s.
 
-        A command that runs ends UNREACHABLE, and says what becomes of the outputs.
+        A running command ends UNREACHABLE; its reason contains what happens to the outputs.
         """
         self._goals.close(ending_in_words(self.description, self.status, on=ending))
         for unit in self._units:
@@ -129,48 +133,49 @@ class EndEffector(Closing):
 
     @property
     def status(self) -> Status:
-        """Gripping and tool changer in one snapshot."""
+        """The gripping program and the tool changer in one snapshot."""
         grip, change = self._grip.status, self._change.status
         return self._merged(grip, max(grip.at, change.at))
 
     @property
     def link(self) -> LinkHealth | None:
-        """How the sensor link is, with its counters, of several the first; None: the tool has none."""
+        """State and counters of the sensor link, the first if there are several; None: the tool has none."""
         return next(iter(self.links.values()), None)
 
     @property
     def links(self) -> Mapping[str, LinkHealth]:
-        """How each sensor link is, with its counters, by its name; the only one, if it has no name, by an empty one."""
+        """State and counters of each sensor link, by its name; a single link without a name has an empty one."""
         return self._reader.health.links
 
     @property
     def inputs(self) -> InputsHealth | None:
-        """How the inputs of the board are, with their counters; None: no channel comes from one."""
+        """State and counters of the inputs of the board; None: no channel uses one."""
         return self._reader.health.inputs
 
     def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
-        """Have every status, in order; called in a thread of its own.
+        """Call the listener with every status, in order, in a thread of its own.
 
-        A listener that raises, or does not return within 2 s, is an alarm of the tool; it is called with the next
-        status all the same, and the alarm ends when it works again and after a :meth:`reset`. For one that is slow up
-        to 1,000 statuses wait; then the oldest are dropped.
+        A listener that raises, or does not return within 2 s, causes an alarm of the tool; it is still called with the
+        next status, and the alarm ends when it works again and after a :meth:`reset`. Up to 1,000 statuses wait for a
+        slow listener; then the oldest are dropped.
         """
         self._audience.add(listener, name)
 
     def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
-        """Have every frame, in order; called in a thread of its own, under the rules of :meth:`subscribe`."""
+        """Call the listener with every frame, in order, in its own thread; the rules of :meth:`subscribe` apply."""
         self._audience.add_for_frames(listener, name)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
-        """Wait until the tool has adopted its lines, and its sensors speak against no command.
+        """Wait until the tool has adopted its lines, and its sensors give no reason to refuse a command.
 
-        In STAND_BY everything is proven to be gone then, so that a grip is not refused for it (IL-07); in other states
-        every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited for.
+        In STAND_BY every actuator is then proven to be gone, so that IL-07 does not refuse a grip; in other states the
+        evidence of every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited
+        for.
 
         Raises:
-            NotReadyError: that took longer, or the line arbiter has latched what has a grip in STAND_BY refused
-                (IL-13, a sensor fault); it says what is missing. The tool goes on all the same: what its
-                sensors do not prove is refused with a reason, and what is held stays held.
+            NotReadyError: the time is over, or the line arbiter has latched a fault that makes it refuse a grip in
+                STAND_BY (IL-13, a sensor fault); the error says what is missing. The tool keeps running: commands that
+                its sensors do not support are refused with a reason, and held parts stay held.
         """
 
         def latched(status: Status) -> str:
@@ -196,18 +201,18 @@ class EndEffector(Closing):
             )
 
     def begin(self, command: Command) -> Refused | RunningGoal:
-        """Begin GRIP, RELEASE, LOCK or UNLOCK; returns once that is accepted or refused, and does not wait for its end.
+        """Begin GRIP, RELEASE, LOCK or UNLOCK; return when it is accepted or refused, before it ends.
 
         One command runs at a time. Raises UsageError for another command.
         """
         return self._goals.begin(command)
 
     def grip(self) -> Result:
-        """Grip, and wait until it is decided and over."""
+        """Grip, and wait until the grip has ended."""
         return self.begin(Command.GRIP).wait()
 
     def drop(self) -> Result:
-        """Release what is held, and wait until that is proven."""
+        """Release the held part, and wait until the release is proven."""
         return self.begin(Command.RELEASE).wait()
 
     def lock(self) -> Result:
@@ -219,14 +224,14 @@ class EndEffector(Closing):
         return self.begin(Command.UNLOCK).wait()
 
     def cancel(self) -> Answer:
-        """Cancel a running grip; returns once it is accepted or refused."""
+        """Cancel a running grip; return when the cancel is accepted or refused."""
         return self._grip.command("cancel")
 
     def stand_still(self) -> Answer:
-        """Begin no activation for 30 s, if the tool is at rest now: for who takes over another description.
+        """Block activations for 30 s if the tool is at rest now: for a caller that will load another description.
 
-        `runtime.reload_answer` says whether the file can be taken over; then close this tool and open it again, or
-        `go_on`.
+        `runtime.reload_answer` returns whether the file can be adopted; then close this tool and open it again, or
+        call `go_on`.
         """
         answers = [unit.stand_still() for unit in self._units]
         refused = next((answer for answer in answers if not answer.accepted), None)
@@ -235,7 +240,7 @@ class EndEffector(Closing):
         return refused or answers[0]
 
     def go_on(self) -> None:
-        """End a `stand_still`."""
+        """End the block of a `stand_still`."""
         for unit in self._units:
             unit.stand_still(0)
 
@@ -247,7 +252,7 @@ class EndEffector(Closing):
         return stop(self.description)
 
     def reset(self) -> Answer:
-        """Clear latched faults and the alarms that are over; never what only a Drop ends."""
+        """Clear latched faults and the alarms that are over; states that need a Drop stay."""
         self._audience.acknowledge()
         self._audience_changed()
         answers = []
@@ -281,7 +286,7 @@ class EndEffector(Closing):
 
     @property
     def outputs(self) -> Mapping[str, bool]:
-        """The plain outputs, and which are active, as the line arbiter reads them back; raises ArbiterError."""
+        """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
         return self._outputs.levels
 
     def _unknown(self, what: str, name: str, names: Sequence[str]) -> UsageError:

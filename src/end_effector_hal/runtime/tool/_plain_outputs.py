@@ -16,14 +16,14 @@ _log = logging.getLogger("end_effector_hal.runtime")
 
 
 class PlainOutputs(Closing):
-    """A client of the line arbiter of its own, so that what it does and how it ends touches no grip; thread-safe.
+    """A separate client of the line arbiter, so that plain outputs and their end affect no grip; thread-safe.
 
     Args:
-        description: the tool; without `outputs` nothing is connected.
+        description: the tool; without `outputs` no client is connected.
 
     Raises:
         ArbiterError: there is no line arbiter.
-        LineBusyError: another process switches them.
+        LineBusyError: another process switches the plain outputs.
     """
 
     def __init__(self, description: Description) -> None:
@@ -34,17 +34,20 @@ class PlainOutputs(Closing):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all of them."""
+        """Names of all plain outputs."""
         return tuple(self._outputs)
 
     @property
     def levels(self) -> Mapping[str, bool]:
-        """Which are active, as the line arbiter reads them back; raises ArbiterError."""
+        """Whether each plain output is active, as the line arbiter reads them back; raises ArbiterError."""
         levels = self._client.levels() if self._client else {}
         return {name: levels[each.line] for name, each in self._outputs.items()}
 
     def set(self, name: str, active: bool) -> Answer:
-        """Switch one; raises KeyError for an unknown one. That its line was written is all that is known."""
+        """Switch a plain output; raises KeyError for an unknown name.
+
+        A success means only that its line was written: no sensor proves it.
+        """
         line = self._outputs[name].line
         assert self._client is not None
         try:
@@ -54,7 +57,7 @@ class PlainOutputs(Closing):
         return Answer(True, f"{display_name(name)} is {'on' if active else 'off'}; no sensor proves it.")
 
     def close(self) -> None:
-        """The line arbiter does now what `on_death` declares."""
+        """Close the connection; the line arbiter does what `on_death` declares."""
         if self._client is None:
             return
         try:

@@ -1,8 +1,8 @@
-"""The lemma of two coils: its network for each output that has two, and its proof beside that of the tool.
+"""The lemma of two coils: its network for each output with two coils, and its proof in addition to that of the tool.
 
-The network of the tool has such an output as one boolean that is written at once. What stands between that boolean and
-the device, the pulses, the pauses, deaths and records of the line arbiter, is proven here, and so is the cut between
-the two: the time that it takes is less than what the network of the tool leaves it.
+In the network of the tool such an output is one boolean that is written at once. This lemma proves the path from that
+boolean to the device: pulses, pauses, deaths and records of the line arbiter. It also proves the interface between the
+two networks: the path takes less time than the network of the tool allows for it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _TODO = {
 
 
 def coil_constants(description: Description) -> dict[str, dict[str, int]]:
-    """Constants of ``two_coils.xml`` in ms, by the name of an actuator with two coils, or ``tool_changer``."""
+    """Return the constants of ``two_coils.xml``, ms, by the name of an actuator with two coils, or ``tool_changer``."""
     policy, changer = arbiter_policy(description), description.tool_changer
     left_s = {
         name: (part.line, part.timeout_s, min(part.reset_s, part.release_s))
@@ -48,7 +48,7 @@ def coil_constants(description: Description) -> dict[str, dict[str, int]]:
 
 
 def coil_networks(description: Description) -> dict[str, Network]:
-    """The network of each output of two coils, by the same names."""
+    """Return the network of each output with two coils, by the same names."""
     return {name: load_network(COILS_FILE, values) for name, values in coil_constants(description).items()}
 
 
@@ -59,11 +59,11 @@ def prove_tool(
     *,
     most_bytes: int | None = None,
 ) -> Proof:
-    """The proof of a tool, and after it that of each output of two coils, whose ids begin with its name.
+    """Prove a tool, and then its outputs with two coils; ids of the latter findings begin with the output's name.
 
     Args:
         description: the tool.
-        network: of its automata, with its constants.
+        network: the network of its automata, with its constants.
         progress, most_bytes: see `prove`.
     """
     automata = description.automata

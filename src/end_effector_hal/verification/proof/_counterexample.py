@@ -1,4 +1,4 @@
-"""A run that refutes a requirement, as files: text with absolute times, and what a recorded run has."""
+"""Write a run that refutes a requirement: as text with absolute times, and with the files of a recorded run."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def write_counterexample(
 
 
 def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:
-    """The run that refutes a requirement as text: its steps, and at last why it refutes it."""
+    """Return the run that refutes a requirement as text: its steps, and at last why it refutes it."""
     trace = finding.trace
     if trace is None:
         return []
@@ -68,7 +68,7 @@ def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:
 def counterexample_run(
     finding: Finding, info: RunInfo, actuators: Sequence[str] = ()
 ) -> tuple[StatesLog, RunInfo] | None:
-    """The states of a run that refutes a requirement, and what to say of it; None: it has none."""
+    """Return the states of a run that refutes a requirement, and its run info; None: there is none."""
     if finding.trace is None or not has_states(finding.trace.network):
         return None
     network = finding.trace.network
@@ -86,7 +86,7 @@ def counterexample_run(
 
 
 def _watched(found: Explanation) -> tuple[Watched, ...]:
-    """In seconds."""
+    """Return the watched values with times in seconds."""
     return tuple(
         Watched(
             each.name,

@@ -1,4 +1,4 @@
-"""A recorded run looked at again: does the controller decide the same, and was it a run of the network."""
+"""Check a recorded run: does the controller decide the same, and was it a run of the network."""
 
 from ._chain import SegmentEnd
 from ._differs import Difference
