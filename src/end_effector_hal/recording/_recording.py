@@ -185,7 +185,7 @@ class Recording(Closing):
             if self._latest is None or self._events is None:
                 return
             rows = [event_row(each, self.seconds(min(each.at, at)), self._names) for each in events]
-            states = [each.new for each in rows if each.kind is EventKind.STATE_CHANGED]
+            states = [row.new for row in rows if row.kind is EventKind.STATE_CHANGED]
             old, self._reported = states[-1] if states else self._reported, self._latest[0]
             if old is not None and old != self._reported:
                 rows.append(EventRow(self.seconds(at), EventKind.STATE_CHANGED, old=old, new=self._reported))

@@ -117,7 +117,7 @@ def missed_moments(folder: str | Path) -> tuple[tuple[Moment, ...], tuple[str, .
         try:
             moments += _missed_steps(load_trace(path), start_us or 0)
         except UsageError as error:
-            notes.append(f"{error} What it missed is not drawn.")
+            notes.append(f"{error} Its missed bounds are not drawn.")
     return tuple(sorted(moments, key=lambda moment: moment.time_s)), tuple(notes)
 
 

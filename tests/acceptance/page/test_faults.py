@@ -129,7 +129,7 @@ def test_a_bad_scenario_is_refused_in_the_words_of_the_testbench(chromium: Any, 
     page.wait_for_timeout(10_500)  # the arming ends by itself
     shows(page, "why-fault-go", "Arm it first.")
     late = posted(page, "/fault", {"word": "go", "scenario": "leak:top_vacuum:4,no-tool"})[1]
-    assert json.loads(late)["reason"].startswith("Arm it first")
+    assert json.loads(late)["reason"].startswith("Arm a scenario first")
     page.click("#control-take")  # gives it back
     shows(page, "control-who", "No page is in control.")
     for word in ("arm", "go", "nominal"):

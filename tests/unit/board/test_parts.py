@@ -164,7 +164,7 @@ def test_a_scenario_that_is_not_there(recipe: Path) -> None:
     [
         ("SODIMM_208", "GPIO_9", r"has no line GPIO_9. It has SODIMM_206"),
         ("/dev/verdin-uart1", "/dev/ttyUSB0", r"no port /dev/ttyUSB0. Its sensor link is /dev/verdin-uart1"),
-        ("backend: gpiod", "backend: virtual\n  path: /tmp/chip", r"lines of this tool are virtual"),
+        ("backend: gpiod", "backend: virtual\n  path: /tmp/chip", r"this tool uses virtual lines"),
     ],
 )
 def test_a_tool_on_other_wires(tmp_path: Path, old: str, new: str, said: str) -> None:

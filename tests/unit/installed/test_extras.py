@@ -125,6 +125,7 @@ def test_verify_writes_text_and_states(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (4, NO_FIGURE)
     assert {path.name for path in (tmp_path / "out" / "stays").iterdir()} == {
         "run.txt",
+        "events.csv",
         "states.csv",
         "run.json",
     }
@@ -136,7 +137,12 @@ def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
         ["matplotlib"], "model", "simulate", "--model", "model.xml", "-o", "out", cwd=tmp_path
     )
     assert (done.returncode, done.stderr) == (0, NO_FIGURE)
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"run.txt", "states.csv", "run.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "run.txt",
+        "events.csv",
+        "states.csv",
+        "run.json",
+    }
 
 
 @pytest.mark.parametrize("command", ["--help", "check"])

@@ -61,13 +61,13 @@ def test_what_was_armed_is_played_once() -> None:
 
 def test_nothing_is_played_that_was_not_armed() -> None:
     bench = Testbench()
-    assert bench.obey("go", "leak:top").reason.startswith("Arm it first")
+    assert bench.obey("go", "leak:top").reason.startswith("Arm a scenario first")
     refused = bench.obey("arm", "leek")
     assert (refused.accepted, refused.reason) == (False, "no fault is named 'leek'.")
-    assert bench.obey("go", "leek").reason.startswith("Arm it first")
+    assert bench.obey("go", "leek").reason.startswith("Arm a scenario first")
     bench.obey("arm", "leak:top")
     assert bench.obey("go", "no-tool").reason == "Another scenario is armed: leak:top."
-    assert bench.obey("go", "leak:top", page="two").reason.startswith("Arm it first")
+    assert bench.obey("go", "leak:top", page="two").reason.startswith("Arm a scenario first")
     assert [word for word, _ in bench.asked] == ["check", "check"]
     assert bench.obey("go", "leak:top").accepted
 
@@ -88,7 +88,7 @@ def test_a_refused_one_and_another_page_take_its_place() -> None:
     assert bench.commands.shown(0) is None
     bench.obey("arm", "leak:top")
     bench.obey("arm", "no-tool", page="two")
-    assert bench.obey("go", "leak:top").reason.startswith("Arm it first")
+    assert bench.obey("go", "leak:top").reason.startswith("Arm a scenario first")
 
 
 def test_nominal_needs_no_arming_and_disarms() -> None:
@@ -106,7 +106,7 @@ def test_what_was_armed_for_a_testbench_that_has_gone_is_not_played_by_the_next(
     assert bench.commands.shown(0) is None
     assert bench.obey("nominal").reason == "No testbench is at the other end of the wires."
     bench.there = True
-    assert bench.obey("go", "leak:top").reason.startswith("Arm it first")
+    assert bench.obey("go", "leak:top").reason.startswith("Arm a scenario first")
     assert bench.asked == [("check", "leak:top")]
 
 
