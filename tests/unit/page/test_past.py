@@ -290,7 +290,7 @@ def test_a_reader_that_computes_for_ever_is_ended(tmp_path: Path, monkeypatch: p
     async def run() -> bytes:
         return await PastRecordings(tmp_path, profile_path()).listing()
 
-    with pytest.raises(UsageError, match=r"s of a processor\."):
+    with pytest.raises(UsageError, match=r"s of processor time\."):
         asyncio.run(run())
 
 
