@@ -11,7 +11,7 @@ from end_effector_hal.errors import MissingExtraError
 
 DISTRIBUTION = "end-effector-hal"
 _LAB = ("matplotlib", "mcap")
-"""The packages of the extra `lab`, whose commands are hidden without them."""
+"""The packages of the extra `lab`; if one is missing, the commands of the lab are hidden."""
 _ADDED = re.compile(r"""(?P<package>[\w.-]+).*;.*\bextra == ['"](?P<extra>[\w-]+)['"]""")
 
 
@@ -32,21 +32,21 @@ def extras() -> dict[str, tuple[str, ...]]:
 
 @cache
 def lab_installed() -> bool:
-    """Whether the workshop's commands can be used: a robot does without them."""
+    """Return whether the commands of `end_effector_lab` can be used; a robot does not need them."""
     with suppress(ModuleNotFoundError):
         return all(map(find_spec, _LAB))
     return False
 
 
 def lab_needed(what: str) -> MissingExtraError:
-    """The error for a command or an option of the workshop where the workshop is not installed."""
+    """Return the error for a command or option that needs the extra `lab`, which is not installed."""
     return MissingExtraError(
         f"{what} needs the extra lab, which is not installed.", todo=f"Install it: {command_for('lab')}."
     )
 
 
 def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraError | None:
-    """Return an error with the missing module and the command to install it; None: no extra adds it.
+    """Return an error with the missing module and the command to install it; None: no extra contains the module.
 
     Args:
         what_needs: the beginning of the sentence, such as ``Figures need``.

@@ -1,11 +1,13 @@
-"""A folder of results, which a computation that was stopped continues.
+"""A folder of results: a computation that was stopped can continue in it.
 
-Rule 1: One process writes in it at a time.
-Rule 2: A file in it, the mark, names what it belongs to. A folder with another mark is refused, and so is one without a
-    mark that holds a file of these names: files of other programs are never taken for results.
-Rule 3: Each result is a line of JSON. A last line that a kill has cut off is removed; any other line that is no result
-    is an error with its number.
-Rule 4: The other files are written whole or not at all. An old one that somebody has edited stays beside the new one.
+Rule 1: Only one process writes to the folder at a time.
+Rule 2: A file in the folder, the mark, identifies the computation. A folder with another mark is refused. A folder
+without a mark is refused if it contains a file with one of the names: files of other programs are never used as
+results.
+Rule 3: Each result is a line of JSON. A truncated last line is removed; any other invalid line is an error that names
+its number.
+Rule 4: The other files are written completely or not at all. An old file that a user has edited is kept beside the new
+one.
 Rule 5: Links are not followed.
 """
 
@@ -36,7 +38,7 @@ T = TypeVar("T")
 
 PACKAGES = ("timed_automata", "end_effector_hal", "end_effector_lab")
 MOST_LINE, MOST_MARK = 4_000_000, 100_000
-"""Bytes of a line, and of the mark."""
+"""Maximum size of a line, and of the mark, bytes."""
 WRITTEN = "written"
 ELSEWHERE = "Name another folder with -o."
 _WORDS = {
@@ -48,9 +50,9 @@ _WORDS = {
 
 
 def mark_of(description: Description, **more: object) -> dict[str, object]:
-    """Return the tool, its UPPAAL file, the program, and what the computation adds, such as a seed.
+    """Return the mark: the tool, its UPPAAL file, the program, and additions of the computation, such as a seed.
 
-    Plug-ins of other distributions are not in it: after a change of one, name another folder.
+    Plug-ins of other distributions are not included: after a change of a plug-in, use another folder.
     """
     path = description.automata_path
     with os_errors("The UPPAAL file cannot be read", path):
@@ -66,7 +68,10 @@ def mark_of(description: Description, **more: object) -> dict[str, object]:
 
 @cache
 def source_checksum() -> str:
-    """Return 12 hex digits of every file of the packages: in a checkout the version stays while the source changes."""
+    """Return 12 hex digits of the hash of all files of the packages.
+
+    In a checkout the source changes while the version stays the same.
+    """
     found = sha256()
     for package in PACKAGES:
         spec = find_spec(package)
@@ -83,10 +88,10 @@ class ResultsLayout:
     """Names in a folder of results.
 
     Attributes:
-        noun: of the computation, such as ``matrix``.
-        mark, lines: files that say what the folder belongs to, and that hold the results.
-        todo: what to do about a line that does not fit.
-        files, folders: the others that the computation writes.
+        noun: name of the computation, such as ``matrix``.
+        mark, lines: names of the file that identifies the computation, and of the file with the results.
+        todo: instruction to the user about a line that does not fit.
+        files, folders: names of the other files and folders that the computation writes.
     """
 
     noun: str
@@ -98,15 +103,15 @@ class ResultsLayout:
 
 
 class ResultsFolder:
-    """An open folder of results; it is made if there is none.
+    """An open folder of results; it is created if it is missing.
 
     Args:
-        path: of the folder.
+        path: path of the folder.
         layout: the names in it.
-        mark: what must be the same to continue, such as `mark_of` makes it; JSON.
+        mark: JSON that must be the same to continue, such as that of `mark_of`.
 
     Raises:
-        UsageError: it cannot be used, is in use, or belongs to something else.
+        UsageError: the folder cannot be used, is in use, or belongs to another computation.
     """
 
     def __init__(self, path: Path, layout: ResultsLayout, mark: Mapping[str, object]) -> None:
@@ -130,7 +135,7 @@ class ResultsFolder:
         self._open.close()
 
     def lines(self, shape: TypeAdapter[T]) -> Iterator[tuple[str, T]]:
-        """Yield each result with its place, ``FILE:LINE``; remove a last line that was cut off.
+        """Yield each result with its place, ``FILE:LINE``; remove a truncated last line.
 
         Raises:
             UsageError: a line does not fit, or the file cannot be read.
@@ -158,7 +163,7 @@ class ResultsFolder:
         )
 
     def append(self, result: Mapping[str, object]) -> None:
-        """Write a line, whole or not at all; raises UsageError."""
+        """Write a line, completely or not at all; raises UsageError."""
         path = self._path / self._layout.lines
         with os_errors(
             "The file cannot be written",
@@ -168,21 +173,21 @@ class ResultsFolder:
             append_whole(self._fd, json.dumps(result).encode() + b"\n")
 
     def read(self, name: str) -> bytes | None:
-        """Return one of its files; None: it is not there; raises UsageError."""
+        """Return the content of one of the folder's files, None if it is missing; raises UsageError."""
         path = self._path / name
         with os_errors("The file cannot be read", path, todo=ELSEWHERE):
             return path.read_bytes() if _is_there(path) else None
 
     def write(self, name: str, data: bytes, *, keep: bool = False) -> Path | None:
-        """Write one of its files, and return the ``NAME-1``, … that keeps an edited old one.
+        """Write one of the folder's files; return the ``NAME-1``, … under which an edited old file is kept.
 
         Args:
-            name: of those in the layout.
+            name: one of the names in the layout.
             data: its new content.
-            keep: keep the old one also if nobody has edited it.
+            keep: keep the old file even if it was not edited.
 
         Raises:
-            UsageError: it cannot be written; then the old one is still there.
+            UsageError: the file cannot be written; the old file is unchanged.
         """
         path, beside, old = self._path / name, None, self.read(name)
         if old not in (None, data) and (keep or _digest(old or b"") != self._written.get(name)):
@@ -206,7 +211,9 @@ class ResultsFolder:
             ) from None
 
     def _checked_mark(self) -> dict[str, str]:
-        """Return the digests of the files that were written; raises UsageError before hours of work."""
+        """Return the digests of the written files; raise UsageError, before hours of work, if the folder
+        does not fit.
+        """
         layout, path = self._layout, self._path / self._layout.mark
         found = [name for name in (layout.lines, *layout.files) if _is_there(self._path / name)]
         found += [name for name in layout.folders if _is_there(self._path / name, folder=True)]
@@ -247,7 +254,7 @@ def _opened(path: Path, flags: int, stack: ExitStack) -> int:
 
 
 def _is_there(path: Path, *, folder: bool = False) -> bool:
-    """Return whether it exists; raises UsageError if it is a link or of the other kind."""
+    """Return whether the file, or folder, exists; raises UsageError if the path is a link or of another type."""
     if not os.path.lexists(path):
         return False
     mode = os.lstat(path).st_mode

@@ -1,4 +1,4 @@
-"""A grid over values of a description: the combinations that hold, the first failures, the worst cases."""
+"""Prove a grid of values of a description: which combinations hold, their first failures and worst cases."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
 MOST = 10_000
-"""The most combinations; each is a proof."""
+"""Maximum number of combinations; each of them needs a proof."""
 _TODO = "Write KEY=FROM:TO:STEP or KEY=A,B,C, such as actuators.cylinder.timeout_s=3:7:1."
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What is varied: a key of the description, and its values.
+    """A key of the description that is varied, and its values.
 
     Attributes:
         key: with dots, such as ``actuators.cylinder.timeout_s``.
-        values: as they would stand in the file.
+        values: as they would be written in the file.
     """
 
     key: str
@@ -53,7 +53,7 @@ def read_axis(text: str) -> Axis:
 
 
 def combinations(axes: Sequence[Axis]) -> Iterator[dict[str, str]]:
-    """Return every combination, the last axis first; raises UsageError for a repeated key, or too many."""
+    """Return every combination; the last axis changes fastest. Raises UsageError for a repeated key, or too many."""
     keys = [axis.key for axis in axes]
     if len(set(keys)) < len(keys):
         raise UsageError("Two --sweep options name the same key.", where=", ".join(keys))
@@ -74,7 +74,7 @@ def _range(text: str, given: str) -> tuple[str, ...]:
 
 
 NOT_THERE = ("EE-205", "EE-206")
-"""Codes for an unknown key, and for a key of a stanza that the file lacks and that needs more keys."""
+"""Codes of the errors for an unknown key, and for a key in a missing stanza that needs more keys."""
 
 
 TABLE, DOCUMENT = "sweep.csv", "sweep.json"
@@ -92,14 +92,15 @@ class Proven:
     """A combination with its verdict.
 
     Attributes:
-        values: by key, as they would stand in the file.
-        holds: every requirement does.
-        refused: why this is no valid description; then nothing was proven.
+        values: the values by key, as they would be written in the file.
+        holds: whether every requirement holds.
+        refused: why this is no valid description, which is then not proven; empty: it is valid.
         fails: the requirements that do not hold, in the order of the automata.
-        open: those that were not decided.
-        why: what the first one that fails says.
-        worst: seconds by name, such as ``grip_s``; None: never, or not known.
-        states, seconds: what the proof took.
+        open: the requirements that were not decided.
+        why: the finding about the first requirement that fails.
+        worst: worst cases by name, such as ``grip_s``, seconds; None: the response never starts, or the worst case is
+            unknown.
+        states, seconds: number of states and duration of the proof.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -115,7 +116,7 @@ class Proven:
     seconds: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as it is written."""
+        """Return the fields as they are written to the file."""
         return asdict(self)
 
 
@@ -137,7 +138,7 @@ def sweep_folder(path: Path, axes: Sequence[Axis], folder: Path) -> ResultsFolde
     """Open the results of a sweep over these keys, for any values; raises UsageError as `ResultsFolder` does.
 
     Raises:
-        DescriptionError: the description is not valid as it stands.
+        DescriptionError: the unchanged description is not valid.
     """
     mark = mark_of(_described(path).description, keys=[axis.key for axis in axes])
     return ResultsFolder(folder, LAYOUT, mark)
@@ -150,19 +151,19 @@ def sweep(
     on_progress: Callable[[int, int], None] = lambda _, __: None,
     results: ResultsFolder | None = None,
 ) -> list[Proven]:
-    """Prove each combination; in the order of the grid.
+    """Prove each combination; return the results in the order of the grid.
 
     Args:
-        path: of the description.
-        axes: what is varied.
-        workers: prove them.
-        on_progress: called with how many were proven, and how many there are.
-        results: keeps what was proven, and has what was before: that is not proven again; None: nothing is kept.
+        path: path of the description.
+        axes: the keys that are varied, and their values.
+        workers: the workers that prove them.
+        on_progress: called with the number of proven combinations, and the number of all.
+        results: folder that keeps results; combinations that it contains are not proven again. None: nothing is kept.
 
     Raises:
-        DescriptionError, ModelError: the description is not valid as it stands, or a key of an axis is unknown.
-        UsageError: too many combinations; a kept line does not fit, or what is proven cannot be kept.
-        WorkersError: they cannot be reached or do not fit, or some combinations were not proven.
+        DescriptionError, ModelError: the unchanged description is not valid, or a key of an axis is unknown.
+        UsageError: too many combinations; a kept line does not fit, or a result cannot be written.
+        WorkersError: the workers cannot be reached or do not fit, or some combinations were not proven.
     """
     described = _described(path)
     load_automata(described.description)
@@ -189,7 +190,7 @@ class _Described(NamedTuple):
 
 
 def _described(path: Path) -> _Described:
-    """Return the valid description as it stands in the file."""
+    """Return the unchanged description; raises DescriptionError if it is not valid."""
     examination = examine(path)
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
@@ -197,7 +198,7 @@ def _described(path: Path) -> _Described:
 
 
 def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Proven]:
-    """Return what was proven before, by the values of these keys."""
+    """Return the combinations that were proven earlier, by the values of these keys."""
     done: dict[tuple[str, ...], Proven] = {}
     for where, proven in results.lines(_SHAPE):
         if [*proven.values] != keys:
@@ -269,7 +270,7 @@ def _prove(shared: ShippedAutomata, combination: _Combination) -> Proven:
 
 
 def table(axes: Sequence[Axis], found: Sequence[Proven]) -> list[list[str]]:
-    """Return rows with a head: the values, the verdict, the first failure, the worst cases in seconds."""
+    """Return rows below a header: the values, the verdict, the first failure, the worst cases in seconds."""
     names = [*dict.fromkeys(name for each in found for name in each.worst)]
     rows = [[*(axis.key for axis in axes), "verdict", "fails first", *names]]
     for each in found:

@@ -60,7 +60,7 @@ _OTHER_NAMES = {
 }  # fmt: skip
 """Names that other programs use for a command, for the hint "Did you mean"."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
-"""Modules of Linux that only the commands with lines, ports or locks import."""
+"""Linux-only modules; only the commands that use lines, ports or locks import them."""
 _JUDGING = (
     "campaign", "check", "compare", "doctor", "import", "matrix", "model", "replay", "report", "verify",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Records of a run: written as it happens, read back, and described in words."""
+"""Write the recording of a run as the run happens, read it back, and describe it in words."""
 
 from ._files import append_whole, lock
 from ._limits import RecordingLimits

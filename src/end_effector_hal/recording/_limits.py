@@ -18,7 +18,7 @@ _log = logging.getLogger("end_effector_hal.recording")
 MEGABYTE = 1_000_000
 REMOVED = "removed.csv"
 LEAST_SEGMENTS = 8
-"""Two traces and five CSV files are written at the same time, and something of the past must stay, too."""
+"""Seven files, two traces and five tables, are written at once, and one older segment must remain."""
 _SEGMENT = re.compile(
     r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|events|pressures|switches|alarms)(?P<closed>-\d{1,9})?\.csv",
     re.ASCII,

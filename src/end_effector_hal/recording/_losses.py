@@ -27,10 +27,10 @@ class Losses:
         self._why = ""
 
     def write(self, name: str, time_s: float, write: Callable[[], bool], *, again: bool = False) -> bool:
-        """Write a row of ``time_s``; return False if it was not needed, or cannot be written.
+        """Write a row of time ``time_s``; return False if the row was not needed or cannot be written.
 
-        ``write`` returns whether it has proven that the file can be written; ``again``: the row was counted as lost
-        before.
+        ``write`` returns whether it has proven that the file can be written; ``again``: the row has already been
+        counted as lost.
         """
         try:
             written = write()

@@ -23,7 +23,7 @@ def run_info(
 ) -> RunInfo:
     """Return the facts about a tool for its recording.
 
-    ``ros`` is the generation of ROS that carries its states; 0: none.
+    ``ros`` is the ROS generation that carries the tool's states; 0: no ROS.
     """
     return RunInfo(
         scenario=scenario,
@@ -42,13 +42,13 @@ def run_info(
 
 
 def content_hash(description: Description) -> str:
-    """Return twelve hex digits of the hash of a tool and its automata, which does not depend on its wiring."""
+    """Return the hash of a tool and its automata, twelve hex digits; it does not depend on the tool's wiring."""
     content = description.model_dump(mode="json", by_alias=True)
     return hash_of(content, description.automata_path.read_bytes())
 
 
 def hash_of(content: Mapping[str, Any], model: bytes) -> str:
-    """Return the same hash from a description as JSON, with all defaults written out, and its UPPAAL file."""
+    """Return the same hash from a description as JSON, with all defaults, and its UPPAAL file."""
     kept: dict[str, Any] = json.loads(json.dumps(content))
     kept.pop("lines", None)
     for link in (kept.get("link"), *(kept.get("links") or {}).values()):
@@ -73,7 +73,7 @@ def pressure_channels(description: Description) -> tuple[str, ...]:
 
 
 def switch_channels(description: Description) -> tuple[str, ...]:
-    """Return the bits that are carried and used: of the actuators in sequence order, then of the other devices."""
+    """Return the used switch channels of the link: of the actuators in sequence order, then of other devices."""
     carried = carrier_of(description).channels
     return tuple(name for name in used_channels(description) if carried.get(name) is Kind.BIT)
 
@@ -89,7 +89,7 @@ def _switches(description: Description) -> dict[str, dict[str, Any]]:
 
 
 def _e_stop(description: Description) -> str:
-    """Return the channel of the e-stop's input; empty: there is none, or it is not carried."""
+    """Return the channel of the e-stop's input; empty: there is no input, or the link does not carry it."""
     stop = description.e_stop
     return stop.channel if stop and stop.channel in switch_channels(description) else ""
 

@@ -37,7 +37,7 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_DUE = 1000
-"""So many events wait while they cannot be written, the newest."""
+"""Maximum number of events that wait while events.csv cannot be written; the newest are kept."""
 MOST_GAPS = 100
 """Maximum number of gaps in run.json; the newest are kept."""
 
@@ -45,25 +45,26 @@ MOST_GAPS = 100
 class Recording(Closing):
     """Writes ``run.json`` and the tables of a run into a folder; thread-safe.
 
-    Times are µs on the monotonic clock. The first state is the start; what is older is written as of the start. A
-    recording that is in the folder already is continued, on its own time.
+    Times are µs on the monotonic clock. The recording starts with its first state; older rows get the time of the
+    start. A recording that is already in the folder is continued on its own time.
 
-    While a row cannot be written each call that offers one raises, in the same words; it is tried again with each.
-    What was missed then stands in ``run.json``.
+    While a row cannot be written, each call retries the failed writes and raises the same error. Lost rows are
+    reported in ``run.json``.
 
     Args:
-        folder: made if it is missing.
-        tool: its description; or what is known of a tool without one: neither pressures nor switches are recorded then.
-        scenario: of the testbench; empty: that of a run.json that is in the folder already.
-        seed: of the testbench; None: that of a run.json that is in the folder already.
-        ros: the generation of ROS that carries the states; 0: none does.
-        limits: of the folder.
-        events: whether the states come with their events; else there is no ``events.csv``.
-        started: when it begins, time of day; None: now.
-        now: the time on the monotonic clock, µs.
+        folder: the folder; created if it is missing.
+        tool: the description of the tool; or the known facts of a tool without a description, of which neither
+            pressures nor switches are recorded.
+        scenario: scenario of the testbench; empty: the scenario in the folder's run.json.
+        seed: seed of the testbench; None: the seed in the folder's run.json.
+        ros: generation of ROS that carries the states; 0: no ROS.
+        limits: limits of the folder; None: the default limits.
+        events: whether events are recorded; if not, there is no ``events.csv``.
+        started: start of the recording, time of day; None: now.
+        now: returns the time on the monotonic clock, µs.
 
     Raises:
-        UsageError: the folder cannot be written, or holds the recording of another tool.
+        UsageError: the folder cannot be written, or contains the recording of another tool.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class Recording(Closing):
         self._latest: tuple[int, int, Sequence[int]] | None = None
         self._standing: Sequence[Alarm] = ()
         self._reported: int | None = None
-        """The state after the last event; None: there was none."""
+        """The state after the last event; None: there was no event."""
         self._changed = ChangerState.UNKNOWN
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
@@ -173,10 +174,10 @@ class Recording(Closing):
                 self._settle(at)
 
     def events(self, at: int, events: Sequence[ToolEvent]) -> None:
-        """The events that have led to the latest state, which holds from ``at`` on.
+        """Write the events that led to the latest state, which is valid from ``at`` on.
 
-        A change of the state that no event reports is recorded as one without a cause: a message was lost, or a
-        program was gone.
+        A change of state without an event is recorded as an event without a cause: a message was lost, or a program
+        was not running.
 
         Raises:
             ReportedError: rows cannot be written now.
@@ -313,7 +314,7 @@ class Recording(Closing):
 
 
 def _begun(folder: Path) -> datetime | None:
-    """Return the time at which the recording in a folder began; None: there is none."""
+    """Return the time at which the recording in a folder began; None: the folder contains no recording."""
     try:
         return datetime.fromisoformat(read_run(folder).started) if (folder / "states.csv").exists() else None
     except (ValueError, TypeError):

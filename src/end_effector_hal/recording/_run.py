@@ -15,7 +15,7 @@ from end_effector_hal.recording._watched import Watched, read_watched
 
 FILE_NAME = "run.json"
 SCHEMA_VERSION = 1
-"""Raised when a key is removed or changes its meaning; a new key does not raise it."""
+"""Version of the format; raised when a key is removed or changes its meaning, but not for a new key."""
 KINDS = {
     **dict.fromkeys(
         ("scenario", "description", "hash", "version", "started", "e_stop", "violated", "because"), str
@@ -36,7 +36,7 @@ class RunInfo:
     """The facts about a run, besides its states, that figures and reports need.
 
     Args:
-        scenario: of the testbench; empty on real hardware.
+        scenario: scenario of the testbench; empty on real hardware.
         description: name of the tool.
         hash: hash of the description and its automata.
         version: version of this product.
@@ -44,12 +44,12 @@ class RunInfo:
         ros_generation: generation of ROS, 1 or 2; None: unknown, or without ROS.
         started: time of the start, ISO 8601.
         actuators: name -> kind (``vacuum``, ``cylinder``).
-        limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (of a vacuum kPa
+        limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (for a vacuum kPa
             below ambient, else gauge kPa); ``measured``: the thresholds of its conditions on quantities other than
             pressures (``channel``, ``proves``, ``sign``, ``at``). Missing limits are not drawn.
-        switches: channel of a switch -> its ``actuator``, and a word for what it proves ``on`` and ``off``
-            (``confirmed``, ``gone``, ``empty``); switches of no actuator are left out.
-        e_stop: channel of the e-stop's input; empty: none is read, or unknown. An empty one is not written.
+        switches: channel of a switch -> its ``actuator``, and a word for the meaning of ``on`` and of ``off``
+            (``confirmed``, ``gone``, ``empty``); switches without an actuator are left out.
+        e_stop: channel of the e-stop's input; empty: no input is read, or unknown. An empty value is not written.
         simulated: whether a testbench supplied the inputs; None: it did if a scenario is named.
         start_us: time zero of the recording, µs on the monotonic clock of its traces.
         gaps: sentences about rows that could not be written, and when.
@@ -115,7 +115,7 @@ class RunInfo:
 
 
 def read_run(path: str | Path) -> RunInfo:
-    """Read a ``run.json``, or that of a folder; unusable values get their defaults, and ``note`` reports them."""
+    """Read a ``run.json`` or that of a folder; unusable values get their defaults, reported in ``note``."""
     path = Path(path)
     try:
         if path.is_dir():
@@ -136,7 +136,7 @@ def read_run(path: str | Path) -> RunInfo:
 
 
 def _usable(key: str, value: object) -> Any:
-    """Return the value, or the usable elements of it; None: there are none."""
+    """Return the value, or its usable elements; None: nothing in it is usable."""
     if not isinstance(value, KINDS[key]):
         return None
     if isinstance(value, dict):

@@ -17,7 +17,7 @@ class Watched:
         values: pairs of a start time, s, and the value from then on, in words; empty for a clock.
         points: for a clock: points (s, s), joined by lines.
         limits: for a clock: the limits with which it is compared, in words and s.
-        deadline_s: for a clock: when it passed the limit that does not hold; None: it has passed none.
+        deadline_s: for a clock: the time at which it passed the violated limit; None: it has not passed a limit.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Turn a run of a model into the recording that a real run with the same states would leave."""
+"""Convert a run of a model to the recording that a real run with the same states would produce."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def has_states(network: Network) -> bool:
 
 
 def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
-    """The states and events of a run, in seconds since start: a row per change, and one at its end.
+    """Return the states and events of a run, in seconds since its start: a row per change, and one at the end.
 
     Args:
-        trace: of a network that :func:`has_states`.
-        actuators: their names in sequence order; by default ``actuator_0``, ``actuator_1``, …
+        trace: a run of a network for which :func:`has_states` is true.
+        actuators: names in sequence order; by default ``actuator_0``, ``actuator_1``, …
 
     Raises:
-        UsageError: a value that Table II does not have, or not as many names as actuators.
+        UsageError: a value is not in Table II, or the number of names differs from the number of actuators.
     """
     network = trace.network
     columns = [name for name in network.offsets if name.startswith("actuator[")]
@@ -47,10 +47,10 @@ def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
 
 
 def write_states(log: StatesLog, folder: Path) -> list[Path]:
-    """Write ``states.csv`` and ``events.csv`` of a run of a model; they replace those of another run.
+    """Write ``states.csv`` and ``events.csv`` of a model run; existing files are replaced.
 
     Raises:
-        UsageError: they cannot be written.
+        UsageError: the files cannot be written.
     """
     states, events = folder / "states.csv", folder / "events.csv"
     for each in (states, events):

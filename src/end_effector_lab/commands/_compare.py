@@ -56,7 +56,7 @@ def read_tables(folder: Path) -> RunTables:
     """Read the tables of a folder that `eehal run --record`, `eehal demo` or DataLogger wrote.
 
     Raises:
-        UsageError: there is none, it holds no row, or a table cannot be read.
+        UsageError: the folder has no table of states, the table has no row, or a table cannot be read.
     """
     from end_effector_hal import recording
 

@@ -153,7 +153,7 @@ def _opened(path: Path, description: Path | None) -> RecordingFiles | RecordedTa
 
 
 def _foreign(recorded: Description, tool: Description) -> str:
-    """Return why a recording belongs to another tool; "" if it belongs to this one."""
+    """Return the reason why a recording belongs to another tool; empty if it belongs to this one."""
     if recorded.sequence != tool.sequence:
         return f"its actuators are {', '.join(recorded.sequence)}, and not {', '.join(tool.sequence)}"
     kinds = [(name, part.kind, tool.actuators[name].kind) for name, part in recorded.ordered]
@@ -213,8 +213,9 @@ def _number(each: Tried, value: float) -> str:
 
 
 def _told(some: Sequence[tuple[float, object]], *, every: bool) -> str:
-    """Return values and their results as text, such as ``54.1: 1 late … 72: 12 failed``: the first, the middle and the
-    last change; of equal results in a row only the first.
+    """Return values and their results as text, such as ``54.1: 1 late … 72: 12 failed``.
+
+    The text has the first, the middle and the last change; of equal consecutive results only the first is listed.
     """
     told: list[tuple[float, object]] = []
     for value, counts in some:

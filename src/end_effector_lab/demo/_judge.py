@@ -1,4 +1,4 @@
-"""Judges whether a recording matches its scenario, from the recording alone."""
+"""Judge from a recording alone whether it matches its scenario."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def judge(
         scenario: the scenario with its expected story.
         description: the tool with the nominal times.
         log: the recording.
-        info: its run.json.
-        edges: the edges written to the lines; None: not known.
+        info: the run.json of the recording.
+        edges: the edges written to the lines; None: unknown.
     """
     story = read_story(log, info)
     expected = scenario.expected
@@ -162,7 +162,7 @@ def measures(
 
 
 def _release_wait(log: StatesLog, actuator: str) -> float | None:
-    """From its deactivation to the event that it is not gone; None: that is not recorded."""
+    """Return the time from the deactivation to the event that the actuator is not gone, s; None: no such event."""
     times = {each.kind: each.time_s for each in log.events or () if each.actuator == actuator}
     if EventKind.NOT_GONE not in times:
         return None

@@ -1,4 +1,7 @@
-"""The cells: every fault, at every place, at every moment, with every command; and what can become of one."""
+"""The cells of the matrix, and their possible outcomes.
+
+There is a cell for every fault, at every place, at every moment, with every command.
+"""
 
 from __future__ import annotations
 
@@ -72,10 +75,10 @@ class Cell:
 
 
 class Outcome(StrEnum):
-    """The state of the tool when nothing moves any more."""
+    """The state of the tool when all movements have ended."""
 
     AT_REST = "at rest"
-    """No command was begun."""
+    """At rest: no command was begun."""
     REFUSED = "refused"
     """At rest: the last command was refused with a reason."""
     SUCCESS = "gripped"
@@ -87,7 +90,7 @@ class Outcome(StrEnum):
     HELD = "held with alarm"
     """GRIP_ERROR, latched: every output stays."""
     STILL_THERE = "release error"
-    """RELEASE_ERROR, latched: it is not proven that every actuator is gone."""
+    """RELEASE_ERROR, latched: not every actuator is proven to be gone."""
     UNFINISHED = "not at rest in its time"
 
 

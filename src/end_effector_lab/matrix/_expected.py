@@ -45,12 +45,12 @@ _YES = frozenset({YES})
 
 
 class SensorView(NamedTuple):
-    """What the sensor of an actuator can show under a fault; several values are possible if the rules leave it open.
+    """The possible readings of an actuator's sensor under a fault; several if the rules leave it open.
 
     Attributes:
-        confirms: a new activation: ``yes``, ``no`` (in all its attempts).
-        keeps: a confirmed state: ``yes``, ``lost``, ``unknown``.
-        goes: a deactivated actuator: ``yes``, ``no``, ``unknown``.
+        confirms: whether a new activation is confirmed: ``yes``, ``no`` (in all its attempts).
+        keeps: whether a confirmed state stays: ``yes``, ``lost``, ``unknown``.
+        goes: whether a deactivated actuator is proven to be gone: ``yes``, ``no``, ``unknown``.
     """
 
     confirms: Can = _YES
@@ -62,14 +62,14 @@ NORMAL = SensorView()
 BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
 ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
 LET_GO = SensorView(frozenset({NO}), frozenset({LOST}), _YES)
-"""The view of a sensor that never shows a part."""
+"""The view of a sensor that never detects a part."""
 SILENCING = {"silent-after", "babble-after"}
 DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
     "wrong-answers",
 }  # fmt: skip
 LYING = {"shows", "frozen-after", "swapped", *DAMAGING}
-"""Faults under which a sensor shows something false."""
+"""Faults under which a sensor reports a wrong state."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class ExpectedOutcome:
     Attributes:
         outcomes: the allowed outcomes at the end.
         alarm: whether an alarm or a reason must have been reported.
-        why: the rules.
+        why: the rules from which they follow.
     """
 
     outcomes: frozenset[Outcome]
@@ -93,7 +93,7 @@ def expected(description: Description, cell: Cell) -> ExpectedOutcome:
 
 
 def expected_view(description: Description, cell: Cell) -> str:
-    """Return in words what the sensors can show, by rule 1."""
+    """Return in words the possible readings of the sensors, by rule 1."""
     words = {
         NO: "is not confirmed", LOST: "is lost", UNKNOWN: "proves nothing",
     }  # fmt: skip
@@ -141,7 +141,7 @@ class _Rules:
 
     @property
     def _is_loose(self) -> bool:
-        """Whether the tool is not proven to be locked while a part is held, which causes an alarm."""
+        """Whether a part is held while the tool is not proven to be locked, which causes an alarm."""
         return is_loose(self._description, self._cell) and self._cell.command != "drop"
 
     @property
@@ -160,7 +160,7 @@ class _Rules:
         return not at_rest and command in ("kill arbiter", BOTH)
 
     def _not_acknowledged(self) -> set[Outcome]:
-        """Return the outcomes of rule 8."""
+        """Return the outcomes when a bus device does not acknowledge an output, by rule 8."""
         found = {Outcome.HELD, Outcome.STILL_THERE}
         if self._phase == REST and self._cell.command == BOTH:  # what cannot be read may hold something
             return found
@@ -173,11 +173,11 @@ class _Rules:
         return found
 
     def _is_blind(self) -> bool:
-        """Return whether an actuator has no evidence any more."""
+        """Return whether an actuator no longer has evidence."""
         return any(view.keeps == {UNKNOWN} for view in self.views.values())
 
     def _is_frozen(self) -> bool:
-        """Return whether a frozen sensor is detected, because its noise should be visible."""
+        """Return whether a frozen sensor is detected, because its readings lack the usual noise."""
         part = self._description.actuators.get(self._cell.place)
         watched = (
             part is not None and part.frozen_s is not None and shows_noise(carrier_of(self._description))
@@ -211,7 +211,7 @@ class _Rules:
         return (found | {Outcome.REFUSED}, why) if refusals else (found, why)
 
     def _grips(self) -> tuple[set[Outcome], str]:
-        """Return the outcomes from the present step on."""
+        """Return the outcomes of a grip from the current step on."""
         done = self._engaged[:-1] if self._phase == GRIP else ()
         todo = self._sequence[len(done) :]
         found: set[Outcome] = set()
@@ -264,7 +264,7 @@ class _Rules:
         return found | ({Outcome.STILL_THERE} if any(each != {YES} for each in every) else set())
 
     def _dies(self) -> tuple[set[Outcome], str]:
-        """Return the outcomes of rule 6."""
+        """Return the outcomes when a program dies, by rule 6."""
         if self._phase == RELEASE:
             return {Outcome.UNWOUND, Outcome.RELEASED}, "rule 6: the release is completed"
         of = [self._description.endings_of(name) for name in self._engaged]
@@ -363,7 +363,7 @@ class _Rules:
         return [channels[each] for each in kind_of(part).channel_names(part) if each in channels]
 
     def _has_switch(self, name: str) -> bool:
-        """Return whether a bit confirms the actuator as well."""
+        """Return whether a switch confirms the actuator, too."""
         part = self._description.actuators[name]
         bits = [key.key for key in kind_of(part).channels if key.carries is Kind.BIT]
         return any(named(getattr(part, key)) for key in bits)
@@ -400,7 +400,7 @@ class _Rules:
     # Rule 7
 
     def _refusals(self) -> set[str]:
-        """Return whether a grip is refused at its beginning: yes, or perhaps; empty if it is not."""
+        """Return whether a grip is refused at its beginning: yes, or perhaps; empty if it is accepted."""
         cell, description = self._cell, self._description
         if cell.name == "invalid":
             return set() if self._pulled(cell.place) is False else {YES}

@@ -1,4 +1,4 @@
-"""Judge recordings of a tool: one HTML file of them, and other thresholds and time-outs tried on recorded grips."""
+"""Write recordings to one HTML file, and try other thresholds and time-outs on recorded grips."""
 
 from ._attempts import GripCollector
 from ._course import course_of

@@ -14,12 +14,14 @@ from ._attempts import RecordedAttempt
 
 @dataclass(frozen=True, slots=True)
 class TriedCourse:
-    """When an activation was confirmed, lost and gone; µs after its beginning, or after its end.
+    """When an activation was confirmed, lost and gone.
+
+    Times of ``confirmed`` and ``lost`` are µs after the activation, of ``gone`` µs after the deactivation.
 
     Attributes:
-        confirmed: the first time, while it was active; None: never.
-        lost: the first time after that, while it was active.
-        gone: the first time after it was deactivated.
+        confirmed: first confirmation during the activation; None: there was none.
+        lost: first loss of the confirmation during the activation; None: there was none.
+        gone: first proof, after the deactivation, that the actuator is gone; None: there was none.
     """
 
     confirmed: int | None = None
@@ -52,11 +54,11 @@ class GripOutcome:
 
     Attributes:
         failed: none of the recorded attempts would have been confirmed within the time-out.
-        lost: confirmed, and lost while it was still active.
-        stuck: feedback still present when the wait of the release was over.
+        lost: the actuator was confirmed, and lost while it was still active.
+        stuck: feedback was still present when the wait of the release was over.
         undecided: the recording ends during the attempt, or the release.
-        attempt: number of the confirmed attempt, from 1; 0: none.
-        after_us: time from the first activation to the confirmation, µs; None: none.
+        attempt: number of the confirmed attempt, from 1; 0: no attempt was confirmed.
+        after_us: time from the first activation to the confirmation, µs; None: no attempt was confirmed.
     """
 
     failed: bool = False
@@ -100,7 +102,7 @@ SLACK_US = 100_000
 
 
 def _release(part: Actuator, last: RecordedAttempt, course: TriedCourse) -> tuple[bool, bool]:
-    """Return whether the feedback stays too long, and whether that is unknown."""
+    """Return whether the feedback is present for too long, and whether that is unknown."""
     if last.until is None:
         return False, False
     limit_us = to_us(part.release_s)

@@ -37,10 +37,10 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class TunableKey:
-    """A number of one actuator's stanza.
+    """A number in one actuator's stanza.
 
     Attributes:
-        actuator: its name.
+        actuator: name of the actuator.
         path: the keys within its stanza.
         today: its current value.
         whole: whether only whole numbers are valid.
@@ -63,7 +63,7 @@ class TunableKey:
 
     @property
     def waits(self) -> bool:
-        """Whether it is one of `WAITS`."""
+        """Whether the key is one of `WAITS`."""
         return self.path[0] in WAITS
 
     def with_value(self, part: Actuator, supply: Supply, value: float) -> Actuator | None:
@@ -80,9 +80,9 @@ class TunableKey:
         return found if _consistent(found, supply) else None
 
     def grid(self) -> list[float]:
-        """Return the values to try, in order, with the current one.
+        """Return the values to try, in order, including the current one.
 
-        For ``attempts`` it is the highest, because no recording has more.
+        For ``attempts`` the current value is the highest, because no recording has more attempts.
         """
         if self.path == ("attempts",):
             return [float(number) for number in range(1, int(self.today) + 1)]
@@ -112,7 +112,7 @@ def parameters_of(description: Description) -> Iterator[TunableKey]:
 
 
 def not_tried(description: Description) -> Iterator[tuple[str, str]]:
-    """Yield keys of times and thresholds that no recorded grip can judge, and why."""
+    """Yield keys of times and thresholds that no recorded grip can judge, with the reason."""
     for name, part in description.ordered:
         yield f"actuators.{name}.reset_s", _OTHER_PAUSE
         if part.frozen_s is not None:
@@ -130,7 +130,7 @@ def not_tried(description: Description) -> Iterator[tuple[str, str]]:
 
 
 def _is_idle(description: Description, part: Actuator, key: str) -> bool:
-    """Return whether the key is a threshold of a pressure that is not carried: a switch alone proves the actuator."""
+    """Return whether the key is a threshold of a pressure that the link lacks: only a switch is evidence."""
     return (
         key.endswith(_OF_PRESSURES)
         and carrier_of(description).channels.get(part.channel) is not Kind.PRESSURE
@@ -138,7 +138,7 @@ def _is_idle(description: Description, part: Actuator, key: str) -> bool:
 
 
 def _own(part: Actuator) -> Iterator[tuple[str, float]]:
-    """Yield the numbers of the kind that not every actuator has."""
+    """Yield the numbers that only this kind of actuator has."""
     for key in type(part).model_fields:
         value = getattr(part, key)
         number = isinstance(value, int | float) and not isinstance(value, bool)

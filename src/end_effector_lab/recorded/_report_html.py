@@ -1,4 +1,4 @@
-"""Recordings in one HTML file: the page of `eehal page RECORDING`, with all that a browser would ask for inside."""
+"""Write recordings to one HTML file: the page of `eehal page RECORDING` with all data that the browser needs."""
 
 from __future__ import annotations
 

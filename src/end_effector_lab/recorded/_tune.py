@@ -21,13 +21,13 @@ Report = Callable[[float], None]
 
 
 class Counts(NamedTuple):
-    """Numbers of grips by outcome with one value, of those in which the actuator was activated.
+    """Numbers of grips by outcome with one value; only grips in which the actuator was activated are counted.
 
     Attributes:
         failed: none of the recorded attempts would have been confirmed within the time-out.
         late: confirmed on a later attempt, or later than with the current value by more than the reaction bound.
         lost: confirmed, and lost within the same hold.
-        stuck: feedback still present when the wait of the release was over.
+        stuck: feedback was still present when the wait of the release was over.
         undecided: the recording ends before the outcome is known.
     """
 
@@ -48,11 +48,11 @@ class Tried:
 
     Attributes:
         parameter: the number.
-        grips: number of grips it was tried on.
-        values: values with their counts, in order of the values; the current one is among them.
-        same_from, same_to: the range around the current value in which nothing changes, as far as it was tried.
+        grips: number of grips on which it was tried.
+        values: values with their counts, in order of the values, including the current one.
+        same_from, same_to: the tried range around the current value in which no count changes.
         ends_below, ends_above: whether the range ends there because a count changes; if not, no value beyond was
-        tried.
+            tried.
     """
 
     parameter: TunableKey
@@ -95,9 +95,10 @@ class Tuning:
     Attributes:
         description: the tool with the current values.
         grips: number of recorded grips.
-        set_aside: number of grips, by actuator, whose readings do not lead to the recorded decisions.
+        set_aside: number of grips, by actuator, that are not used because the readings do not explain the recorded
+            decisions.
         tried: results in the order of a grip.
-        not_tried: keys that no recorded grip can judge, and why.
+        not_tried: keys that no recorded grip can judge, with the reason.
     """
 
     description: Description
@@ -242,7 +243,7 @@ class _Trial:
 
 
 def _edge(values: Sequence[float], found: dict[float, Counts], today: Counts) -> tuple[float, float | None]:
-    """Return the last value in a row that changes nothing, and the first that does; None: none does."""
+    """Return the last value without an effect, and the first with an effect; None: there is none."""
     same = values[0]
     for value in values[1:]:
         if found[value] != today:

@@ -1,4 +1,4 @@
-"""The output lines in virtual time: what the arbiter writes moves the testbench, and stays when the arbiter ends."""
+"""The output lines in virtual time: the arbiter's writes move the testbench and outlast the arbiter."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Switching(NamedTuple):
 
 
 def switchings(description: Description, edges: Iterable[Edge]) -> Iterator[Switching]:
-    """Yield the switchings of actuators: by one line, two coils or pulses; the last coil decides."""
+    """Yield the switchings of actuators with one line, two coils or pulses; the last coil decides."""
     by_line = {part.line: name for name, part in description.ordered}
     second = {each.line: by_line[line] for line, each in description.opposites.items() if line in by_line}
     for edge in edges:
@@ -40,7 +40,7 @@ def switchings(description: Description, edges: Iterable[Edge]) -> Iterator[Swit
 
 
 class VirtualOutputs:
-    """A `LineBackend`.
+    """A `LineBackend` whose lines exist only in virtual time.
 
     Args:
         names: names of all lines of the board.
@@ -60,7 +60,7 @@ class VirtualOutputs:
         self._clock, self._on_edge = clock, on_edge
 
     def request(self, names: Sequence[str]) -> dict[str, bool]:
-        """Return their levels, which they keep; see `LineBackend`."""
+        """Return the levels of the requested lines, which stay unchanged; see `LineBackend`."""
         return {name: self._levels[name] for name in names}
 
     def levels(self) -> dict[str, bool]:
@@ -68,7 +68,7 @@ class VirtualOutputs:
         return dict(self._levels)
 
     def set(self, levels: Mapping[str, bool]) -> None:
-        """Write some levels at once."""
+        """Set the levels of some lines at once."""
         for name, level in levels.items():
             if self._levels[name] != level:
                 self._levels[name] = level

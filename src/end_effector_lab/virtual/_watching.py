@@ -1,4 +1,4 @@
-"""Follow what the automata see and do, as it happens; the monitor judges every program by it."""
+"""Pass the observations of every controller to a monitor while the programs run."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from timed_automata.execute import Observation
 from timed_automata.monitor import Monitor
 
 Watch = Callable[[str], Callable[[Observation], None]]
-"""Called with the name of a program for each controller that begins; returns a function for its observations."""
+"""Called with the program's name for each new controller; returns a receiver of its observations."""
 
 
 class Watching(Recorder):
-    """A recorder that keeps nothing, and shows every controller to a `Watch`."""
+    """A recorder that stores nothing, and passes the observations of every controller to a `Watch`."""
 
     def __init__(self, watch: Watch) -> None:
         super().__init__()
@@ -26,19 +26,19 @@ class Watching(Recorder):
     def controller(
         self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
     ) -> Controller:
-        """Make a controller that is observed from its beginning."""
+        """Return a controller that is observed from its start."""
         return Controller(description, network, program, observe=self._watch(program), judge=judge)
 
 
 class Monitors:
-    """A monitor for each controller that begins, with the requirements of the automata."""
+    """Creates a monitor for each new controller, with the requirements of the automata."""
 
     def __init__(self, description: Description) -> None:
         self._automata, self._network = description.automata, network_of(description)
         self._monitors: list[Monitor] = []
 
     def watch(self, program: str) -> Callable[[Observation], None]:
-        """Begin a monitor; this is a `Watch`."""
+        """Create a monitor for a program; return the function that receives its observations."""
         executed, interface = getattr(self._automata, program), self._automata.interface
         monitor = Monitor(self._network, executed, interface, requirements=True)
         self._monitors.append(monitor)
@@ -46,5 +46,5 @@ class Monitors:
 
     @property
     def objections(self) -> list[str]:
-        """The objections of all monitors, sentences."""
+        """The objections of all monitors, as sentences."""
         return [each.what for monitor in self._monitors for each in monitor.objections]

@@ -1,5 +1,3 @@
-"""Runs the same function on many items at once: on the processors of this machine, or on a cluster of
-dask.distributed.
-"""
+"""Apply a function to many items on the processors of this machine or a cluster of dask.distributed."""
 
 from ._workers import ShippedAutomata, Workers, cluster_workers, local_workers, open_workers

@@ -1,4 +1,4 @@
-"""The workers of a cluster, by the executor of dask.distributed."""
+"""Workers of a cluster, used through the executor of dask.distributed."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from ._workers import LOOK_S, Computation, Workers, results_of
 
 CONNECT_S = 5.0
 JOIN_S = 30.0
-"""A scheduler may be without a worker for so long at first."""
+"""Longest time to wait for the first worker, s."""
 GONE_S = 60.0
-"""It may be without one for so long later: they are started again, or more are coming."""
+"""Longest time without any worker later, s: workers may be restarted, or more may be coming."""
 _START = "`dask worker ADDRESS --nworkers N --nthreads 1`"
 _CHECKED = ("python", "distributed", "end-effector-hal")
 _FAILURES = (OSError, TimeoutError, CancelledError)
-"""The last one is raised by a task that was under way when the connection was lost."""
+"""Errors of a lost connection; a task that was running at its loss raises CancelledError."""
 
 
 @cache
 def identity() -> dict[str, str]:
-    """Return what must be equal on both sides: two versions of a program would mix their results."""
+    """Return the versions that must be equal on both sides: two versions of a program would mix their results."""
     return {
         "Python": ".".join(platform.python_version_tuple()[:2]),
         "end-effector-hal": product_version(),
@@ -44,7 +44,7 @@ def identity() -> dict[str, str]:
 
 
 class _SharedPart(WorkerPlugin):  # type: ignore[misc]
-    """The function and the shared value; dask sends it once to each worker, also to one that joins later."""
+    """The function and the shared value; dask sends both once to each worker, also to one that joins later."""
 
     def __init__(self, name: str, content: bytes, ours: dict[str, str]) -> None:
         self.name, self._content, self._ours = name, content, ours
@@ -129,7 +129,7 @@ class ClusterWorkers(Workers):
                     self._client.unregister_worker_plugin(name)
 
     def _check(self) -> None:
-        """Raise an error that names the first differing worker, before anything is sent."""
+        """Raise an error that names the first machine with other versions, before any item is sent."""
         with self._reached():
             try:
                 self._client.wait_for_workers(1, timeout=JOIN_S)
@@ -147,7 +147,7 @@ class ClusterWorkers(Workers):
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
-        """Turn a failure on the way to the scheduler into one sentence."""
+        """Convert a lost connection to the scheduler into a WorkersError of one sentence."""
         try:
             yield
         except WorkersError:

@@ -1,10 +1,10 @@
 """Compute on many items with an executor of `concurrent.futures`.
 
-Rule 1: A result comes once, as soon as it is there, with its item; the order is that of the ends.
-Rule 2: Few items wait in front of the workers, so that a million of them need no memory.
-Rule 3: The items of a worker that dies are computed again, one after the other. An item whose workers die again and
-    again is named by a WorkersError after all others are done.
-Rule 4: What a function raises ends the computation, and is raised here.
+Rule 1: Each result is yielded once, as soon as it is ready, with its item; the order is the order of completion.
+Rule 2: Only a few items are queued for the workers, so that a million items need no memory.
+Rule 3: If a worker dies, its items are computed again, one after the other. An item whose workers die repeatedly is
+named by a WorkersError after all others are done.
+Rule 4: An exception of the function ends the computation, and is raised to the caller.
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 LOOK_S = 2.0
-"""Seconds between two looks at the workers while no item ends."""
+"""Time between two checks of the workers while no item is completed, s."""
 MOST_IN_TASK, MOST_NAMED = 64, 5
 MOST_JOBS, MOST_EACH = 8, 4
-"""The most processes on any machine, or for each processor; each takes memory of its own."""
+"""Maximum number of processes, in all and per processor; the larger limit is valid. Each needs memory."""
 
 
 class Computation(ABC):
-    """One function on many items, in tasks of one or more items.
+    """Applies one function to many items, in tasks of one or more items.
 
     Attributes:
-        died: raised by a task whose worker died.
-        tries: how often an item is computed alone after that.
-        task_s: seconds of work that are sent in one task; 0: one item.
+        died: exception of a task whose worker died.
+        tries: how often an item is then computed again, alone.
+        task_s: duration of the work that is sent in one task, s; 0: one item per task.
     """
 
     died: type[Exception] = BrokenProcessPool
@@ -60,11 +60,11 @@ class Computation(ABC):
 
     @abstractmethod
     def submit(self, items: list[Any]) -> Future[tuple[float, list[Any]]]:
-        """Begin a task: the results of some items, and the seconds that they took."""
+        """Start a task, which returns its duration, s, and the results of its items."""
 
     @abstractmethod
     def places(self) -> int:
-        """Return how many tasks may be under way; raises WorkersError if no worker will come."""
+        """Return how many tasks may run or wait at once; raises WorkersError if no worker can be expected."""
 
     def results(self, items: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
         """Yield each item with its result; raises WorkersError if some were not computed."""
@@ -89,7 +89,7 @@ class Computation(ABC):
             )
 
     def _until_done(self, items: Iterator[Any], failed: list[Any]) -> Iterator[tuple[Any, Any]]:
-        """Yield results; add to ``failed`` the items whose worker died."""
+        """Yield each item with its result; add to ``failed`` the items whose worker died."""
         running: dict[Future[tuple[float, list[Any]]], list[Any]] = {}
         while True:
             places = self.places()
@@ -113,7 +113,7 @@ class Computation(ABC):
 
 
 class Workers(ABC):
-    """Compute on many items; a context manager, which ends what it has started."""
+    """Workers that compute on many items; a context manager, which ends the processes that it has started."""
 
     def __init__(self) -> None:
         self._open = ExitStack()
@@ -127,12 +127,12 @@ class Workers(ABC):
         """Yield each item with ``function(shared, item)``.
 
         Args:
-            function: of a module, so that other processes find it by its name.
-            shared: the same for all items; a worker gets it once.
-            items: taken one by one, as workers become free.
+            function: a function of a module, so that other processes find it by its name.
+            shared: the same value for all items; a worker receives it once.
+            items: the items, read one by one as workers become free.
 
         Raises:
-            WorkersError: a worker does not fit, all are gone, or some items could not be done.
+            WorkersError: a worker does not fit, all workers are gone, or some items could not be computed.
         """
         with self._begun(function, shared) as computation:
             yield from computation.results(items)
@@ -147,7 +147,7 @@ class Workers(ABC):
 def results_of(
     function: Callable[[Any, Any], Any], shared: object, items: Sequence[Any]
 ) -> tuple[float, list[Any]]:
-    """Return the seconds and the results of one task, in a worker."""
+    """Compute one task in a worker; return its duration, s, and its results."""
     begun = time.perf_counter()
     results = [function(shared, item) for item in items]
     return time.perf_counter() - begun, results
@@ -174,7 +174,7 @@ class _LocalWorkers(Workers):
 
 
 class _Processes(Computation):
-    """Processes of this machine; one death ends all of them, and the next task starts others."""
+    """Runs tasks in processes of this machine; if one process dies, all end, and the next task starts new ones."""
 
     def __init__(self, jobs: int, function: Callable[[Any, Any], Any], shared: object) -> None:
         super().__init__()
@@ -206,7 +206,7 @@ def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process when its parent is killed: it would wait for items without end."""
+    """End this process when its parent is killed, because it would otherwise wait for items forever."""
     if parent := parent_process():
         connection.wait([parent.sentinel])
         os._exit(1)
@@ -217,17 +217,18 @@ def _do(items: list[Any]) -> tuple[float, list[Any]]:
 
 
 def local_workers(jobs: int) -> Workers:
-    """Return that many processes of this machine; one job is computed in this process."""
+    """Return workers with ``jobs`` processes of this machine; with one job, this process computes."""
     return _LocalWorkers(jobs)
 
 
 def cluster_workers(address: str) -> Workers:
     """Return the workers of a cluster of dask.distributed.
 
-    Entering it raises WorkersError when the scheduler cannot be reached, has no worker, or one of them does not fit.
+    Entering the context raises WorkersError if the scheduler cannot be reached or has no worker, or if a worker does
+    not fit.
 
     Args:
-        address: of its scheduler, such as ``tcp://10.0.0.1:8786``.
+        address: address of the scheduler, such as ``tcp://10.0.0.1:8786``.
 
     Raises:
         ModuleNotFoundError: dask.distributed, the extra `cluster`, is not installed.
@@ -238,10 +239,10 @@ def cluster_workers(address: str) -> Workers:
 
 
 def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
-    """Return the cluster of a scheduler, or processes of this machine; without jobs, one for each processor.
+    """Return workers of a scheduler's cluster or of this machine; without ``jobs``, one process per processor.
 
     Raises:
-        UsageError: both are given, or the jobs are too many.
+        UsageError: both arguments are given, or the number of jobs is too large.
     """
     if scheduler and jobs:
         raise UsageError(
@@ -261,21 +262,21 @@ def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
 
 @dataclass(frozen=True)
 class ShippedAutomata:
-    """The UPPAAL file of a tool, for workers that have another one, or none.
+    """The UPPAAL file of a tool, for workers that have another version of the file or none.
 
     Attributes:
-        content: of the file.
+        content: content of the file.
     """
 
     content: bytes
 
     @classmethod
     def read(cls, description: Description) -> ShippedAutomata:
-        """Read the file of a description; raises OSError."""
+        """Read the UPPAAL file of a description; raises OSError."""
         return cls(description.automata_path.read_bytes())
 
     def of(self, description: Description) -> Description:
-        """Return the description with these automata, on this machine."""
+        """Return the description with these automata, written to a file on this machine if needed."""
         path = description.automata_path
         if path.is_file() and path.read_bytes() == self.content:
             return description

@@ -97,7 +97,7 @@ def test_zero_grips_and_the_upper_limit_drops(system: System, ask: Send) -> None
     assert (status, result.stalled, result.reached_goal) == (SUCCEEDED, False, True)
     assert position_of(result) == [1.0]
     assert not system.wait_for(STAND_BY).held
-    system.until("what is ignored", lambda: "ignored: the air decides" in log(system))
+    system.until("what is ignored", lambda: "ignored: the air sets force and speed" in log(system))
 
 
 def test_a_position_that_is_reached_already_succeeds_at_once(system: System, ask: Send) -> None:

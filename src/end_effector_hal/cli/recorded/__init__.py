@@ -1,3 +1,3 @@
-"""Commands that open a recording: ``eehal replay`` and ``page``; and how others open one."""
+"""The commands ``eehal replay`` and ``eehal page``, and functions with which other commands open a recording."""
 
 from ._recordings import open_recordings, part_of, recording_options, runs_in

@@ -1,4 +1,4 @@
-"""``eehal replay``: runs the same program on recorded inputs, compares its decisions and judges them."""
+"""``eehal replay``: runs the same program on recorded inputs, and compares and judges its decisions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``commands.csv``: the commands of the Supervisor, written as they are given."""
+"""``commands.csv``: the commands that the Supervisor gives, written at once."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from end_effector_hal.vocabulary import Cause, received_alarms
 
 
 def write_state(recording: Recording, message: StateMessage) -> None:
-    """Write the rows of a state; raises ReportedError when they cannot be written now."""
+    """Write the rows of a state message; raises ReportedError when they cannot be written now."""
     recording.state(message.at_us, message.state, message.command, message.actuators)
     recording.tool_changer(message.at_us, message.tool_changer)
     recording.alarms(message.at_us, received_alarms(message.alarms, message.alarm_ids))
@@ -22,7 +22,7 @@ def write_state(recording: Recording, message: StateMessage) -> None:
 
 
 def events_of(message: StateMessage) -> list[ToolEvent]:
-    """The events that a state carries; raises ValueError for one that is none."""
+    """Return the events that a state message carries; raises ValueError for an invalid event."""
     names = ("", *message.actuator_names)
     found: list[ToolEvent] = []
     for each in message.events:

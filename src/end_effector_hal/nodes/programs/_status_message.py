@@ -11,13 +11,13 @@ from end_effector_hal.nodes.transport import EventMessage, MessageHeader, Status
 def status_to_message(
     status: Status, since_us: int, count: int, actuators: Sequence[str] = ()
 ) -> StatusMessage:
-    """The message of a status.
+    """Return the message for a status.
 
     Args:
-        status: with its events.
-        since_us: the start of the program.
+        status: the status, with its events.
+        since_us: the start of the program, µs.
         count: the number of this status.
-        actuators: their names, in sequence order.
+        actuators: names of the actuators, in sequence order.
     """
     return StatusMessage(
         header=MessageHeader(status.at),

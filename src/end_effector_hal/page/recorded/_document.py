@@ -47,7 +47,7 @@ class RecordingPart:
 
 @dataclass(frozen=True, slots=True)
 class FoldedRecording:
-    """A recording that was read.
+    """A recording that has been read.
 
     Attributes:
         document: the JSON document for the browser.
@@ -67,8 +67,8 @@ def read_recording(
 
     Args:
         files: the traces, or the tables.
-        part: the part that is shown; default: all.
-        progress: receives the share that is done, 0 to 1.
+        part: the part that is shown; default: the whole recording.
+        progress: called with the finished share, 0 to 1.
 
     Raises:
         ModelError, UsageError: the recorded tool can no longer be loaded.

@@ -1,4 +1,4 @@
-"""The traces of a recording: which of them belong together, and their records in order of time."""
+"""The traces of a recording: which traces belong together, and their records in order of time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_BYTES = 512_000_000
 
 KEPT_BYTES = 100_000_000
 TOLD = "told"
-"""Kind of an entry that is in no trace: changes of variables, for the log."""
+"""Kind of an entry that is in no trace: changes of variables, for the log of the page."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,23 +33,23 @@ class _Part:
 
 
 class RecordingFiles:
-    """The traces of a folder, or one; read once to know them, and again when their records are wanted.
+    """The traces of a folder, or one trace; read once to inspect them, and again when their records are needed.
 
     Args:
         path: a folder with traces, or one trace.
-        description: another tool than the one that was recorded; None: that one, which the trace holds.
+        description: a tool to use instead of the recorded one; None: the recorded one, which the trace contains.
 
     Raises:
-        UsageError: there is no trace that can be read, or its description is not valid any more.
+        UsageError: there is no readable trace, or its description is not valid any more.
 
     Attributes:
-        name: of the folder or the file.
-        notes: in words: what cannot be read, what is left out, where something ends.
-        header: of the first trace.
+        name: name of the folder or the file.
+        notes: sentences about unreadable, omitted and truncated traces.
+        header: header of the first trace.
         description: the tool as it was recorded.
-        begin, end: µs, of the first and the last record.
-        has_events: always; a table of events may be missing (`RecordedTables`).
-        whole: every trace was closed in good order, and none was left out.
+        begin, end: time of the first and of the last record, µs.
+        has_events: always true; a table of events may be missing (`RecordedTables`).
+        whole: whether every trace was closed normally, and none was left out.
     """
 
     def __init__(self, path: Path, description: Description | None = None) -> None:
@@ -165,7 +165,7 @@ class RecordingFiles:
 
 
 def stamp_of(path: Path) -> tuple[tuple[str, int, int], ...]:
-    """Return names, sizes and times of a recording's traces, by which its growth is detected."""
+    """Return names, sizes and times of a recording's traces; they change when the recording grows."""
     try:
         return tuple((each.name, each.stat().st_size, each.stat().st_mtime_ns) for each in traces_of(path))
     except (UsageError, OSError):

@@ -39,7 +39,7 @@ class ListedRecording:
         name: name of its folder.
         changed: time of the last write, s since 1970.
         tool: the name in its ``run.json``.
-        story: how it went, in a sentence; or why that is unknown.
+        story: a sentence about the result of the run, or the reason why it is unknown.
         length_s: duration of its table of states; None: unknown.
     """
 

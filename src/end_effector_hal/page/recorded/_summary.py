@@ -1,4 +1,4 @@
-"""The first page of a report: goals, why they failed, and their durations against the worst cases."""
+"""The first page of a report: goals, reasons for failures, and durations compared with worst cases."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ MOST_GOALS = 500
 
 
 class Summary:
-    """Collect states and events, and make a story of them.
+    """Collects states and events, and derives a story from them.
 
     Args:
         description: the tool.
-        info: of the recording.
+        info: the facts about the run.
         epoch: time zero, µs.
         has_events: whether events were recorded.
     """
@@ -60,13 +60,13 @@ class Summary:
             self._reasons.append((at_s, status.reason))
 
     def events(self, events: Sequence[ToolEvent]) -> None:
-        """Events of one of its programs."""
+        """Add events of one of the tool's programs."""
         names = self._description.sequence
         self._events += (event_row(each, (each.at - self._epoch) / 1e6, names) for each in events)
 
     @property
     def states(self) -> StatesLog:
-        """The states of the tool, a row for each change, and its events."""
+        """Return the states of the tool, one row for each change, with its events."""
         events = tuple(sorted(self._events, key=lambda row: row.time_s)) if self._has_events else None
         return StatesLog(self._description.sequence, tuple(self._rows), events=events)
 

@@ -43,9 +43,9 @@ class RecordedTables:
 
     Args:
         folder: the folder, with ``states.csv``.
-        description: the tool; tables do not hold it.
-        name: its name on the page; default: that of the folder.
-        notes: sentences to show with it.
+        description: the tool; tables do not contain it.
+        name: name of the recording on the page; default: the name of the folder.
+        notes: sentences that the page shows with the recording.
 
     Raises:
         UsageError: the states cannot be read, or belong to another tool.
@@ -103,7 +103,7 @@ class RecordedTables:
         self._now: Mapping[str, int | None] = {}
 
     def again(self) -> RecordedTables:
-        """Return this object: tables without traces do not change."""
+        """Return this object, because tables without traces do not change."""
         return self
 
     def entries(self) -> Iterator[Entry]:

@@ -32,7 +32,7 @@ _NUMBERS = re.compile(r"\d+(?:\.\d+)?")
 
 @dataclass(frozen=True)
 class Tolerances:
-    """The largest deviations that are no difference: ``seconds`` in time, ``kpa`` in a pressure."""
+    """The largest deviations that do not count as a difference: ``seconds`` in time, ``kpa`` in a pressure."""
 
     seconds: float = 0.1
     kpa: float = 5.0

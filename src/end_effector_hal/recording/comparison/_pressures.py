@@ -20,7 +20,7 @@ a second.
 
 @dataclass
 class Shifts:
-    """The offset from times of the first recording to those of the second, from given times on."""
+    """The offsets from times of the first recording to times of the second, each with its start time."""
 
     start_s: float
     _from: list[float] = field(default_factory=list)
@@ -31,7 +31,9 @@ class Shifts:
         return self._by[-1] if self._by else self.start_s
 
     def add(self, first_s: float, by_s: float) -> None:
-        """Add an offset that holds from ``first_s`` on, which must be later than all before."""
+        """Add an offset that is valid from ``first_s`` on, which must be later than the start of all
+        earlier offsets.
+        """
         self._from.append(first_s)
         self._by.append(by_s)
 

@@ -13,7 +13,7 @@ class RunDifference:
     Args:
         line: ``end_effector``, ``command``, an actuator, ``tool_changer``, ``alarms``, or the channel of a pressure.
         text: the difference in words.
-        first_s, second_s: time, seconds since the start of each recording; None: that recording does not have it.
+        first_s, second_s: time, seconds since the start of each recording; None: absent from that recording.
     """
 
     line: str

@@ -34,12 +34,12 @@ class RunTables:
 
     @property
     def first_command_s(self) -> float:
-        """Time of the first command; without a command that of the first row."""
+        """Time of the first command; without a command, the time of the first row."""
         rows = self.log.rows
         return next((row.time_s for row in rows if row.command is not Command.NONE), rows[0].time_s)
 
     def lines(self) -> Iterator[tuple[str, list[Change]]]:
-        """Yield each line of the figure, and its changes in words."""
+        """Yield each line of the figure with its changes in words."""
         rows = self.log.rows
         yield "end_effector", _changes([(row.time_s, row.end_effector.label) for row in rows])
         yield "command", _changes([(row.time_s, row.command.label) for row in rows])

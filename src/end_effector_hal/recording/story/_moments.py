@@ -18,7 +18,10 @@ _TOGETHER_S = 0.2
 
 
 def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
-    """Commands, time-outs, aborts, GRIPPED, losses and failed releases, in order of time."""
+    """Return the moments that a figure marks, in order of time.
+
+    They are commands, time-outs, aborts, GRIPPED, losses, alarms and failed releases.
+    """
     found = [
         Moment(each.time_s, "command", each.command.upper()) for each in log.events or () if each.command
     ]
@@ -35,7 +38,10 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
 
 
 def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
-    """Return the alarms that began, equal ones of several actuators once; the states already show latched errors."""
+    """Return a moment for each alarm that began; equal alarms of several actuators share one.
+
+    Latched errors are left out because the states already show them.
+    """
     found: dict[str, Moment] = {}
     moments = []
     for row in alarms:

@@ -1,4 +1,4 @@
-"""From the events of a recording to its story."""
+"""Derive the story of a recording from its events."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ _DECISIONS = {
     **dict.fromkeys((Cause.TIMED_OUT, Cause.EMPTY, Cause.LOST, Cause.REFUSED), GripDecision.ABORTED),
     Cause.CANCELLED: GripDecision.CANCELLED,
 }
-"""How a grip has ended that did not end in GRIPPED, by the cause; any other: the program was stopped."""
+"""The decision of a grip that did not reach GRIPPED, by cause; with any other cause, the program was stopped."""
 _RELEASES = {GripDecision.ABORTED: ReleaseCause.ABORT, GripDecision.CANCELLED: ReleaseCause.CANCEL}
 
 
 @dataclass
 class _Gripping:
-    """A grip that is not decided yet."""
+    """A grip that is still running."""
 
     start_s: float
     attempts: list[Attempt] = field(default_factory=list)
@@ -71,7 +71,7 @@ class _Gripping:
 
 
 class _Fold:
-    """Take the events of a recording one by one; a recording may begin and end anywhere."""
+    """Derives grips, releases and losses from the events of a recording, which may begin and end in any state."""
 
     def __init__(self, log: StatesLog, info: RunInfo) -> None:
         self._info = info
@@ -106,7 +106,7 @@ class _Fold:
             self._cause = ReleaseCause.DROP
 
     def _begin(self, at: float, state: EndEffectorState) -> None:
-        """A state that was found, or in which a recording begins."""
+        """Process the state in which the recording begins, or which a program adopted at its start."""
         if state is EndEffectorState.GRIPPING:
             self._grip = _Gripping(at)
         elif state in (EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR):
@@ -144,12 +144,13 @@ class _Fold:
 
 
 def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[AlarmRow] = ()) -> Story:
-    """The story of a recording: what its events say, in grips and releases.
+    """Return the story of a recording: the grips and releases that its events report.
 
     Args:
-        log: with its events; without them neither grips nor releases are known.
-        info: how many attempts an actuator may fail, and what a counterexample violates.
-        alarms: become moments of the story.
+        log: the states, with their events; without events neither grips nor releases are known.
+        info: the maximum number of failed attempts of each actuator, and the requirement that a counterexample
+            violates.
+        alarms: the alarms to list among the moments of the story.
     """
     info = info or RunInfo()
     fold = _Fold(log, info)
@@ -171,7 +172,10 @@ def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[Ala
 
 
 def _with_violation(moments: Sequence[Moment], at_s: float) -> tuple[Moment, ...]:
-    """The moments of a counterexample: none is a success, and what goes wrong as it ends shares its mark."""
+    """Return the moments of a counterexample, with a mark for the violation.
+
+    No moment is shown as a success. Failures at the time of the violation or later share its mark.
+    """
     kept, words = [], []
     for moment in moments:
         if moment.time_s >= at_s and moment.kind in ("abort", "lost", "timeout"):

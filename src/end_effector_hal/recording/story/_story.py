@@ -1,4 +1,4 @@
-"""What happened in a recording: grips with their attempts, releases, losses."""
+"""The parts of a story: grips with their attempts, releases and losses."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ class ReleaseCause(StrEnum):
     CANCEL = "cancel"
     DROP = "drop"
     LOSS = "loss"
-    """A held part was lost, and the rest is released, as declared."""
+    """A held part was lost, and the other actuators are released, as declared."""
     START = "start"
     """Outputs were found active at the start."""
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One activation of one actuator; times in seconds since start.
+    """One activation of one actuator; times in seconds since the start of the recording.
 
-    ``number`` counts the attempts of this actuator in this grip from 1; ``of`` is how many of them may fail,
-    where run.json has that number.
+    ``number`` counts the attempts of this actuator in this grip from 1; ``of`` is the number of failed attempts that
+    aborts the grip, None if run.json does not state it.
     """
 
     actuator: str
@@ -61,7 +61,7 @@ class Attempt:
 
     @property
     def length_s(self) -> float | None:
-        """Time for which it was pending, s; None while it still is."""
+        """Duration of the attempt, s; None while it is pending."""
         return None if self.end_s is None else self.end_s - self.start_s
 
     def __str__(self) -> str:
@@ -89,7 +89,8 @@ class Reset:
 class Release:
     """An unwinding.
 
-    ``deactivated`` is in order of time; ``ended`` is the state that ended it, None while it still runs.
+    ``deactivated`` lists the actuators in order of time; ``ended`` is the state that ended it, None while it still
+    runs.
     """
 
     cause: ReleaseCause
@@ -108,8 +109,8 @@ class Release:
 class Grip:
     """One grip, from GRIPPING to its decision.
 
-    ``culprit`` is the actuator whose last failed attempt aborted the grip; ``waiting`` the one that was pending when
-    it ended for another reason.
+    ``culprit`` is the actuator whose last failed attempt aborted the grip; ``waiting`` is the actuator that was
+    pending when the grip ended for another reason.
     """
 
     start_s: float
@@ -126,7 +127,7 @@ class Grip:
 
     @property
     def failed(self) -> tuple[Attempt, ...]:
-        """The attempts that timed out, or have gripped nothing."""
+        """The attempts that timed out or gripped nothing."""
         return tuple(attempt for attempt in self.attempts if attempt.outcome in FAILED)
 
     @property
@@ -142,14 +143,14 @@ class Grip:
 
 @dataclass(frozen=True)
 class Loss:
-    """A held part was lost; ``actuator`` is the one whose confirmation went, empty: not known."""
+    """The loss of a held part; ``actuator`` is the actuator that lost its confirmation, empty if unknown."""
 
     time_s: float
     actuator: str = ""
 
     @property
     def who(self) -> str:
-        """The actuator in words; empty: not known."""
+        """Name of the actuator for display; empty: unknown."""
         return display_name(self.actuator)
 
 
@@ -164,9 +165,9 @@ class Moment:
 
 @dataclass(frozen=True)
 class Story:
-    """A recording in order of time.
+    """The events of a recording in order of time.
 
-    ``losses`` are the times when a held part was lost; ``adopted`` is the state found at the start, if any.
+    ``losses`` are the losses of held parts; ``adopted`` is the state found at the start, if any.
     """
 
     actuators: tuple[str, ...]

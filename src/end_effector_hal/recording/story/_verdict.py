@@ -17,7 +17,7 @@ from end_effector_hal.recording.tables import StatesLog
 from end_effector_hal.vocabulary import EndEffectorState, display_name
 
 _HELD = {GripDecision.ABORTED: ReleaseCause.ABORT, GripDecision.CANCELLED: ReleaseCause.CANCEL}
-"""A grip that ended so is released; where it is not, its outputs stay active, as declared."""
+"""The release that normally follows each decision; without it, outputs stay active, as declared."""
 _LATCHED = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 

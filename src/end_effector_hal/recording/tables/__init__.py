@@ -1,4 +1,4 @@
-"""The CSV tables of a recording: states, events, pressures, switches, alarms; written row by row, and read back."""
+"""The CSV tables of a recording: states, events, pressures, switches, alarms and the tool changer."""
 
 from ._alarms import BEGUN, ENDED, AlarmRow, AlarmsWriter, changed_alarms, read_alarms
 from ._changer import ChangerRow, ChangerWriter, read_changer

@@ -1,4 +1,4 @@
-"""``alarms.csv``: a row when an alarm begins, when its cause is over, and when it is no longer shown."""
+"""``alarms.csv``: a row when an alarm begins, when its cause has ended, and when it is no longer shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``events.csv``: what the steps of the automata mean, a row for each event."""
+"""``events.csv``: the events of a run, such as the start of an attempt or a time-out, one per row."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class EventRow:
     """One event, with its time in seconds since the start of the recording.
 
     Attributes:
-        actuator: its name; empty: the event concerns no single one.
+        actuator: name of the actuator; empty: the event does not concern a single actuator.
         attempt, old, new, cause, command: as in `ToolEvent`.
     """
 
@@ -51,12 +51,12 @@ class EventRow:
 
 
 def event_row(event: ToolEvent, time_s: float, actuators: Sequence[str]) -> EventRow:
-    """The row of an event; raises ValueError for an event that no tool has.
+    """Return the row of an event; raises ValueError for an impossible event.
 
     Args:
-        event: what has happened.
-        time_s: when.
-        actuators: their names, in sequence order.
+        event: the event.
+        time_s: time of the event, seconds since the start of the recording.
+        actuators: names of the actuators, in sequence order.
     """
     name = actuators[event.actuator] if event.actuator >= 0 else ""
     attempt, old, new = event.attempt, event.old, event.new
@@ -64,10 +64,10 @@ def event_row(event: ToolEvent, time_s: float, actuators: Sequence[str]) -> Even
 
 
 class EventsWriter(TableWriter):
-    """Write rows in the order of their arrival; safe to use from several threads.
+    """Writes rows in the order of their arrival; thread-safe.
 
     Raises:
-        UsageError: the file cannot be written, or is something else.
+        UsageError: the file cannot be written, or is another kind of file.
     """
 
     def __init__(
@@ -78,10 +78,10 @@ class EventsWriter(TableWriter):
         self._last_s = last.time_s if last else 0.0
 
     def write(self, rows: Sequence[EventRow]) -> bool:
-        """Write all rows, or none; a time before that of the last row becomes that of the last row.
+        """Write all rows or none; a time before that of the last row is replaced by it.
 
         Raises:
-            ReportedError: they cannot be written.
+            ReportedError: the rows cannot be written.
         """
         if not rows:
             return False
@@ -95,13 +95,13 @@ class EventsWriter(TableWriter):
 
 
 def read_events(path: str | Path, actuators: Sequence[str]) -> tuple[EventRow, ...] | None:
-    """The events of a recording, in order; None: the recording has no such table.
+    """Return the events of a recording, in order; None: the recording has no table of events.
 
-    Raises UsageError with ``file:line`` for a row that is none; a last line that was cut off is left out.
+    Raises UsageError with ``file:line`` for an invalid row; a truncated last line is left out.
 
     Args:
-        path: of the table.
-        actuators: the names that may stand in it.
+        path: path of the table.
+        actuators: the names of actuators that are valid in the table.
     """
     if not Path(path).exists():
         return None

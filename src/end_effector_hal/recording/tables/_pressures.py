@@ -19,12 +19,12 @@ KPA = "kPa"
 OF_QUANTITIES = {
     "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "N": "_n", "degC": "_degc"
 }  # fmt: skip
-"""Endings of the column names of other quantities, by unit."""
+"""Endings of the column names of other quantities, by their unit."""
 _UNITS = {UNIT: KPA} | {ending: unit for unit, ending in OF_QUANTITIES.items()}
 PERIOD_S, JITTER_S = 0.02, 0.005
 LONGEST_GAP_S = 0.5
 STEP_KPA, STEP = 0.2, 0.005
-"""Change below which a value is steady: of a pressure, kPa, and of another quantity in its unit."""
+"""Smallest change that counts as a move: of a pressure, kPa, and of another quantity, in its unit."""
 
 Sample = tuple[float, tuple[float | None, ...]]
 
@@ -44,7 +44,7 @@ class PressuresLog:
 
     @property
     def times_s(self) -> tuple[float, ...]:
-        """The time of each sample, seconds since start."""
+        """The time of each sample, seconds since the start."""
         return tuple(time_s for time_s, _ in self.samples)
 
     def curve(self, channel: str) -> tuple[float | None, ...]:
@@ -86,7 +86,10 @@ class PressuresWriter(TableWriter):
         return self._channels
 
     def write(self, time_s: float, kpa: Mapping[str, float | None]) -> bool:
-        """Offer a sample (seconds since start, gauge kPa, missing or None = invalid); return whether it was written."""
+        """Offer a sample and return whether it was written.
+
+        The time is in seconds since the start, the values are in gauge kPa; a missing value or None is invalid.
+        """
         self._check_time(time_s)
         values = tuple(_finite(kpa.get(channel)) for channel in self._channels)
         with self._lock:

@@ -26,17 +26,17 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,79}", re.ASCII)
 
 
 class RowFile:
-    """A file of rows, each passed to the kernel in one write: a kill of the process loses at most the last one.
+    """A file of rows, each passed to the kernel in one write: a kill of the process loses at most the last row.
 
     An existing file with the same header is continued; a truncated last line is removed first. Only one process can
-    write at a time; it holds a lock that ends with it.
+    write at a time; it holds a lock until it ends.
 
     Args:
         path: path of the file.
         columns: names for its header.
         limits: a file that has reached the limit is renamed ``NAME-1.csv``, ``NAME-2.csv``, …, and the next one begins
             under the same name; None: no limit.
-        opening: returns the rows with which the next file begins, so that it can be read alone.
+        opening: returns the first rows of the next file, so that it can be read without the previous one.
     """
 
     def __init__(
@@ -107,7 +107,7 @@ class RowFile:
             raise ReportedError(what, where=str(self.path)) from None
 
     def _begin_segment(self, limits: RecordingLimits) -> None:
-        """Rename the file with a number, and begin the next one; if this raises OSError, nothing has changed."""
+        """Rename the file with a number, and begin the next file; after an OSError nothing has changed."""
         make_room(self.path.parent, limits)
         fresh = self.path.with_name(f".{self.path.name}.next")
         fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
@@ -151,7 +151,7 @@ class Line:
         return UsageError(what, where=self.where, todo=todo)
 
     def fields(self, columns: Sequence[str]) -> list[str]:
-        """Return the fields; their number must equal that of the columns."""
+        """Return the fields of the line; their number must equal the number of columns."""
         fields = [field.strip() for field in self.text.split(",")]
         if len(fields) != len(columns):
             raise self.fault(f"This row has {len(fields)} fields, the header names {len(columns)}.")
@@ -241,7 +241,7 @@ def _lines_of(path: str | Path) -> Iterator[Line]:
 
 
 def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -> tuple[str, ...]:
-    """Return the names in the header after the fixed ones."""
+    """Return the column names that follow the fixed ones in the header."""
     expected = ",".join(fixed) + ",…"
     first = next(lines, None)
     if first is None:

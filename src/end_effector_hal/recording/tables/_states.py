@@ -1,4 +1,4 @@
-"""``states.csv``: one row per change, in the integers of Table II."""
+"""``states.csv``: one row per change of a state, with the integers of Table II."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FIXED = ("time_s", "end_effector", "command")
 
 @dataclass(frozen=True, slots=True)
 class StatesRow:
-    """The states that hold from ``time_s`` (seconds since start) until the next row."""
+    """The states that are valid from ``time_s`` (seconds since the start) until the next row."""
 
     time_s: float
     end_effector: EndEffectorState
@@ -26,17 +26,17 @@ class StatesRow:
 
     @property
     def states(self) -> tuple[int, ...]:
-        """Every column but the time."""
+        """All columns except the time."""
         return (self.end_effector, self.command, *self.actuators)
 
 
 @dataclass(frozen=True)
 class StatesLog:
-    """The states and events of a recording: names in sequence order, rows in order of time.
+    """The states and events of a recording: actuator names in sequence order, rows in order of time.
 
     Attributes:
-        note: what was dropped, a sentence.
-        events: those of ``events.csv``; None: there is no such table.
+        note: a sentence about dropped content.
+        events: the events of ``events.csv``; None: there is no such table.
     """
 
     actuators: tuple[str, ...]
@@ -47,7 +47,7 @@ class StatesLog:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The header."""
+        """The column names of the table."""
         return (*FIXED, *self.actuators)
 
     @property
@@ -60,8 +60,8 @@ class StatesWriter(TableWriter):
     """Writes a row whenever a state has changed; thread-safe.
 
     Args:
-        path: the file; continued when it has the same header, refused (UsageError) when it has another.
-        actuators: their names, in sequence order.
+        path: path of the file; it is continued if it has the same header, and refused (UsageError) if not.
+        actuators: names of the actuators, in sequence order.
         limits: the limits of the folder; None: no limit.
     """
 
@@ -76,16 +76,18 @@ class StatesWriter(TableWriter):
 
     @property
     def last(self) -> StatesRow | None:
-        """The last row, also if an earlier process wrote it; new rows are not earlier than it."""
+        """The last row, also if an earlier process wrote it; a new row never has an earlier time."""
         return self._last
 
     def write(
         self, time_s: float, end_effector: int, command: int, actuators: Sequence[int] | Mapping[str, int]
     ) -> bool:
-        """Write the states that hold from ``time_s`` on (seconds since start); return False when nothing changed.
+        """Write the states that are valid from ``time_s`` on (seconds since the start); return False when nothing
+        changed.
 
         A time before that of the last row is replaced by it: rows are in the order of arrival. After a row that could
-        not be written, the next one is written even if it equals the last: there was another state between the two.
+        not be written, the next one is written even if it equals the last written row, because the state changed in
+        between.
 
         Raises:
             UsageError: a value is not in Table II.
@@ -121,9 +123,9 @@ class StatesWriter(TableWriter):
 
 
 def read_states(path: str | Path) -> StatesLog:
-    """Read a table of states, and ``events.csv`` beside it; raises UsageError with ``file:line`` for a wrong row.
+    """Read a table of states and its ``events.csv``; raises UsageError with ``file:line`` for an invalid row.
 
-    A last line that was cut off is dropped and reported in ``note``; everything before it is kept.
+    A truncated last line is dropped and reported in ``note``; all earlier lines are kept.
     """
     lines = read_lines(path)
     actuators = read_header(lines, path, FIXED)

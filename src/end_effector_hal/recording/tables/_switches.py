@@ -20,7 +20,7 @@ Levels = tuple[bool | None, ...]
 
 @dataclass(frozen=True)
 class SwitchesLog:
-    """Rows in order of time: seconds since start, and the levels that hold from then on; None: unknown."""
+    """Rows in order of time: seconds since the start, and the levels from then on; None: unknown."""
 
     channels: tuple[str, ...]
     rows: tuple[tuple[float, Levels], ...]
@@ -69,7 +69,7 @@ class SwitchesWriter(TableWriter):
 
 
 def read_switches(path: str | Path) -> SwitchesLog | None:
-    """Return the switches of a recording; None: it has no table of them.
+    """Return the switches of a recording; None: the recording has no table of switches.
 
     Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
     """

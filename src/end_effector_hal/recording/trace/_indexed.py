@@ -40,8 +40,8 @@ def write_indexed(path: Path, until: float | None = None) -> None:
 
     Raises:
         ModuleNotFoundError: the extra `recordings` is not installed; another program may index the file.
-        OSError: the disk; another process is at it; the segment was removed.
-        TooLongError: it was given up.
+        OSError: the disk failed, another process uses the segment, or the segment was removed.
+        TooLongError: the indexing was abandoned.
         ValueError: the segment is damaged.
     """
     beside = path.with_name(NAME.format(path.name))
@@ -67,7 +67,10 @@ def write_indexed(path: Path, until: float | None = None) -> None:
 
 
 def _copy(source: IO[bytes], target: IO[bytes], until: float | None) -> bool:
-    """Write the records in order of time; False: the file has chunks. Schemas and channels keep their numbers."""
+    """Write the records in order of time; return False if the file has chunks already.
+
+    Schemas and channels keep their numbers.
+    """
     from mcap.data_stream import ReadDataStream
     from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Message, Schema
     from mcap.stream_reader import StreamReader
@@ -110,7 +113,12 @@ def _check(until: float | None) -> None:
 
 
 def start_indexing(path: Path) -> None:
-    """Start a process that does it, and goes on after the end of this one; raises as `write_indexed`, and OSError."""
+    """Start a process that indexes a segment and continues after the end of this process.
+
+    Raises:
+        ModuleNotFoundError: the extra `recordings` is not installed.
+        OSError: the process cannot be started.
+    """
     import_module("mcap.writer")  # else the process would fail without a word
     child = Popen(
         [sys.executable, "-c", _PROGRAM, path], 0, None, DEVNULL, DEVNULL, DEVNULL, start_new_session=True

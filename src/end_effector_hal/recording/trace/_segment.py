@@ -1,4 +1,4 @@
-"""One file of a trace: created, written batch by batch, and closed with its checksum."""
+"""Write one file of a trace: create it, append batches of records, and close it with its checksum."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ from end_effector_hal.recording._limits import MEGABYTE
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, ATTACHMENT, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x09, 0x0F
-"""Opcodes of https://mcap.dev/spec. The library `mcap` indexes and reads traces; a robot that only writes them does
-without it, because it brings 29 MB of compression."""
+"""Opcodes of https://mcap.dev/spec. Only indexing and reading need the library `mcap`; a robot that only writes traces
+does not install it, because it depends on 29 MB of compression libraries.
+"""
 _MESSAGE = struct.Struct("<HIQQ")
-"""Channel, number, time of the record, time of publication."""
+"""Head of a message: channel, number, time of the record, time of publication."""
 SUFFIX = ".mcap"
 LEAST_ROOM = MEGABYTE // 2
-"""Free disk space that is needed to begin a file, bytes; with less the file would be full at once."""
+"""Free disk space needed to begin a file, bytes; a file begun with less would soon fill the disk."""
 
 
 class SegmentFile:
-    """One MCAP file, being written: every record stands alone, and only whole batches reach the file.
+    """Writes one MCAP file; every record can be read alone, and only whole batches reach the file.
 
     Args:
         folder: created if it is missing; the file gets the next free number of its program.
@@ -44,7 +45,7 @@ class SegmentFile:
 
     Raises:
         UsageError: the path is not a folder.
-        OSError: the file cannot be created, or the disk has no room for it; nothing is left behind.
+        OSError: the file cannot be created, or the disk has no room for it; no file is left behind.
     """
 
     def __init__(
@@ -72,7 +73,7 @@ class SegmentFile:
             raise
 
     def add(self, kind: str, at: int, content: object) -> None:
-        """A record of what happened at ``at`` µs on the monotonic clock; :meth:`write` brings it to the file."""
+        """Add a record with its time ``at``, µs on the monotonic clock; :meth:`write` writes it to the file."""
         time = (at + self._day_us) * 1000
         self._count += 1  # times may go back: the number has the order
         head = _MESSAGE.pack(self._channels[kind], self._count, time, time)
@@ -83,7 +84,7 @@ class SegmentFile:
         self._waiting += data
 
     def write(self) -> None:
-        """Write what was added, all of it or nothing; raises OSError."""
+        """Write the added records, all or none; raises OSError."""
         data = bytes(self._waiting)
         self._waiting.clear()
         still_there(self.path, self._fd)
@@ -91,7 +92,7 @@ class SegmentFile:
         self.size += len(data)
 
     def finish(self) -> None:
-        """Write the checksum of all records, and close; raises OSError, and is closed all the same."""
+        """Write the checksum of all records and close the file; raises OSError, but closes the file even then."""
         footer = struct.pack("<BQQQ", FOOTER, 20, 0, 0)  # no summary: it comes with the index
         try:
             self._append(_record(DATA_END, self._checksum.to_bytes(4, "little")))
@@ -101,21 +102,21 @@ class SegmentFile:
             self.leave()
 
     def leave(self) -> None:
-        """Close the file as it is, without its checksum; may be called again."""
+        """Close the file without its checksum; may be called again."""
         fd, self._fd = self._fd, -1
         if fd >= 0:
             with suppress(OSError):
                 os.close(fd)
 
     def discard(self) -> None:
-        """Close the file and remove it: it contains nothing."""
+        """Close the file and remove it, because it contains no records."""
         with suppress(OSError):
             self.path.unlink()
         self.leave()
 
 
 def _beginning(program: str, kinds: Mapping[str, type], attachments: Mapping[str, bytes]) -> bytes:
-    """What stands before the messages: the files of the run, and a schema and a channel for each kind of record."""
+    """Return the start of the file: the files of the run, and a schema and a channel for each kind of record."""
     records = [MAGIC, _record(HEADER, _counted(""), _counted("end-effector-hal"))]
     for name, content in attachments.items():
         media = "application/json" if name.endswith(".json") else "application/xml"
@@ -136,7 +137,7 @@ def _record(opcode: int, *parts: bytes) -> bytes:
 
 
 def _counted(text: str | bytes) -> bytes:
-    """A text, or data, after the number of its bytes."""
+    """Return a text or bytes, preceded by the number of bytes."""
     data = text.encode() if isinstance(text, str) else text
     return struct.pack("<I", len(data)) + data
 

@@ -1,4 +1,4 @@
-"""Read a trace: everything that reached the disk, even if the program did not end in good order."""
+"""Read a trace: all records that reached the disk, even if the program did not end normally."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from end_effector_hal.recording._files import read_file
 from end_effector_hal.recording.trace._segment import MAGIC
 
 DATA_END_BYTES = 13
-"""Opcode, length, checksum."""
+"""Size of the record DATA_END, bytes: opcode, length, checksum."""
 FOOTER_BYTES = 29
-"""Opcode, length, begin of the summary and of its offsets, checksum."""
+"""Size of the footer, bytes: opcode, length, offsets of the summary and of its index, checksum."""
 CHECKSUM_BYTES = 4
 CHUNK_HEAD = struct.Struct("<BQQQQIIQ")
 """Opcode and length; first and last time, size, checksum, length of the compression's name, which is empty; length of
@@ -28,7 +28,7 @@ the records.
 """
 NO_CHECKSUM = 0
 _COMPRESSED = "records are compressed, as in no trace; `mcap decompress` decompresses a file"
-"""Compressed files are refused: a few bytes may become gigabytes, and the page opens any file that it gets."""
+"""The message for a compressed file, which is refused because a few bytes may expand to gigabytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +37,8 @@ class Record:
 
     Attributes:
         kind: the last part of its topic.
-        data: JSON.
-        day_us: time of day of its message, µs; None: it is in no file.
+        data: the content as JSON.
+        day_us: time of day of its message, µs; None: the record was not read from a file.
     """
 
     kind: str
@@ -47,7 +47,7 @@ class Record:
 
     @property
     def content(self) -> dict[str, Any]:
-        """The content as a JSON object; raises ValueError if it is not one."""
+        """Return the content as a JSON object; raises ValueError if it is not an object."""
         try:
             found = json.loads(self.data)
         except RecursionError:
@@ -66,8 +66,8 @@ class TraceFile:
         program: the program whose trace it is.
         records: all records.
         attachments: files that belong to the run.
-        complete: whether the file was closed in good order; if not, ``note`` states where it ends.
-        damaged: whether bytes were changed, as the checksum or the format shows; ``note`` reports it. Only a closed
+        complete: whether the file was closed normally; if not, ``note`` states where it ends.
+        damaged: whether the checksum or the format shows that bytes were changed; ``note`` reports it. Only a closed
             file has a checksum.
         size: size of the file, bytes.
     """
@@ -175,7 +175,7 @@ class _Reading:
 
     @property
     def place(self) -> int:
-        """How many bytes of the file have been read."""
+        """Number of bytes of the file that have been read."""
         return self._file.tell()
 
     def changed(self, start: int, after: int, checksum: int) -> bool:

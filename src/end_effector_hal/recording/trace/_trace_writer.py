@@ -60,8 +60,8 @@ class Opening(NamedTuple):
     Attributes:
         at: time, µs on the monotonic clock.
         segment: number of the segment since the start of the program, from 1 on.
-        follows: whether the previous segment was closed in good order, and nothing is missing between the two.
-        gap: the records that are missing before it; None: none.
+        follows: whether the previous segment was closed normally, and no records are missing between the two.
+        gap: the missing records before the segment; None: no records are missing.
     """
 
     at: int
@@ -138,7 +138,7 @@ class TraceWriter:
 
     @property
     def path(self) -> Path | None:
-        """Path of the segment that is being written; None: there is none."""
+        """Path of the segment that is being written; None: no segment is being written."""
         return self._segment.path if self._segment is not None else None
 
     def put(self, batch: Sequence[Entry]) -> None:

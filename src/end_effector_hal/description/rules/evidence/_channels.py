@@ -41,8 +41,6 @@ def used_channels(description: Description) -> tuple[str, ...]:
 
     The order is: actuators in the sequence, other devices, supply.
 
-    The order is: actuators in the sequence, other devices, supply.
-
     Other channels of a link do not matter to this tool.
     """
     return tuple(dict.fromkeys(use.channel for use in _uses(description)))
