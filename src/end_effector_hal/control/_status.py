@@ -73,6 +73,8 @@ class Status:
     """The actuator that the present Drop has deactivated last, by position in the sequence; -1: none."""
     secure: bool = False
     maintenance: bool = False
+    adopted: bool = False
+    """Whether the automata have adopted the lines; before that nothing is written."""
     changer: ChangerState = ChangerState.UNKNOWN
     unlock_output: bool = False
     changer_fault: ChangerFault = ChangerFault.NONE

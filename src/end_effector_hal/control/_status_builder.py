@@ -217,6 +217,7 @@ class StatusBuilder:
             blowing=self._blowing,
             dropped=values["dropped"],
             secure=proven and hold.secure,
+            adopted=self.adopted,
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
             changer_fault=_CHANGER_FAULTS[fault],

@@ -61,6 +61,8 @@ class VirtualConnection:
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
         """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
+        if not self._lines:  # such a client has never said hello
+            return _raising(ArbiterError("say hello first"))
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:

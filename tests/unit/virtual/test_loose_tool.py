@@ -51,7 +51,9 @@ def test_without_a_tool_neither_lock_nor_grip(description: Description) -> None:
     gone = f"there is no tool ({changer.present_bit} is off)."
     assert tool.command("lock").reason == f"A lock is refused: {gone}"
     assert tool.command("grip").reason == f"IL-05: {gone}"
-    assert not any(tool.levels.values())
+    # a valve with two coils whose position is unknown is driven to where the sensors prove it to be
+    locks = changer.opposite.line if changer.opposite else ""
+    assert not any(level for line, level in tool.levels.items() if line != locks)
     tool.choose("nominal")
     tool.run(0.5)
     assert tool.command("grip").accepted
@@ -112,3 +114,30 @@ def test_where_only_the_presence_is_shown_it_counts_alone() -> None:
     tool.choose("no-tool")
     tool.run(0.5)
     assert held(tool) == (True, False, False)
+
+
+def test_a_tool_without_a_changer_writes_nothing_for_it() -> None:
+    """Its program has no line: the line arbiter would refuse the write, and count as lost."""
+    tool = VirtualTool(load_tool(ROOT / "examples/tools/six_cups/end_effector.yaml"))
+    assert tool.description.tool_changer is None
+    tool.run(2.0)
+    assert tool.status.ee == EndEffectorState.STAND_BY
+    assert not any(
+        alarm.id == "arbiter.lost" for each in (*tool.statuses, *tool.changes) for alarm in each.alarms
+    )
+
+
+def test_an_unlock_without_a_tool_that_is_not_proven_ends_by_itself(description: Description) -> None:
+    """The changer is UNKNOWN again, as before its adoption; its output must be inactive all the same."""
+    changer = description.tool_changer
+    assert changer
+    tool = ready(description, "no-tool,locked-shows:tool_changer:1,unlocked-shows:tool_changer:0")
+    assert tool.command("unlock").accepted
+    tool.run(changer.prove_s / 2)
+    assert tool.status.unlock_output
+    assert tool.levels[changer.line]
+    assert tool.run_until(tool.at + 5_000_000, lambda: not tool.status.unlock_output)
+    tool.run(0.1)
+    assert tool.status.changer is ChangerState.UNKNOWN
+    assert not tool.levels[changer.line]
+    assert not tool.latched

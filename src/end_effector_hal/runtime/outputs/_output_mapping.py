@@ -68,8 +68,8 @@ class ChangerOutputs:
         self._description = description
 
     def adopted(self, status: Status) -> bool:
-        """Return whether the automata have adopted the line."""
-        return bool(status.changer)
+        """Return whether the automata have adopted the line; a tool without a changer has none, and writes nothing."""
+        return status.adopted and self._description.tool_changer is not None
 
     def levels(self, status: Status) -> dict[str, bool]:
         """Return the level of the unlock line, if the tool has a changer."""
