@@ -1,6 +1,4 @@
-"""Loads the module that draws figures: it is part of the development tools and is found by an entry point. Without it,
-the user is told how to install it.
-"""
+"""Loads the module that draws figures, by an entry point of the workshop; without it, an error names the extra."""
 
 from __future__ import annotations
 
