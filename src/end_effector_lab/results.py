@@ -1,13 +1,13 @@
-"""A folder of results: a computation that was stopped can continue in it.
+"""A folder of results, in which a stopped computation can be continued.
 
 Rule 1: Only one process writes to the folder at a time.
 Rule 2: A file in the folder, the mark, identifies the computation. A folder with another mark is refused. A folder
-without a mark is refused if it contains a file with one of the names: files of other programs are never used as
-results.
-Rule 3: Each result is a line of JSON. A truncated last line is removed; any other invalid line is an error that names
-its number.
-Rule 4: The other files are written completely or not at all. An old file that a user has edited is kept beside the new
-one.
+    without a mark is refused if it contains a file with one of the names: files of other programs are never used as
+    results.
+Rule 3: Each result is a line of JSON. A truncated last line is removed; any other invalid line is an error that
+    names its number.
+Rule 4: The other files are written completely or not at all. An old file that a user has edited is kept beside the
+    new one.
 Rule 5: Links are not followed.
 """
 

@@ -1,7 +1,7 @@
-"""What a campaign has come to: the runs that are kept, what they have reached, and the case of the next run.
+"""The state of a campaign: the runs that are kept, the coverage that they reached, and the case of the next run.
 
-Run n is drawn from the seed, n, and what the first three quarters of the runs before it have reached (`drawn_from`). So
-the same seed gives the same runs, however many workers there are, and in whatever order they end.
+Run n is drawn from the seed, n, and the coverage of the first three quarters of the runs before it (`drawn_from`). So
+the same seed gives the same runs, however many workers there are, and in any order of their ends.
 """
 
 from __future__ import annotations

@@ -3,28 +3,29 @@
 The rules share no code with the controller or the line arbiter, and were not derived from observed behaviour.
 
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip becomes inactive
-(IL-09).
-Rule 2 (order): released outputs become inactive in the release order, each one when the previous device is gone or its
-time is over; a retried step, as the last one.
-Rule 3 (activation): an output of the grip becomes active only in an accepted, running grip, after all earlier steps,
-within its attempts and with the pause between them, with the tool really locked and a link that can report it (IL-05,
-IL-11), and not while the emergency stop is open.
-Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and the
-tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not longer than its
-longest time while the line arbiter lives (IL-03).
-Rule 5 (switching): a line keeps its level for its least time (IL-10); only an arbiter that ends may cut a pulse short.
-Rule 6 (evidence): GRIPPED holds only while every device really grips; a lift is allowed only while a link can report
-it and the tool is locked and present; a release ends in STAND_BY only when every device is gone. Changes younger than
-the time of a reading may not be known yet.
-Rule 7 (refusals): a grip is refused while a device still grips, the supply pressure is too low, the link is silent, or
-the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
-Rule 8 (unwound): the actuators that a dead gripping program had engaged are deactivated as declared, while the arbiter
-lives.
+    (IL-09).
+Rule 2 (order): released outputs become inactive in the release order, each one when the previous device is gone or
+    its time is over; when a step is retried, only the output of the last active step becomes inactive.
+Rule 3 (activation): an output of the grip becomes active only in an accepted, running grip, after all earlier
+    steps, within its attempts and with the pause between them, with the tool really locked and a link that can
+    report it (IL-05, IL-11), and not while the emergency stop is open.
+Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and
+    the tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not
+    longer than its longest time while the line arbiter lives (IL-03).
+Rule 5 (switching): a line keeps its level for its least time (IL-10); only an arbiter that ends may cut a pulse
+    short.
+Rule 6 (evidence): GRIPPED holds only while every device really grips; a lift is allowed only while a link can
+    report it and the tool is locked and present; a release ends in STAND_BY only when every device is gone. Changes
+    younger than the time of a reading may not be known yet.
+Rule 7 (refusals): a grip is refused while a device still grips, the supply pressure is too low, the link is silent,
+    or the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
+Rule 8 (unwound): the actuators that a dead gripping program had engaged are deactivated as declared, while the
+    arbiter lives.
 Rule 9 (told): at rest, lines and state agree; a latched error, a loss and missing sensor data have been reported.
 Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of the tool changer, stay until a reset,
-even if a program or the arbiter dies in between, or the power is lost.
+    even if a program or the arbiter dies in between, or the power is lost.
 Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
-output of the grip becomes inactive because of it; a device on a bus may receive it later.
+    output of the grip becomes inactive because of it; a device on a bus may receive it later.
 
 While a sensor lies, the truth cannot be known: rules 3, 6 and 7 then ignore the real state.
 """

@@ -291,8 +291,8 @@ class _CaseRun:
         return changer is not None and (changer.locked_bit in carried) != (changer.unlocked_bit in carried)
 
     def _not_usable(self, known_s: float) -> str:
-        """Return why the tool cannot be used, as a clause; "" if it can. After ``known_s`` all programs have detected
-        that all is well.
+        """Return why the tool cannot be used, as a clause; "" if it can. The check waits ``known_s`` after the tool
+        has come to rest; by then all programs have detected that no fault is left.
         """
         tool, durations = self.tool, self._description.durations
         longest = (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US

@@ -145,7 +145,9 @@ def wordings(state: Shown) -> tuple[str, ...]:
 
 
 def plain(text: str, longest: int = 60) -> str:
-    """Return foreign text with characters that the font has, on one line."""
+    """Return a text from elsewhere on one line, cut to its longest length, with ``?`` for every character that the
+    font may lack.
+    """
     shown = "".join(char if char.isprintable() and ord(char) < 0x530 else "?" for char in text)
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
 

@@ -1,24 +1,24 @@
 """The allowed outcomes of a cell, from the description and the documented rules alone; nothing here was observed.
 
-Rule 1: A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether a confirmed
-state stays, whether a deactivated actuator is gone. `_sensor` defines this for each fault. A silent or unreadable link
-proves nothing about any actuator.
-Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. It ends if a step is not confirmed in
-its attempts, a part is lost, or an interlock refuses an activation: then the engaged actuators are released.
+Rule 1: A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether a
+    confirmed state stays, whether a deactivated actuator is gone. `_sensor` defines this for each fault. A silent
+    or unreadable link proves nothing about any actuator.
+Rule 2: A grip succeeds if each step can be confirmed and no earlier one is lost. It ends if a step is not confirmed
+    in its attempts, a part is lost, or an interlock refuses an activation: then the engaged actuators are released.
 Rule 3: After an unwinding or a release the tool is at rest if all engaged actuators are proven gone, else in
-RELEASE_ERROR.
-Rule 4: A held part stays held: a loss is a GRIP_ERROR with unchanged outputs; missing readings, and a tool that is not
-locked or absent, are alarms.
-Rule 5: A cancel is accepted only in a grip, a drop only while a part is held, an error is latched, or an actuator is
-not proven gone at rest; other commands are then refused. Right after the first activation, before its line may be
-deactivated (IL-10), the last reading may still prove that nothing is there.
-Rule 6: The death of the gripping program has the declared ending; the restarted program adopts the state. The deaths
-of the tool changer's program and of the line arbiter move nothing.
+    RELEASE_ERROR.
+Rule 4: A held part stays held: a loss is a GRIP_ERROR with unchanged outputs; missing readings, and a tool that is
+    not locked or absent, are alarms.
+Rule 5: A cancel is accepted only in a grip, a drop only while a part is held, an error is latched, or an actuator
+    is not proven gone at rest; other commands are then refused. Right after the first activation, before its line
+    may be deactivated (IL-10), the last reading may still prove that nothing is there.
+Rule 6: The death of the gripping program has the declared ending; the restarted program adopts the state. The
+    deaths of the tool changer's program and of the line arbiter move nothing.
 Rule 7: A grip is refused while a sensor wrongly shows a part, the link is down, the supply pressure is too low, the
-tool is not proven to be locked and present, or the emergency stop is open.
+    tool is not proven to be locked and present, or the emergency stop is open.
 Rule 8: An output on a bus moves when its device has acknowledged it. If the bus is silent or damaged, or the line
-arbiter dies, it may stay unchanged and is then held, with an alarm. A device that releases when it receives nothing
-(`on_link_loss`) may have done so.
+    arbiter dies, it may stay unchanged and is then held, with an alarm. A device that releases when it receives
+    nothing (`on_link_loss`) may have done so.
 """
 
 from __future__ import annotations

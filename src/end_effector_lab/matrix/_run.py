@@ -82,7 +82,9 @@ def no_log() -> Iterator[None]:
 
 
 class _Shared:
-    """The data that every worker needs; a worker continues the undisturbed run from where it has played it."""
+    """The data that every worker needs. Each worker keeps its undisturbed run and continues it to the moment of the
+    next cell.
+    """
 
     def __init__(self, description: Description) -> None:
         self._described, self._automata = description, ShippedAutomata.read(description)

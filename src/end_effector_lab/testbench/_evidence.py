@@ -41,8 +41,8 @@ class ShownByConditions:
                 yield channel, min(max(device.pressure_kpa or 0.0, low + away), high - away)
 
     def _spans(self, device: Device) -> Spans:
-        """Return the spans for the state of a device; without values for the time between, the old spans stay until it
-        arrives.
+        """Return the spans for the state of a device. If no values exist for a moving device, the spans of the state
+        that it leaves stay until it arrives.
         """
         if device.grips:
             return self.confirmed

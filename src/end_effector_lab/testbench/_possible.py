@@ -20,7 +20,9 @@ def possible_faults(description: Description) -> Iterator[str]:
 
 
 def offered_faults(description: Description) -> Iterator[FaultOffer]:
-    """Yield the same faults with all data that is needed to choose one."""
+    """Yield the faults that a tool can have, with the data that a user interface needs to offer them: meaning, usage,
+    places and number.
+    """
     traits = traits_of(description)
     alarms = tuple(name for name, channel in description.channels.items() if channel.alarm)
     asking = links_that_ask(description)

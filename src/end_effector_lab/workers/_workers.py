@@ -1,9 +1,9 @@
-"""Compute on many items with an executor of `concurrent.futures`.
+"""Functions that compute on many items with an executor of `concurrent.futures`.
 
 Rule 1: Each result is yielded once, as soon as it is ready, with its item; the order is the order of completion.
 Rule 2: Only a few items are queued for the workers, so that a million items need no memory.
 Rule 3: If a worker dies, its items are computed again, one after the other. An item whose workers die repeatedly is
-named by a WorkersError after all others are done.
+    named by a WorkersError after all others are done.
 Rule 4: An exception of the function ends the computation, and is raised to the caller.
 """
 

@@ -312,7 +312,9 @@ class _Exploration:
 
 
 def _where(network: Network, query: Query) -> tuple[int, int] | None:
-    """Return the location in which a query constrains clocks, or None if it names none."""
+    """Return the location that a query names, as process and location; None if it names none, or if it is neither
+    ``A[] … imply …`` nor ``E<>``.
+    """
     match query:
         case Query(kind="A[]", condition=ast.Binary(op="imply", left=premise)):
             return location_of(network, premise)

@@ -15,7 +15,7 @@ from end_effector_hal.wires.rpc import Listener, Peer, Peers
 MOST_STRANGERS = 32
 """Most connections that neither write lines nor send predicates.
 
-Of the others there are few: one sender, and at most one writer per line.
+The other connections are few: one predicate sender, and at most one writer per line.
 """
 IDLE_US = 10_000_000
 ACCEPTED = 8

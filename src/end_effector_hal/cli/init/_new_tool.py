@@ -30,7 +30,7 @@ from ._new_channels import (
 from ._wanted import BOARD, LINKS, NAME, WantedActuator, WantedLink
 
 _WHAT = 34
-"""Column at which the comments begin."""
+"""Column at which the comments of the written description begin."""
 _TIMES = ("timeout_s", "reset_s", "attempts", "release_s")
 Ask = Callable[[str], str]
 """Asks the user for a value; raises UsageError without a terminal."""

@@ -68,7 +68,7 @@ _SIMULATION: Plugins[Simulation] = Plugins(GROUP, "simulation", {}, _checked, ma
 
 
 def possible_scenarios(description: Description) -> Iterable[str]:
-    """What can go wrong with the simulated tool; nothing where nothing that simulates is installed."""
+    """Return the scenarios that are possible with the simulated tool; empty if no simulator is installed."""
     return _SIMULATION.get(NAME).scenarios(description) if lab_installed() else ()
 
 

@@ -50,11 +50,11 @@ class ModbusRtu:
         period_us: time from the start of a cycle to the start of the next one; a slow device makes it longer.
         baudrate, parity: settings of the line; parity ``N``, ``E`` or ``O``.
         timeout_us: longest wait for an answer.
-        alike: whether answers to two reads of one unit may have the same form; then, after one of them got no answer,
-            the others are not requested for a second.
+        alike: whether answers to two reads of one unit may have the same form. If so, a read without an answer blocks
+            the other reads of that form for one second.
 
     Raises:
-        UsageError: two reads have the same channel, or a late answer to one read could be mistaken for that to
+        UsageError: two reads have the same channel, or a late answer to one read could be mistaken for an answer to
             another.
     """
 

@@ -16,8 +16,8 @@ class CylinderDetector:
     """Judges a cylinder as extended (CONFIRMED), retracted (GONE), or between the two (PARTIAL).
 
     Extended: its position bit is on, or the pressure is at least 85 % of the supply pressure for 100 ms. Retracted:
-    less than 50 kPa for 200 ms, and the extended bit is not on. Where no pressure is carried, the retracted bit
-    decides, or, without one, the extended bit being off.
+    less than 50 kPa for 200 ms, and the extended bit is not on. If no pressure is carried, the retracted bit proves
+    "retracted"; without that bit, an extended bit that is off proves it.
     """
 
     MEMORY: ClassVar = {"_held": bool, "_high": PART, "_low": PART, "level": Evidence}

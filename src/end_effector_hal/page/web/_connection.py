@@ -19,7 +19,7 @@ class BoundedConnection(H11Protocol):
     """Extends uvicorn's protocol, which has a time-out between two requests but none within a request.
 
     Rule 1: A request must be complete in time, counted from the connection or from the answer before; otherwise its
-    connection is closed, even if it arrives piece by piece.
+        connection is closed, even if it arrives piece by piece.
     Rule 2: A client that reads nothing for that time is disconnected; a slow reader is not.
     Rule 3: If there are too many connections, the oldest one without a request being answered is closed.
     """

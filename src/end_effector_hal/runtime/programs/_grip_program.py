@@ -36,7 +36,9 @@ def drive(adoption: Adoption, maintenance: Maintenance, line: str, at: int, *, a
 def proof(
     latest: LatestStatus, description: Description, name: str, timeout_s: float | None, *, active: bool
 ) -> Answer:
-    """Wait until the sensors prove the wanted level, by default as long as the actuator has in a grip or a release."""
+    """Wait until the sensors prove the wanted level. The default time limit is the actuator's ``timeout_s`` or
+    ``release_s``.
+    """
     actuator, index = description.actuators[name], description.sequence.index(name)
     limit_s = timeout_s or (actuator.timeout_s if active else actuator.release_s)
     wanted = Evidence.CONFIRMED if active else Evidence.GONE

@@ -14,8 +14,8 @@ class ToolDetector:
     """Judges the tool changer from its bits.
 
     It is locked or unlocked once the bits show it for 100 ms, faulty when both bits are on or both off for 0.5 s, and
-    unclear when a bit is stale. Where a sensor shows whether a tool is present, LOCKED needs a present tool; without
-    it the evidence is ABSENT.
+    unclear when a bit is stale. If a sensor shows whether a tool is present, LOCKED needs a present tool; without a
+    tool the evidence is ABSENT.
     """
 
     MEMORY: ClassVar = {"_streaks": PART, "level": ToolEvidence}

@@ -38,7 +38,7 @@ class WorstCase:
         return "never" if self.computed_ms is None else f"{self.computed_ms / 1000:g} s"
 
     def document(self) -> dict[str, float | None]:
-        """Return the times in seconds; ``at_least`` only if the value itself is unknown."""
+        """Return the times in seconds; the key ``at_least`` exists only if the value itself is unknown."""
         found = {"computed": _seconds(self.computed_ms), "declared": _seconds(self.declared_ms)}
         return found if self.at_least_ms is None else {**found, "at_least": _seconds(self.at_least_ms)}
 
@@ -146,7 +146,7 @@ class Proof:
 
     @property
     def bounds(self) -> dict[str, WorstCase]:
-        """The worst cases by name: ``grip_s`` of the requirement ``grip``."""
+        """The worst cases by name; that of the requirement ``grip`` is ``grip_s``."""
         return {f"{f.id.replace('-', '_')}_s": f.worst for f in self.findings if f.worst is not None}
 
     def document(self, reasons: Mapping[str, str] | None = None) -> dict[str, object]:

@@ -10,7 +10,7 @@ from end_effector_hal.description import Description
 
 NOTHING = "nothing"
 _UNTOLD = frozenset({"where"})
-"""Fields that are not compared: the place of an edge in its file is no decision."""
+"""Fields that are not compared: the place of an edge in its file is not part of a decision."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,9 @@ from end_effector_hal.signals import Frame
 WINDOW_US, PERIODS = 1_000_000, 20
 """Length of a counting window: the longer of ``WINDOW_US`` and this number of periods."""
 LEAST = 2 / 3
-"""Least share of a channel's samples: two windows in a row below it start an alarm, a better one ends it."""
+"""Least share of the expected samples of a channel. Two consecutive windows below it start an alarm; one window that
+reaches it ends the alarm.
+"""
 LONGEST_MS = 10_000
 
 

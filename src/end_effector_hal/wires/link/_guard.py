@@ -147,8 +147,8 @@ def spread_stamps(frames: list[Frame], at: int, away_us: int, period_us: int) ->
     Args:
         frames: the frames of one read, in order; frames with a stamp of their own keep it.
         at: the time of this read, µs.
-        away_us: time since no data was available.
-        period_us: time between two frames.
+        away_us: time since the last look at the port that found no data, µs.
+        period_us: time between two frames, µs.
     """
     count = len(frames)
     known = away_us < STANDSTILL_US or 2 * count * period_us >= away_us

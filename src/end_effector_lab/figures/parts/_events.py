@@ -167,7 +167,9 @@ _MOST = 40
 
 
 def lined(events: Sequence[Event]) -> list[Event]:
-    """Return the events whose line runs through lanes and pressures."""
+    """Return the events that get a line through lanes and pressures: all, or only those with a text if there are too
+    many.
+    """
     return [event for event in events if event.text or len(events) <= _MOST]
 
 

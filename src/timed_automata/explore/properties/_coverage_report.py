@@ -72,7 +72,7 @@ def _labels(edge: DrawnEdge) -> str:
 
 
 def _drawn(network: Network) -> Iterator[tuple[Process, Edge]]:
-    """Yield every drawn edge once."""
+    """Yield every edge of the file once, with a process of its template."""
     for process in _one_of_each(network):
         yield from {id(edge.drawn): (process, edge) for edge in process.edges}.values()
 
@@ -153,7 +153,7 @@ def _dead(network: Network, off: frozenset[int]) -> _DisabledParts:
 
 
 def _reached(process: Process, off: frozenset[int]) -> Iterator[int]:
-    """Yield the locations that are connected to the initial one."""
+    """Yield the locations that a path of edges connects to the initial one; the edges in ``off`` do not count."""
     seen, waiting = {process.initial}, [process.initial]
     while waiting:
         at = waiting.pop()

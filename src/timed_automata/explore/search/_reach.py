@@ -148,11 +148,12 @@ class WidestFirst(Search):
     """Finds the same states as :class:`Search`, but not by the shortest runs, and does not keep the runs.
 
     It works in stages, the lowest rank first (:class:`Stage`); a finished stage is passed to ``done`` and dropped.
-    Within a stage, states without any of the clocks come first, because they lead to those with them. States without
-    delay come before those in which time passes, so that a state that is reached there in many ways is expanded once.
-    A discrete state that is reached again waits until all new ones are expanded. By then the steps between discrete
-    states are known, and a state waits for its predecessors: what it overtakes would be overtaken later anyway
-    (topological order: Herbreteau, Tran, *Improving Search Order for Reachability Testing in Timed Automata*, 2015).
+    Within a stage, states in which none of the ``clocks`` is used come first, because they lead to states that use
+    them. States without delay come before those in which time passes: so a state that is reached by several such steps
+    is expanded once. A discrete state that is reached again waits until all new ones are expanded. By then the steps
+    between discrete states are known, and a state is expanded after its predecessors, because one of them might reach
+    it again with a larger zone (topological order: Herbreteau, Tran, *Improving Search Order for Reachability Testing
+    in Timed Automata*, 2015).
 
     Args:
         space: as for :class:`Search`.

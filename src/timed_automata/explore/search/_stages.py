@@ -132,7 +132,9 @@ def _nothing(_: Values) -> None:
 
 
 class _Region(NamedTuple):
-    """A component of the locations of a process, and the variables that are written in it or later."""
+    """A strongly connected component of the locations of a process, and the variables that are written in
+    it or later.
+    """
 
     number: int
     depth: int
@@ -140,7 +142,7 @@ class _Region(NamedTuple):
 
 
 def _regions(process: Process) -> list[_Region]:
-    """Return the component of every location."""
+    """Return, for every location of a process, its strongly connected component."""
     edges = [edge for edge in process.edges if not edge.guard.never]
     graph: dict[int, list[int]] = {at: [] for at in range(len(process.locations))}
     for edge in edges:
