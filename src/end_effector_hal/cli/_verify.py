@@ -108,7 +108,7 @@ def command(
     how often, no line of a held part becomes inactive except after a Drop. This takes some seconds.
 
     With --registers NAME the network of an actuator that is commanded over a bus is proven instead: a command counts
-    as done only when its device has executed it, although the bus loses, delays and duplicates answers. The proof of
+    as done only when its device has accepted it, although the bus loses, delays and duplicates answers. The proof of
     the DESCRIPTION does not contain this network.
 
     With --free-sensors the automata alone are proven, with sensors that have no memory and no least time between two
@@ -119,9 +119,10 @@ def command(
     A proof that needs too much memory is stopped: it lists the requirements that are not decided, the exit code is 4,
     and no verdict is kept.
 
-    With --sweep the values of some keys are varied. The result lists the combinations that hold, the first requirement
-    that fails, and the worst cases. KEY has dots, as in actuators.cylinder.timeout_s=3:7:1. With -o DIR a table and
-    JSON are written there. The exit code is 4 when no combination holds. No verdict is kept.
+    With --sweep the values of some keys are varied. The result lists the combinations that hold, the first
+    requirement that fails, and the worst cases. KEY is a path with dots, as in actuators.cylinder.timeout_s=3:7:1.
+    With -o DIR a table and JSON are written there. The exit code is 4 when no combination holds. No verdict is
+    kept.
     """
     from end_effector_hal.description import profile_path
     from end_effector_hal.recording import check_replaceable, content_hash

@@ -43,10 +43,10 @@ def command(recordings: tuple[Path, ...], description: Path | None, every: bool,
     failed     none of the recorded attempts would have been confirmed within the time-out
     late       confirmed on a later attempt, or later than today by more than the reaction bound
     lost       confirmed, and lost within the same hold
-    stuck      still there when the wait of the release was over
+    stuck      not proven gone when the wait of the release was over
     undecided  the recording ends that attempt or that release before it is known
 
-    An attempt that nobody made is in no recording: a grip that failed here might have succeeded on one more. Nothing
+    A recording contains only attempts that were made: a grip that failed here might succeed on a further one. Nothing
     is suggested; the range in which nothing changes rests on the grips that were recorded, and on no others.
 
     Exit code 0: the table; 2: no recording, none with a grip, or one cannot be read.

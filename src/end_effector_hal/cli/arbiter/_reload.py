@@ -19,17 +19,17 @@ GRANTED = "The description is valid and can be loaded: the tool is at rest."
 @click.argument("restart", nargs=-1, type=click.UNPROCESSED)
 @click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
 def command(description: Path, restart: tuple[str, ...], as_json: bool) -> None:
-    """Check a changed DESCRIPTION and, if what runs may take it over, call RESTART, which starts it again with it.
+    """Check a changed DESCRIPTION and, if the running programs accept it, call RESTART, which restarts them with it.
 
     \b
-    eehal reload tool.yaml                                        only says whether it could be taken over now
+    eehal reload tool.yaml                                        only prints whether they would accept it now
     eehal reload tool.yaml -- systemctl restart eehal-hal         nodes of ROS (`systemctl reload eehal-hal` does it)
 
     The file is checked first. Then each running program is asked: it refuses while a part is held, a command or
     maintenance is under way, or an error is latched, and where what the line arbiter was started with would change
     (outputs, their interlocks, its own inputs and buses). In each of these cases nothing happens, and the description
-    that runs stays in force. Where all agree, none begins an activation for 30 s, until RESTART has ended them or
-    failed. The programs that start adopt the lines as they are. In `eehal run` the command `reload` does all of this.
+    that runs stays in force. If all programs agree, none begins an activation for 30 s, until RESTART has ended them or
+    failed. The restarted programs adopt the lines as they are. In `eehal run` the command `reload` does all of this.
 
     Exit codes: 0 done, or possible; 1 refused, or RESTART failed; 2 the description has a fault; 3 no program runs.
     """

@@ -34,7 +34,7 @@ def export_foxglove(file: Path | None, namespace: str, output: Path | None) -> N
     """Write a Foxglove layout for the tool of the description FILE; default: the shipped one.
 
     Import it with "Import from file…" and connect to the robot by foxglove_bridge, or open a bag. The layout only
-    shows and commands nothing.
+    shows the tool and sends no command.
     """
     description = load_for_nodes(file or profile_path())
     write_or_print(output, foxglove_layout(description, namespace), description.files)

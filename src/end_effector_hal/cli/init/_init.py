@@ -52,8 +52,8 @@ def command(
     a terminal the command asks for all other values, elsewhere it uses the defaults. Without --actuators the
     description is a copy of the paper's tool.
 
-    The schema that its first line names is written beside it: an editor with the YAML language server then completes
-    and checks while you type. Existing files are not changed.
+    The JSON schema that the first line of the description names is written beside it: an editor with the YAML
+    language server then completes and checks while you type. Existing files are not changed.
     """
     files = [folder / source.name for source in (profile_path(), schema_path())]
     for path in files:

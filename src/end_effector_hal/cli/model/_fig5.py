@@ -23,7 +23,7 @@ _DOES_NOT_HOLD = 4
 @DESCRIPTION
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
 def fig5(description: Path | None, as_json: bool) -> None:
-    """Prove the paper's Fig. 5 with its own number of devices, and that a grip does, on the events of Fig. 5, only
+    """Prove the paper's Fig. 5 with its three devices, and that a grip, seen through the events of Fig. 5, does only
     what Fig. 5 does.
 
     Fig. 5 is fig5.xml, made from the paper's text: one controller and three devices, with the times of the

@@ -49,7 +49,7 @@ class GripperActuator(Actuator):
         description="without part_bit: neither open nor closed for this long, longer than any stroke: a part is held",
     )
     lost_ms: Settling = Field(
-        default=40, description="once confirmed: not as required for confirmation for this long: lost"
+        default=40, description="a confirmed part is lost after its condition has not held for this long"
     )
     gone_ms: Settling = Field(
         default=50, description="open_bit for this long, or without it part_bit off: released"

@@ -91,7 +91,7 @@ class OwnEndings(Part):
 
 
 class ChangerEndings(Part):
-    """What an ending does to the unlock output; if it is inactive, a spring locks the changer."""
+    """What an ending does to the unlock output; when the output is inactive, a spring locks the changer."""
 
     sigterm: ProgramEnding = Field(
         default="release", description="the program receives SIGTERM; hold: active until IL-03 ends it"

@@ -15,7 +15,7 @@ Steps = Annotated[tuple[Registers, ...], Field(strict=False, max_length=8)]
 class Activation(Part):
     """The writes that a device needs before it obeys commands.
 
-    They are only done as the first part of a commanded activation, or of a Drop.
+    The HAL makes these writes only at the beginning of a commanded activation or of a Drop.
 
     So nothing moves at a start, after a loss of power or after a fault. The activation is not done either while
     another actuator of the same unit may hold a part. `command_off` follows it, then `command_on`. A command with a

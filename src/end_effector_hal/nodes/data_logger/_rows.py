@@ -17,7 +17,7 @@ def write_state(recording: Recording, message: StateMessage) -> None:
     try:
         events = events_of(message)
     except ValueError as error:
-        raise UsageError(f"The state carries an event that is none: {error}.") from None
+        raise UsageError(f"The state message contains an invalid event: {error}.") from None
     recording.events(message.at_us, events)
 
 
