@@ -43,7 +43,10 @@ def test_what_is_read_is_what_was_written(path):
 
 def test_every_kind_and_every_command_can_be_written(path):
     rows = [EventRow(0.0, kind, old=0, new=1) for kind in (K.STATE_CHANGED, K.CHANGER_CHANGED)]
-    rows += [EventRow(0.0, kind) for kind in EventKind if kind not in (K.STATE_CHANGED, K.CHANGER_CHANGED)]
+    of_attempts = (K.ATTEMPT_BEGAN, K.CONFIRMED, K.TIMED_OUT, K.CLOSED_ON_NOTHING)
+    rows += [EventRow(0.0, kind, "cylinder", 1) for kind in of_attempts]
+    with_more = (K.STATE_CHANGED, K.CHANGER_CHANGED, *of_attempts)
+    rows += [EventRow(0.0, kind) for kind in EventKind if kind not in with_more]
     rows += [EventRow(0.0, K.COMMAND_ACCEPTED, command=name) for name in COMMANDS]
     write(path, *rows)
     assert read_events(path, NAMES) == tuple(rows)
@@ -76,6 +79,8 @@ def test_a_recording_without_it_has_none_and_a_last_line_that_was_cut_off_is_lef
             "csv:3: actuator is 'jaw'. Expected is one of: nothing, bottom_vacuum, cylinder",
         ),
         ("1,attempt began,cylinder,21,,,,", "csv:3: attempt is '21'."),
+        ("1,attempt began,cylinder,,,,,", "csv:3: attempt is ''. Expected is one of: 1, 2"),
+        ("1,timed out,,1,,,,", "csv:3: actuator is ''. Expected is one of: bottom_vacuum"),
         ("1,state changed,,,OFF,LOCKED,,", "csv:3: new is 'LOCKED'. Expected is one of: OFF, GRIPPING"),
         ("1,not gone,,,OFF,,,", "csv:3: old is 'OFF'. Expected is one of: nothing."),
         ("1,state changed,,,OFF,GRIPPED,LAZY,", "csv:3: cause is 'LAZY'."),
@@ -88,6 +93,18 @@ def test_a_wrong_row_is_refused_with_file_and_line(path, row, message):
     with pytest.raises(UsageError) as caught:
         read_events(path, NAMES)
     assert message in str(caught.value)
+
+
+def test_a_kill_between_two_segments_loses_no_event(path):
+    write(path, EventRow(2.0, K.NOT_GONE))
+    path.rename(path.with_name("events-1.csv"))
+    assert read_events(path, NAMES) == (EventRow(2.0, K.NOT_GONE),)
+
+
+def test_a_link_that_leads_nowhere_is_not_a_recording_without_events(path):
+    path.symlink_to("nowhere.csv")
+    with pytest.raises(UsageError, match="Cannot be read"):
+        read_events(path, NAMES)
 
 
 def test_another_table_is_refused(path):

@@ -70,6 +70,25 @@ class _Gripping:
         return Grip(self.start_s, at, decision, tuple(attempts), tuple(self.resets), found, waiting)
 
 
+def _beginning(log: StatesLog) -> tuple[float, EndEffectorState]:
+    """Return the time and the state in which the events begin.
+
+    Old segments are removed of each table for itself, so rows of states from before the events belong to grips whose
+    events are gone.
+    """
+    events = log.events or ()
+    changes = (event for event in events if event.kind is EventKind.STATE_CHANGED)
+    first = next(changes, None)
+    if first is None:
+        return (log.rows[0].time_s, log.rows[0].end_effector) if log.rows else (0.0, EndEffectorState.OFF)
+    state, since = EndEffectorState(first.old), events[0].time_s
+    for row in reversed([row for row in log.rows if row.time_s < events[0].time_s]):
+        if row.end_effector != state:
+            break
+        since = row.time_s
+    return since, state
+
+
 class _Fold:
     """Derives grips, releases and losses from the events of a recording, which may begin and end in any state."""
 
@@ -82,8 +101,7 @@ class _Fold:
         self._grip: _Gripping | None = None
         self._release: Release | None = None
         self._cause = ReleaseCause.DROP
-        if log.rows:
-            self._begin(log.rows[0].time_s, log.rows[0].end_effector)
+        self._begin(*_beginning(log))
         for event in log.events or ():
             self._take(event)
         if self._grip is not None:
@@ -125,6 +143,9 @@ class _Fold:
             self.losses.append(Loss(at, event.actuator))
             self._cause = ReleaseCause.LOSS
         elif old is state.OFF or (new is state.GRIPPING and self._grip is None):
+            self._begin(at, new)
+        elif new is state.GRIPPING and self._grip is not None:  # its end is not recorded
+            self.grips.append(self._grip.decided(at, GripDecision.STOPPED))
             self._begin(at, new)
         if event.cause is Cause.RELEASED_AT_START:
             self._cause = ReleaseCause.START

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from end_effector_hal.control import COMMANDS, EventKind, ToolEvent
 from end_effector_hal.errors import UsageError
+from end_effector_hal.recording._files import numbered_files
 from end_effector_hal.recording._limits import RecordingLimits
 from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState
@@ -19,6 +20,12 @@ _KINDS = {str(each): each for each in EventKind}
 _ATTEMPTS = {"": 0} | {str(number): number for number in range(1, 21)}
 _COMMANDS = {name: name for name in ("", *COMMANDS)}
 _CAUSES = {"" if each is Cause.NONE else each.name: each for each in Cause}
+_OF_AN_ATTEMPT = (
+    EventKind.ATTEMPT_BEGAN,
+    EventKind.CONFIRMED,
+    EventKind.TIMED_OUT,
+    EventKind.CLOSED_ON_NOTHING,
+)
 _STATES = {EventKind.STATE_CHANGED: EndEffectorState, EventKind.CHANGER_CHANGED: ChangerState}
 
 
@@ -103,7 +110,7 @@ def read_events(path: str | Path, actuators: Sequence[str]) -> tuple[EventRow, .
         path: path of the table.
         actuators: the names of actuators that are valid in the table.
     """
-    if not Path(path).exists():
+    if not (Path(path).is_symlink() or Path(path).exists() or numbered_files(path)):
         return None
     lines = read_lines(path)
     if read_header(lines, path, COLUMNS):
@@ -127,11 +134,15 @@ def _row(line: Line, actuators: Sequence[str], earliest_s: float) -> EventRow:
     time, event, actuator, attempt, old, new, cause, command = line.fields(COLUMNS)
     kind = _chosen(line, "event", event, _KINDS)
     states = {each.name: int(each) for each in _STATES[kind]} if kind in _STATES else {"": -1}
+    attempts = {
+        text: number for text, number in _ATTEMPTS.items() if number or kind is not EventKind.ATTEMPT_BEGAN
+    }
+    some = () if kind in _OF_AN_ATTEMPT else ("",)
     return EventRow(
         line.seconds(time, earliest_s),
         kind,
-        _chosen(line, "actuator", actuator, {name: name for name in ("", *actuators)}),
-        _chosen(line, "attempt", attempt, _ATTEMPTS),
+        _chosen(line, "actuator", actuator, {name: name for name in (*some, *actuators)}),
+        _chosen(line, "attempt", attempt, attempts),
         _chosen(line, "old", old, states),
         _chosen(line, "new", new, states),
         _chosen(line, "cause", cause, _CAUSES),

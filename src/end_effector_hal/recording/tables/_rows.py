@@ -215,8 +215,10 @@ def read_lines(path: str | Path) -> Iterator[Line]:
     Raises:
         UsageError: a file cannot be read, or has another header than the first.
     """
-    header = ""
-    for each in (*(older for _, older in numbered_files(path)), path):
+    header, files = "", [older for _, older in numbered_files(path)]
+    if not files or Path(path).exists():  # a kill may leave closed segments alone
+        files.append(Path(path))
+    for each in files:
         for line in _lines_of(each):
             if line.number == 1 and header:
                 if line.text != header:
