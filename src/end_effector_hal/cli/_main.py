@@ -145,9 +145,12 @@ def main() -> None:
     stdout.
     """
     _open_closed_streams()
-    stdout = sys.stdout
+    stdout, stderr = sys.stdout, sys.stderr
+    sys.stderr = _Pipe(
+        stderr, OSError
+    )  # a message that nobody can read changes neither the work nor the exit code
     if any(each in _JUDGING for each in sys.argv[1:2]):
-        sys.stdout = _Pipe(stdout)
+        sys.stdout = _Pipe(stdout, BrokenPipeError)
         # all of it goes with the process: to look for what nothing refers to takes a tenth of a second
         atexit.register(gc.freeze)
     try:
@@ -160,7 +163,7 @@ def main() -> None:
         _discard(stdout)
         sys.exit(UsageError.exit_code)
     finally:
-        sys.stdout = stdout
+        sys.stdout, sys.stderr = stdout, stderr
 
 
 def _open_closed_streams() -> None:
@@ -173,26 +176,31 @@ def _open_closed_streams() -> None:
 
 
 class _Pipe:
-    """Standard output whose reader may end early, as ``head`` does: the rest is discarded and the exit code stays
-    right.
+    """A standard stream that may fail, such as an output whose reader ends early, as ``head`` does.
+
+    The rest is discarded, and the exit code stays right.
+
+    Args:
+        stream: the stream.
+        failure: the errors after which the rest is discarded.
     """
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+    def __init__(self, stream: TextIO, failure: type[OSError]) -> None:
+        self._stream, self._failure = stream, failure
 
     def write(self, text: str) -> int:
-        """Write the text; discard it if the reader has ended."""
+        """Write the text; discard it if the stream fails."""
         try:
             return self._stream.write(text)
-        except BrokenPipeError:
+        except self._failure:
             _discard(self._stream)
             return len(text)
 
     def flush(self) -> None:
-        """Flush the stream; discard its content if the reader has ended."""
+        """Flush the stream; discard its content if the stream fails."""
         try:
             self._stream.flush()
-        except BrokenPipeError:
+        except self._failure:
             _discard(self._stream)
 
     def __getattr__(self, name: str) -> Any:

@@ -43,6 +43,18 @@ def test_a_full_disk_is_one_sentence(arguments: tuple[str, ...]) -> None:
         os.close(full)
 
 
+@pytest.mark.parametrize("arguments", [("check", "/nowhere.yaml"), ("replay", "/nowhere"), ("nonsense",)])
+def test_an_error_that_nobody_can_read_keeps_its_exit_code(arguments: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-c", "from end_effector_hal.cli import main; main()", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=full,
+            timeout=60,
+        )
+    assert (ended.returncode, ended.stdout) == (2, b"")
+
+
 @pytest.mark.parametrize(("model", "code"), [(REFUTED, 4), ("<nta/>", 2)])
 def test_the_verdict_does_not_depend_on_who_reads_it(tmp_path: Path, model: str, code: int) -> None:
     (tmp_path / "model.xml").write_text(model)
