@@ -160,6 +160,9 @@ class Outputs:
 
     def retry(self, status: Status, at: int) -> None:
         """Repeat the failed deactivations, and write the last will."""
+        if not self.mapping.levels(status):  # a client without lines has not said hello, and has no last will
+            self.alarm = self.retry_at = None
+            return
         self._ask(self._undone, self.mapping.last_will(status), at)
         self.finish()
 
