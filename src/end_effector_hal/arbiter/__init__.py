@@ -2,7 +2,7 @@
 
 from ._predicate_publisher import PredicatePublisher
 from ._process import connect_arbiter, run_arbiter
-from ._tool_policy import OUTPUTS, SENSOR_FAULT, arbiter_policy, output_lines, program_lines, wired_lines
+from ._tool_policy import HAL, OUTPUTS, SENSOR_FAULT, arbiter_policy, client_lines, output_lines, wired_lines
 from .client import ArbiterClient, PredicateSender
 from .records import recorded_left_behind
 from .rules import DROP_FIRST, Driven, DrivenLine, Exclusion, LineArbiter, Need, Policy, Role, SecondCoil

@@ -31,7 +31,7 @@ from end_effector_hal.wires.sensors import FrameOrder
 
 from ._predicate_publisher import PredicatePublisher
 from ._service_manager import ServiceManager
-from ._tool_policy import arbiter_policy, written_lines
+from ._tool_policy import arbiter_policy, client_lines
 
 if TYPE_CHECKING:
     from end_effector_hal.codecs.modbus import BusCodec
@@ -40,10 +40,10 @@ _MOST_WAITING = 256
 _AGAIN_S = 0.1
 
 
-def connect_arbiter(description: Description, program: str, *, patience_s: float = 5.0) -> ArbiterClient:
-    """Connect one program to the line arbiter; raises ArbiterError, LineBusyError."""
-    lines = written_lines(description, program)
-    return ArbiterClient(socket_path(description), program, lines, patience_s=patience_s)
+def connect_arbiter(description: Description, client: str, *, patience_s: float = 5.0) -> ArbiterClient:
+    """Connect ``hal`` or ``outputs`` to the line arbiter; raises ArbiterError, LineBusyError."""
+    lines = client_lines(description, client)
+    return ArbiterClient(socket_path(description), client, lines, patience_s=patience_s)
 
 
 def run_arbiter(

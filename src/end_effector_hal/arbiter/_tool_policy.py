@@ -22,8 +22,8 @@ from end_effector_hal.sensing import (
 from end_effector_hal.vocabulary import printable, to_us
 
 LONGEST_LAST_WILL_US = 10_000_000
-OUTPUTS = "outputs"
-"""Name of the client that writes the plain outputs."""
+HAL, OUTPUTS = "hal", "outputs"
+"""Names of the clients: the program of the tool, and that of its plain outputs."""
 SENSOR_FAULT = "sensor_fault"
 """Name under which the line arbiter latches the sensor fault of the tool changer (IL-04)."""
 IL_01 = Need(
@@ -57,7 +57,7 @@ def arbiter_policy(description: Description) -> Policy:
         longest_last_will_us=max(
             LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
         ),
-        faults={SENSOR_FAULT: "tool_change"} if changer else {},
+        faults={SENSOR_FAULT: HAL} if changer else {},
         opposites={
             line: SecondCoil(each.line, to_us(each.pulse_s or 0), to_us(each.pause_s or 0))
             for line, each in description.opposites.items()
@@ -91,9 +91,9 @@ def _longest(description: Description) -> dict[str, int]:
 
 def _exclusions(description: Description) -> list[Exclusion]:
     """Return the lines that exclude each other: unlock and gripping (IL-01, IL-05), opposed outputs (IL-08)."""
-    changer, gripping = description.tool_changer, written_lines(description, "grip")
-    never: list[Exclusion] = []
+    changer, never = description.tool_changer, list[Exclusion]()
     if changer and description.interlocks.il_01:
+        gripping = [line for line in client_lines(description, HAL) if line != changer.line]
         never += [Exclusion(changer.line, line) for line in gripping]
     for _, part in description.ordered:
         if output := kind_of(part).opposing_output(part):
@@ -105,8 +105,8 @@ def _needs(description: Description, line: str) -> list[Need]:
     """Return what the fitted sensors must prove before a line is activated."""
     fitted = predicates_fitted(description, carrier_of(description))
     locks = description.interlocks
-    unlocks = line in program_lines(description, "tool_change")
-    grips = line in program_lines(description, "grip")
+    unlocks = description.tool_changer is not None and line == description.tool_changer.line
+    grips = any(line == part.line for _, part in description.ordered)
     asked = [
         (IL_01, unlocks and locks.il_01),
         (IL_02, unlocks and locks.il_02),
@@ -127,9 +127,7 @@ def _no_fault(predicate: str) -> Need:
 
 def output_lines(description: Description) -> tuple[str, ...]:
     """Return every output line: actuators in sequence order, the tool changer, blow-offs, plain outputs."""
-    changer, gripping = description.tool_changer, program_lines(description, "grip")
-    plain = program_lines(description, OUTPUTS)
-    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values(), *plain)
+    return (*client_lines(description, HAL), *client_lines(description, OUTPUTS))
 
 
 def wired_lines(description: Description) -> tuple[str, ...]:
@@ -138,16 +136,10 @@ def wired_lines(description: Description) -> tuple[str, ...]:
     return (*lines, *(each.line for each in description.opposites.values()))
 
 
-def written_lines(description: Description, program: str) -> tuple[str, ...]:
-    """Return all lines that one program writes: its outputs, and for Grip the blow-offs."""
-    blown = description.blow_offs.values() if program == "grip" else ()
-    return (*program_lines(description, program), *(each.line for each in blown))
-
-
-def program_lines(description: Description, program: str) -> tuple[str, ...]:
-    """Return the outputs of one program: gripping, unlocking or plain ones."""
-    if program == OUTPUTS:
+def client_lines(description: Description, client: str) -> tuple[str, ...]:
+    """Return the lines that ``hal`` or ``outputs`` writes."""
+    if client == OUTPUTS:
         return tuple(each.line for each in description.outputs.values())
-    if program == "grip":
-        return tuple(actuator.line for _, actuator in description.ordered)
-    return (description.tool_changer.line,) if description.tool_changer else ()
+    changer = description.tool_changer
+    gripping = tuple(actuator.line for _, actuator in description.ordered)
+    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())

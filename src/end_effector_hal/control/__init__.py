@@ -1,11 +1,11 @@
 """The decisions of the tool: its executed automata and the texts about them; no I/O."""
 
 from ._constants import model_constants
-from ._controller import PROGRAMS, Controller, ControllerSnapshot
+from ._controller import Controller, ControllerSnapshot
 from ._events import COMMANDS, FAILURES, EventKind, EventReader, ToolEvent, restart_events
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
-from ._status import Answer, Status, StepReport, told_to_grip
+from ._status import Answer, Status, StepReport, unknown_now
 from .words import (
     event_lines,
     event_text,
@@ -20,7 +20,6 @@ from .words import (
 __all__ = [
     "COMMANDS",
     "FAILURES",
-    "PROGRAMS",
     "Answer",
     "Controller",
     "ControllerSnapshot",
@@ -40,9 +39,9 @@ __all__ = [
     "network_of",
     "refused",
     "restart_events",
-    "told_to_grip",
     "transition",
     "unanswered",
+    "unknown_now",
     "unread_e_stop",
     "word_of",
 ]

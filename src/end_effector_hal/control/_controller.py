@@ -1,4 +1,4 @@
-"""One program of a tool: its automata with its detectors.
+"""The controller of a tool: its automata with its detectors.
 
 Inputs are events and time; outputs are statuses and a deadline.
 """
@@ -13,7 +13,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import FrameJudge, HoldMonitor, SensorSet
 from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
-from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
+from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
 from ._status import Answer, Status
@@ -44,20 +44,18 @@ FIRST_FRAME_US = 5_000_000
 
 It is long because the reader of the link may start later.
 """
-PROGRAMS = ("grip", "tool_change")
 _COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
 _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
 class Controller:
-    """Executes the automata of one program; sans-IO: the same object runs in real and in virtual time.
+    """Executes the automata of a tool; sans-IO: the same object runs in real and in virtual time.
 
     Time is an argument everywhere: µs on the monotonic clock, never running backwards.
 
     Args:
         description: the tool.
         network: its automata with its constants inserted.
-        program: ``grip`` or ``tool_change``: the program whose processes are executed.
         observe: called with every observation of the automata: their inputs and their steps.
         judge: judges frames; shared with all controllers in this process that receive the same frames; default: its
             own.
@@ -77,19 +75,16 @@ class Controller:
         self,
         description: Description,
         network: Network,
-        program: str,
         observe: Callable[[Observation], None] | None = None,
         judge: FrameJudge | None = None,
     ) -> None:
         self._description = description
-        self._program = program
         carrier = carrier_of(description)
         self._senses = SensorSet(description, carrier, judge)
-        self._hold = HoldMonitor(description, self._senses, carrier, devices=program == "grip")
-        processes = getattr(description.automata, program)
-        interface = description.automata.interface
-        self._execution = Execution(network, processes, interface, observe=observe)
-        self._statuses = StatusBuilder(description, program, self._execution, self._senses, self._hold)
+        self._hold = HoldMonitor(description, self._senses, carrier)
+        automata = description.automata
+        self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
+        self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
         self._sensor_fault = False
         self._adopt_by: int | None = None
@@ -173,21 +168,6 @@ class Controller:
         told = self._senses.noticed(self._at, held=self._statuses.held)
         return statuses if statuses or not told else [self.status()]
 
-    def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """Update the interface variables of the other program: ``ee``, or ``unlock_valve`` and ``loose``.
-
-        ``loose`` is 1 if the unlock output is active or the tool changer is in FAULT; default: the value of
-        ``unlock_valve``.
-        """
-        at = self._until(at)
-        statuses = self._due_before(at)
-        if "ee" in values:
-            self._execution.write({"told[0]": int(values["ee"] in _AT_REST)})
-        if "unlock_valve" in values:
-            self._execution.write({"told[1]": values.get("loose", values["unlock_valve"])})
-        self._statuses.know(values)
-        return self._watched(statuses + self._told(self._execution.advance(at)))
-
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
         """Execute a command, given by its channel; an edge of the automaton decides about acceptance."""
         at = self._until(at)
@@ -234,12 +214,16 @@ class Controller:
         """Return the locations, variables and clocks of the automata; None: they were not started yet."""
         return self._execution.snapshot()
 
-    def refused(self, at: int) -> list[Status]:
-        """Handle a refusal: the line arbiter did not activate an output that the last status demands."""
+    def refused(self, at: int, *, unlock: bool = False) -> list[Status]:
+        """Handle a refusal: the line arbiter did not activate an output that the last status demands.
+
+        Args:
+            at: time, µs.
+            unlock: whether it is the unlock output.
+        """
         at = self._until(at)
         statuses = self._due_before(at)
-        channel = "unlock_refused" if self._program == "tool_change" else "grip_refused"
-        return statuses + self._receive(Event(channel), at)
+        return statuses + self._receive(Event("unlock_refused" if unlock else "grip_refused"), at)
 
     def acknowledge(self, at: int) -> list[Status]:
         """Remove the alarms that are over, because an operator has seen them; nothing else changes."""
@@ -375,7 +359,20 @@ class Controller:
 
     def _told(self, steps: Iterable[Step]) -> list[Status]:
         statuses = []
-        for step in steps:
+        for step in (*steps, *self._exchange()):
             self._at = max(self._at, step.at)
             statuses.append(self._statuses.step(step, self._at))
         return statuses
+
+    def _exchange(self) -> list[Step]:
+        """Tell the automata of gripping and of the tool changer each other's states; return the steps that follow.
+
+        The model allows this to take time, as between two processes; here it takes none.
+        """
+        value, steps = self._execution.value, list[Step]()
+        while True:
+            loose = value("unlock_valve") or value("changer") == ChangerState.FAULT
+            news = {"told[0]": int(value("ee") in _AT_REST), "told[1]": int(loose)}
+            if all(value(name) == each for name, each in news.items()):
+                return steps
+            steps += self._execution.write(news, self._at)

@@ -93,7 +93,7 @@ _CAUSES = {int(each): each for each in Cause}  # a lookup costs less than a conv
 
 
 class EventReader:
-    """Derives the events of one program from its steps, given in their order.
+    """Derives the events of a tool from the steps of its automata, given in their order.
 
     Args:
         variables: the variables of the automata before the first step; default: those at the start.
@@ -141,7 +141,7 @@ class EventReader:
         return tuple(found)
 
 
-def restart_events(program: str, before: int, at: int) -> tuple[ToolEvent, ...]:
-    """Return the events of a program's restart at ``at`` µs; ``before``: the state it published last."""
-    kind = _K.STATE_CHANGED if program == "grip" else _K.CHANGER_CHANGED
-    return (ToolEvent(at, kind, old=before, new=0),) if before else ()
+def restart_events(ee: int, changer: int, at: int) -> tuple[ToolEvent, ...]:
+    """Return the events of a restart at ``at`` µs; ``ee``, ``changer``: the states that were published last."""
+    states = {_K.STATE_CHANGED: ee, _K.CHANGER_CHANGED: changer}
+    return tuple(ToolEvent(at, kind, old=old, new=0) for kind, old in states.items() if old)

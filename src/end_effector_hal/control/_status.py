@@ -1,8 +1,8 @@
-"""The status of a running program: one immutable snapshot per step of its automata."""
+"""The status of a running tool: one immutable snapshot per step of its automata."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from end_effector_hal.vocabulary import (
     ARBITER_LOST,
@@ -79,6 +79,8 @@ class Status:
     unlock_output: bool = False
     changer_fault: ChangerFault = ChangerFault.NONE
     """Why the tool changer is in FAULT."""
+    changer_reason: str = ""
+    """Why the tool changer is not locked, a sentence."""
     vented: bool = False
     """Whether nothing is gripped, as IL-01 requires."""
     armed: bool = False
@@ -110,7 +112,14 @@ class Status:
         return next(found, None)
 
 
-def told_to_grip(status: Status) -> dict[str, int]:
-    """Return the tool changer's variables for the gripping network; loose: unlock output active, or FAULT."""
-    loose = status.unlock_output or status.changer is ChangerState.FAULT
-    return {"unlock_valve": int(status.unlock_output), "loose": int(loose)}
+def unknown_now(status: Status) -> Status:
+    """Return the status of a tool whose program does not run: the line arbiter goes on holding a held part.
+
+    The states and the evidence are unknown, and lifting is not allowed. The outputs and ``held`` keep their last known
+    values.
+    """
+    return replace(
+        status, ee=EndEffectorState.OFF, command=Command.NONE, evidence=(Evidence.UNKNOWN,) * len(status.evidence),
+        step=-1, deadline=None, lift_allowed=False, secure=False, maintenance=False, link_up=False,
+        changer=ChangerState.UNKNOWN, events=(),
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Builds the status of one program after each step of its automata."""
+"""Builds the status of a tool after each step of its automata."""
 
 from __future__ import annotations
 
@@ -76,15 +76,12 @@ class StatusBuilder:
     def __init__(
         self,
         description: Description,
-        program: str,
         execution: Execution,
         senses: SensorSet,
         hold: HoldMonitor,
     ) -> None:
         self._description, self._execution = description, execution
         self._senses, self._hold = senses, hold
-        self._grips = program == "grip"
-        self._command = "command" if self._grips else "changer_command"
         size = range(len(description.sequence))
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
@@ -131,14 +128,10 @@ class StatusBuilder:
             else tuple([bool(self.found.get(n, n in self._unread)) for n in self._lines])
         )
         ee = known["ee"]
-        self._latched = (
-            self._grips
-            and ee in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
-            and known["command"] == Command.NONE
-        )
+        errors = EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR
+        self._latched = ee in errors and known["command"] == Command.NONE
         doubtful = not self.adopted or (self._latched and ee == EndEffectorState.GRIP_ERROR)
-        held = ee == EndEffectorState.GRIPPED or (doubtful and any(self._active))
-        self.held = self._grips and held
+        self.held = ee == EndEffectorState.GRIPPED or (doubtful and any(self._active))
 
     def step(self, step: Step, at: int) -> Status:
         """Return the status after one more step, at ``at`` µs."""
@@ -194,23 +187,21 @@ class StatusBuilder:
             self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
         step, fault = steps.step, values["changer_fault"]
-        reason = self._why if self._left else self._reason
-        if not self._grips and not reason:
-            reason = explain_changer(self._description, fault) or self._vacant
+        gripping = values["command"]
         return Status(
             at=at,
             ee=ee,
-            command=_COMMANDS[values[self._command]],
+            command=_COMMANDS[values["changer_command"] if gripping == Command.NONE else gripping],
             actuators=self._actuators,
             outputs=self._active,
             evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
             attempts_allowed=self._allowed[step] if step >= 0 else 0,
-            deadline=self._execution.deadline,
+            deadline=None if gripping == Command.NONE else self._execution.deadline,
             cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
-            reason=reason,
+            reason=self._why if self._left else self._reason,
             lift_allowed=proven and hold.allows_lift,
             held=self.held,
             kept=self._kept,
@@ -221,6 +212,7 @@ class StatusBuilder:
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
             changer_fault=_CHANGER_FAULTS[fault],
+            changer_reason=explain_changer(self._description, fault) or self._vacant,
             vented=self._senses.now.nothing_gripped,
             armed=bool(values["armed"]),
             link_up=not self._down,
@@ -252,19 +244,19 @@ class StatusBuilder:
         if self._latched:
             why = {"why": self._why} if self._why else {}
             alarms.append(Alarm(LATCHED_ERRORS[self.values["ee"] == EndEffectorState.RELEASE_ERROR], "", why))
-        if not self._grips and self.values["changer"] == ChangerState.FAULT:
-            alarms.append(Alarm("changer.fault"))
         alarms += self._hold.alarms
         if self.adopted:
             alarms += self._notices
-        if self._senses.now.supply.low and self._grips and not self.held:
+        if self._senses.now.supply.low and not self.held:
             alarms.append(Alarm("supply.low", "", {"warn_kpa": self._description.supply.warn_kpa}))
+        if self.values["changer"] == ChangerState.FAULT:
+            alarms.append(Alarm("changer.fault"))
         return tuple(alarms)
 
     @property
     def fault(self) -> bool:
-        """Whether the other program reports that the tool changer is in FAULT."""
-        return bool(self.values.get("loose")) and not self.values["unlock_valve"]
+        """Whether the tool changer is in FAULT and its unlock output is inactive."""
+        return self.values["changer"] == ChangerState.FAULT and not self.values["unlock_valve"]
 
     @property
     def loose(self) -> str:
@@ -272,10 +264,10 @@ class StatusBuilder:
 
         Silent sensors alone do not count here: they raise an alarm of their own.
         """
-        told = bool(self.values.get("loose", self.values["unlock_valve"]))
-        if self._is(self._fastened) or (self._senses.now.tool is ToolEvidence.UNCLEAR and not told):
-            return ""
         unlocking = bool(self.values["unlock_valve"])
+        unclear = self._senses.now.tool is ToolEvidence.UNCLEAR and not (unlocking or self.fault)
+        if unclear or self._is(self._fastened):
+            return ""
         return loose(self._description, self._senses.now, unlocking=unlocking, fault=self.fault)
 
     def _is(self, condition: Condition) -> bool:

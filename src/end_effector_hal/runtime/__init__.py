@@ -1,7 +1,7 @@
 """A tool at work: its description, automata and wires put together, in real time.
 
 Packages, of which an upper one imports those below it: ``tool``, a whole end-effector in one process; ``programs``,
-controllers with one thread per program; ``boundary``, recorded inputs and outputs of the programs; ``outputs``, from
+a controller with its thread; ``boundary``, the recorded inputs and outputs of the program; ``outputs``, from
 statuses to writes.
 """
 
@@ -11,8 +11,6 @@ from ._reload import fixed_by_arbiter, reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
 from .outputs import LineWriter
 from .programs import (
-    ChangerProgram,
-    GripProgram,
     InlineWorker,
     Program,
     longest_release_s,
@@ -34,10 +32,8 @@ from .tool import (
 
 __all__ = [
     "WORDS",
-    "ChangerProgram",
     "EndEffector",
     "GoalRunner",
-    "GripProgram",
     "InlineWorker",
     "LineWriter",
     "PlainOutputs",

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import PROGRAMS, Controller, network_of
+from end_effector_hal.control import Controller, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ModelError, ReportedError
 from timed_automata import Network
 
 
 def load_automata(description: Description) -> Network:
-    """Return the network of a tool with its constants, and check that its programs can be executed with it.
+    """Return the network of a tool with its constants, and check that it can be executed with it.
 
     Raises:
         ModelError: the UPPAAL file is not valid, or does not fit the description; the error names the place.
     """
     try:
         network = network_of(description)
-        for program in PROGRAMS if description.tool_changer else PROGRAMS[:1]:
-            Controller(description, network, program)
+        Controller(description, network)
     except ReportedError as error:
         named = "automata" in description.model_fields_set
         place = description.where("automata") if named else str(description.automata_path)

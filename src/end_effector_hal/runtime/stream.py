@@ -26,13 +26,14 @@ from __future__ import annotations
 
 import logging
 import queue
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field
 
+from end_effector_hal.arbiter import HAL
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError
@@ -54,14 +55,13 @@ MAINTENANCE_WORDS = ("activate", "deactivate")
 """Commands for one actuator (IL-12)."""
 RELOAD, GO_ON = "reload", "go-on"
 RELOAD_WORDS = (RELOAD, GO_ON)
-"""Commands of both programs. ``reload`` checks whether the program can adopt the current description file; if it can,
-nothing is activated for 30 s, or until ``go-on``.
+"""``reload`` checks whether the program can adopt the current description file; if it can, nothing is activated for
+30 s, or until ``go-on``.
 """
-PROGRAM_WORDS: Mapping[str, tuple[str, ...]] = {
-    "grip": ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS),
-    "tool_change": ("lock", "unlock", "arm", "reset"),
-}
-"""Commands of each program; ``acknowledge``: a person has seen the alarms that are over."""
+OF_CHANGER = ("lock", "unlock", "arm", "reset")
+"""Commands for the tool changer."""
+WORDS = ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS, *OF_CHANGER)
+"""Commands of a tool; ``acknowledge``: a person has seen the alarms that are over."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,22 +72,17 @@ class ProgramCommand(RpcRequest):
     actuator: Annotated[str, Field(max_length=100)] = ""
 
 
-def program_socket(description: Description, program: str) -> Path:
-    """Return the path of a program's socket, next to that of the line arbiter; raises WireError as
+def program_socket(description: Description) -> Path:
+    """Return the path of the program's socket, next to that of the line arbiter; raises WireError as
     `socket_path` does.
     """
     arbiter = socket_path(description)
-    return arbiter.with_name(f"{arbiter.name}.{program}")
+    return arbiter.with_name(f"{arbiter.name}.{HAL}")
 
 
-def program_of(word: str) -> str:
-    """Return the program that executes a command."""
-    return next(name for name, words in PROGRAM_WORDS.items() if word in words)
-
-
-def ask_program(path: Path, program: str, command: str) -> Answer:
+def ask_program(path: Path, command: str) -> Answer:
     """Send a command to a program and wait for the answer; if none comes, return an undecided answer."""
-    return Answer(*ask(path, f"The {program} program", command=command))
+    return Answer(*ask(path, "The HAL", command=command))
 
 
 Entry = tuple[str, int, object]

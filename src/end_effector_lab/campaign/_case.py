@@ -15,7 +15,7 @@ from end_effector_lab.testbench import parse_scenario, plain_number
 
 COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
 ARBITER, HAL, ALL = "arbiter", "hal", "all"
-PROCESSES = ("grip", "tool_change", HAL, ARBITER, ALL)
+PROCESSES = (HAL, ARBITER, ALL)
 SCENARIO, KILL, END, START, DISK, POWER = "scenario", "kill", "end", "start", "disk", "power"
 WAIT = "wait"
 STORES = ("journal", "sessions", "mark")

@@ -28,7 +28,7 @@ class CoverageMap:
 
     def __init__(self, description: Description) -> None:
         network, automata = network_of(description), description.automata
-        executed = {*automata.grip, *automata.tool_change}
+        executed = set(automata.executed)
         processes = [each for each in network.processes if executed & {each.name, each.template}]
         off = Coverage().report(network).disabled
         names: dict[str, int] = {}
@@ -126,7 +126,7 @@ class Coverer:
         names = [part.strip().partition(":")[0] for part in scenario.split(",")]
         self.faults = tuple(self._map.faults.index(name) for name in names if name in self._map.faults)
 
-    def watch(self, _program: str) -> Callable[[Observation], None]:
+    def watch(self) -> Callable[[Observation], None]:
         """Return the `Watch` function for a `VirtualTool`."""
         return self._note
 

@@ -31,7 +31,7 @@ NEAR_US = 1_000
 COMMANDS_SHARE = 3
 """Weight of commands; faults have one to three, deaths one or two."""
 WEIGHTS = {"grip": 8, "drop": 5, "cancel": 3, "lock": 2, "unlock": 3, "arm": 1, "reset": 2}
-KILLED = ("grip", "tool_change", HAL, ARBITER, "all")
+KILLED = (HAL, ARBITER, "all")
 Draw = Callable[[Random], list[tuple[int, str]]]
 """Returns events that belong together: the time after the previous one in µs, and the event."""
 

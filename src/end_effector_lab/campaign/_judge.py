@@ -32,6 +32,7 @@ While a sensor lies, the truth cannot be known: rules 3, 6 and 7 then ignore the
 
 from __future__ import annotations
 
+from end_effector_hal.arbiter import HAL
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import (
@@ -124,10 +125,10 @@ class Judge:
             for why in self._reality.against_a_grip():
                 self._object("refusals", f"a grip was accepted while {why}", at)
 
-    def grip_dies(self) -> None:
-        """Process the coming death or end of the gripping program."""
+    def hal_dies(self) -> None:
+        """Process the coming death or end of the program."""
         tool = self._tool
-        if "grip" in tool.living:
+        if HAL in tool.living:
             self._grip_runs, self._let_go = False, {}
             ee = tool.statuses[-1].ee
             if not self._held and (
@@ -188,7 +189,7 @@ class Judge:
             for number in range(statuses, len(tool.statuses)):
                 self._told(tool.statuses[number - 1] if number else None, tool.statuses[number])
         self._seen = len(tool.edges), len(tool.statuses)
-        if "grip" in tool.living:
+        if HAL in tool.living:
             self._is_held(tool.statuses[-1])
         since = self._unlocked_since
         if self._arbiter.lives and not self._disturbed:  # rule 10
@@ -203,7 +204,7 @@ class Judge:
     def at_rest(self, *, still: bool) -> None:
         """Judge the tool at the end: ``still`` if it came to rest, else the time was over."""
         status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
-        if "grip" not in self._tool.living:
+        if HAL not in self._tool.living:
             return
         if self._unwound_by is not None and self._arbiter.lives:
             self._unwound()  # the program that began again could not before that was over
@@ -299,7 +300,7 @@ class Judge:
             self._ended[name] = each.at
         if self._held and not self._may_be_let_go(name):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
-        if "grip" in self._tool.living and not self._may_be_let_go(name) and self._is_late(each):
+        if HAL in self._tool.living and not self._may_be_let_go(name) and self._is_late(each):
             self._object("late", f"{name} was deactivated when every command had its result")
         if self._unwinds():
             self._paused(each, order[: order.index(name)])
@@ -325,7 +326,7 @@ class Judge:
     def _unwinds(self) -> bool:
         """Return whether a deactivation now belongs to a release, not to a failed attempt."""
         tool = self._tool
-        return "grip" not in tool.living or tool.statuses[-1].ee in (RELEASING, RELEASE_ERROR, STAND_BY)
+        return HAL not in tool.living or tool.statuses[-1].ee in (RELEASING, RELEASE_ERROR, STAND_BY)
 
     def _paused(self, each: Switching, before: tuple[str, ...]) -> None:
         """Check that the previous device had its release time, or no longer grips."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from end_effector_hal.arbiter import SENSOR_FAULT
+from end_effector_hal.arbiter import HAL, SENSOR_FAULT
 from end_effector_hal.control import Answer
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 from end_effector_lab.virtual import VirtualTool
@@ -69,7 +69,7 @@ class JudgedArbiter:
     def reset(self, answer: Answer) -> None:
         """Process a reset; a refused one clears everything except the persisting faults."""
         self._latched = set(self._tool.latched)
-        if answer.accepted or (answer.decided and "tool_change" not in self._tool.living):
+        if answer.accepted or (answer.decided and HAL not in self._tool.living):
             self._sensor_fault, self._changer_is_reset = False, True
 
     def forget(self) -> None:
@@ -79,13 +79,13 @@ class JudgedArbiter:
     def unlatched(self) -> Iterator[str]:
         """Yield a sentence about every fault that is no longer latched although no reset was given."""
         tool, latched = self._tool, set(self._tool.latched)
-        if tool.changes[-1].changer_fault == ChangerFault.SENSOR:
+        if tool.statuses[-1].changer_fault == ChangerFault.SENSOR:
             self._changer_is_reset = False
         gone = self._latched - latched - ({SENSOR_FAULT} if self._changer_is_reset else set())
         if gone:
             yield f"{', '.join(sorted(gone))} is latched no more, without a reset"
         self._latched = latched
         self._sensor_fault = self._sensor_fault or self._reality.lasts("sensor fault")
-        changer = tool.changes[-1].changer if "tool_change" in tool.living else ChangerState.UNKNOWN
+        changer = tool.statuses[-1].changer if HAL in tool.living else ChangerState.UNKNOWN
         if self._sensor_fault and changer in (ChangerState.LOCKED, ChangerState.UNLOCKED):
             yield f"the tool changer is {changer.name} after a sensor fault, without a reset (IL-04)"

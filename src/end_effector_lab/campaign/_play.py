@@ -147,8 +147,8 @@ class _CaseRun:
             tool.at / 1e6, end, self._log() if log or failures else (),
         )  # fmt: skip
 
-    def _watch(self, program: str) -> Callable[[Observation], None]:
-        judged, covered = self._monitors.watch(program), self._coverer.watch(program)
+    def _watch(self) -> Callable[[Observation], None]:
+        judged, covered = self._monitors.watch(), self._coverer.watch()
 
         def both(observation: Observation) -> None:
             judged(observation)
@@ -158,7 +158,7 @@ class _CaseRun:
 
     def _end(self) -> CaseEnd:
         tool = self.tool
-        state = tool.status.ee.name if "grip" in tool.living else ""
+        state = tool.status.ee.name if HAL in tool.living else ""
         every = list(switchings(self._description, tool.edges))
         return CaseEnd.of(
             self._description, state, every, [each for each in every if each.at >= self._origin]
@@ -186,8 +186,8 @@ class _CaseRun:
             self._coverer.suffer(rest)
         elif verb in (KILL, END):
             names = processes(rest)
-            if {"grip", HAL}.intersection(names):
-                judge.grip_dies()
+            if HAL in names:
+                judge.hal_dies()
             for name in names:
                 (tool.kill if verb == KILL else tool.end)(name)
         elif verb == START:
@@ -223,9 +223,9 @@ class _CaseRun:
         return answer.accepted
 
     def _reset(self) -> bool:
-        """Reset as the product does: first the tool changer's program, then the line arbiter."""
+        """Reset as the product does: first the tool changer, then the line arbiter."""
         tool = self.tool
-        if tool.status.changer_fault and "tool_change" in tool.living:
+        if tool.status.changer_fault and HAL in tool.living:
             answer = tool.command("reset")
             self._judge.commanded("reset", answer, tool.at)
             self._until(lambda: tool.status.changer != ChangerState.LOCKING, 5_000_000)
@@ -247,7 +247,7 @@ class _CaseRun:
         tool, durations = self.tool, self._description.durations
         self._until(lambda: not tool.ending, LONGEST_END_US)
         limit = tool.at + (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US
-        if len(tool.living) < 3:
+        if len(tool.living) < 2:
             releases = sum(part.release_s for part in self._description.actuators.values())
             self._go(tool.at + round(releases * 1e6) + 3_000_000)
             self._judge.at_rest(still=True)
@@ -268,13 +268,13 @@ class _CaseRun:
         """Remove all faults and check that the tool is usable: a reset, a lock, a drop; a grip and a drop."""
         self._said.append((self.tool.at, "everything is put right, and the tool is used again:"))
         disks = [getattr(self.tool.memories, store) for store in STORES]
-        well = self.tool.bench.scenario.text == "nominal" and len(self.tool.living) == 3
+        well = self.tool.bench.scenario.text == "nominal" and len(self.tool.living) == 2
         well = well and not any(disk.full or disk.fails or disk.hangs for disk in disks)
         for store in STORES if not well else ():
             self._act(f"{DISK} {store} well")
         if not well:
             self._act(f"{SCENARIO} nominal")
-        if len(self.tool.living) < 3:
+        if len(self.tool.living) < 2:
             self._act(f"{START} {ALL}")
         why = self._not_usable(SOON_S if well else KNOWN_S)
         if why:
@@ -347,7 +347,7 @@ class _CaseRun:
         for status in _changes_of_state(tool.statuses):
             lines.append((status.at, 2, f"  {status.ee.name} {status.reason}".rstrip()))
         known: set[str] = set()
-        for status in sorted([*tool.statuses, *tool.changes], key=lambda each: each.at):
+        for status in tool.statuses:
             lines += [
                 (status.at, 3, f"  alarm: {alarm}") for alarm in status.alarm_texts if alarm not in known
             ]

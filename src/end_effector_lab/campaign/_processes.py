@@ -13,7 +13,6 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.control import PROGRAMS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.vocabulary import EndEffectorState
@@ -34,15 +33,13 @@ def play_on_processes(description: Description, case: Case, folder: Path) -> Cas
     """Play a case on real processes; ``folder`` receives the logs.
 
     Raises:
-        UsageError: an event has no counterpart: a full disk, a loss of power, one program alone.
+        UsageError: an event has no counterpart: a full disk, a loss of power.
         ReportedError: a process does not start, or the tool does not come to rest.
     """
     for each in case.happenings:
-        alone = each.verb in (KILL, END, START) and each.rest in PROGRAMS
-        if each.verb in (DISK, POWER) or alone:
+        if each.verb in (DISK, POWER):
             raise UsageError(
-                f"{each.what!r} is played in virtual time only: "
-                f"{'`eehal run` has both programs in one process' if alone else 'it would be a machine of its own'}.",
+                f"{each.what!r} is played in virtual time only: it would be a machine of its own.",
                 todo="Leave out --processes.",
             )
     folder.mkdir(parents=True, exist_ok=True)

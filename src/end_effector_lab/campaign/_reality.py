@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from end_effector_hal.arbiter import HAL
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
@@ -173,7 +174,7 @@ class Reality:
         )
         if changer is not None:
             found["absent"] = not scenario.tool_present and changer.present_bit in self._carried
-            found["fault"] = "tool_change" in tool.living and tool.changes[-1].changer is ChangerState.FAULT
+            found["fault"] = HAL in tool.living and tool.statuses[-1].changer is ChangerState.FAULT
             found["unlocked"] = not devices[TOOL_CHANGER].bits["locked"]
             found["vented"] = all(
                 abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA
@@ -181,7 +182,7 @@ class Reality:
                 if name in self._by_pressure and kind_of(part).below_ambient
             )
             found["away"] = not {"not-in-stand", f"stand-shows:{TOOL_CHANGER}:0"}.isdisjoint(self._faults)
-            told = "tool_change" in tool.living and tool.changes[-1].changer_fault == ChangerFault.SENSOR
+            told = HAL in tool.living and tool.statuses[-1].changer_fault == ChangerFault.SENSOR
             found["sensor fault"] = told and "arbiter" in tool.living
         return found
 

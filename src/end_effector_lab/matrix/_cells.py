@@ -20,9 +20,9 @@ from ._script import Moment
 GOLDEN = (1 + sqrt(5)) / 2
 NO_FAULT, NOTHING, BOTH = "nominal", "none", "kill both"
 COMMANDS = (
-    NOTHING, "cancel", "drop", "lock", "unlock", "kill grip", "kill tool_change", "kill hal", "kill arbiter", BOTH,
+    NOTHING, "cancel", "drop", "lock", "unlock", "kill hal", "kill arbiter", BOTH,
 )  # fmt: skip
-"""Commands of the cells. `hal` is both programs with the sensor reader; a killed process is restarted a
+"""Commands of the cells. `hal` is the program with the sensor reader; a killed process is restarted a
 second later.
 """
 AT_ONCE = ", at once"

@@ -146,8 +146,8 @@ class _Rules:
 
     @property
     def _goes_on(self) -> bool:
-        """Whether the gripping program keeps running."""
-        return self._cell.command not in ("kill grip", "kill hal", BOTH)
+        """Whether the program keeps running."""
+        return self._cell.command not in ("kill hal", BOTH)
 
     @property
     def _is_late(self) -> bool:
@@ -189,7 +189,7 @@ class _Rules:
         if self._phase == REST:
             if command == NOTHING:
                 return self._from_rest()
-            if command in ("kill tool_change", "kill arbiter"):
+            if command == "kill arbiter":
                 return {Outcome.AT_REST, Outcome.REFUSED}, "nothing moves"
             if command == "drop" and self._refusals():
                 homed = {Outcome.RELEASED, Outcome.STILL_THERE}

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ConfigDict
 
+from end_effector_hal.control import Status
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
@@ -86,7 +87,7 @@ def outcome_of(
             return Outcome.HELD
         case EndEffectorState.RELEASE_ERROR:
             return Outcome.STILL_THERE
-    if cell.command in ("kill grip", "kill hal", BOTH) and cell.moment.phase != REST:
+    if cell.command in ("kill hal", BOTH) and cell.moment.phase != REST:
         return Outcome.UNWOUND
     if ("cancel", True) in answered:
         return Outcome.CANCELLED
@@ -127,7 +128,7 @@ class CellRun:
         cell, tool, script = self._cell, self.tool, self._script
         script.run_until(cell.moment.at)
         self._let_go_at = script.dropped_at
-        marks = len(tool.edges), len(tool.statuses), len(tool.changes)
+        marks = len(tool.edges), len(tool.statuses)
         if cell.name != "nominal":
             tool.choose(cell.fault)
         self._act(script)
@@ -181,7 +182,7 @@ class CellRun:
             return Outcome.UNFINISHED
         return outcome_of(self._cell, self.tool.status.ee, script.phase, self._answered)
 
-    def _judged(self, outcome: Outcome, marks: tuple[int, int, int]) -> Played:
+    def _judged(self, outcome: Outcome, marks: tuple[int, int]) -> Played:
         cell, tool = self._cell, self.tool
         edges = tool.edges[marks[0] :]
         want = expected(self._description, cell)
@@ -205,14 +206,13 @@ class CellRun:
             tuple((round((e.at - cell.moment.at) / 1e6, 6), e.line, e.level) for e in edges), tuple(objections), let_go,
         )  # fmt: skip
 
-    def _told(self, marks: tuple[int, int, int]) -> tuple[str, float | None]:
+    def _told(self, marks: tuple[int, int]) -> tuple[str, float | None]:
         """Return the first new alarm or reason after the fault; for a command, its refusal."""
         tool, cell = self.tool, self._cell
-        said = [*tool.statuses[marks[1] :], *tool.changes[marks[2] :]]
-        before = [*tool.statuses[marks[1] - 1 : marks[1]], *tool.changes[marks[2] - 1 : marks[2]]]
-        known = {text for status in before for text in (*status.alarm_texts, status.reason)}
-        for status in sorted(said, key=lambda each: each.at):
-            for text in (*status.alarm_texts, status.reason):
+        before = tool.statuses[marks[1] - 1 : marks[1]]
+        known = {text for status in before for text in _texts(status)}
+        for status in tool.statuses[marks[1] :]:
+            for text in _texts(status):
                 if text and text not in known:
                     return text, round((status.at - cell.moment.at) / 1e6, 3)
         refused = any(not accepted for _, accepted in self._answered)
@@ -246,3 +246,7 @@ class CellRun:
         switched = switchings(self._description, tool.edges)
         lost = [each for each in switched if not each.active and held[0] < each.at < until]
         return bool(lost) and not declared
+
+
+def _texts(status: Status) -> tuple[str, ...]:
+    return (*status.alarm_texts, status.reason, status.changer_reason)

@@ -57,7 +57,7 @@ def is_still(description: Description, tool: VirtualTool) -> bool:
     """Return whether all processes run, no command does, and the unlock output is inactive."""
     status, changer = tool.status, description.tool_changer
     unlocked = bool(changer and tool.levels.get(changer.line))
-    return len(tool.living) == 3 and status.ee in AT_REST and status.command == Command.NONE and not unlocked
+    return len(tool.living) == 2 and status.ee in AT_REST and status.command == Command.NONE and not unlocked
 
 
 class Script:

@@ -95,19 +95,16 @@ def record(description: Description, cell: Cell, folder: Path) -> Played:
     lines = description.lines.model_copy(update={"backend": "virtual"})  # whatever the wires of the tool are
     played_on = description.model_copy(update={"lines": lines})
     with Recording(folder, played_on, scenario=cell.id, seed=0, now=lambda: 0) as recording:
-        told = [(status.at, 0, status) for status in tool.statuses]
-        told += [(status.at, 1, status) for status in tool.changes]
         waiting = iter(frames)
         frame = next(waiting, None)
-        for at, changer, status in sorted(told, key=lambda each: each[:2]):
+        for status in tool.statuses:
+            at = status.at
             while frame is not None and frame.at <= at:
                 recording.values(frame.at, frame.values)
                 frame = next(waiting, None)
-            if changer:
-                recording.tool_changer(at, status.changer)
-            else:
-                recording.state(at, status.ee, status.command, status.actuators)
-                recording.alarms(at, status.alarms)
+            recording.tool_changer(at, status.changer)
+            recording.state(at, status.ee, status.command, status.actuators)
+            recording.alarms(at, status.alarms)
             recording.events(at, status.events)
         while frame is not None:
             recording.values(frame.at, frame.values)

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
-from end_effector_hal.arbiter import PredicatePublisher, program_lines, wired_lines
-from end_effector_hal.control import Answer, Status, told_to_grip
-from end_effector_hal.control.goals import tool_status
+from end_effector_hal.arbiter import HAL, PredicatePublisher, client_lines, wired_lines
+from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, WireError
-from end_effector_hal.runtime import (
-    ChangerProgram,
-    GripProgram,
-    InlineWorker,
-    Program,
-    longest_release_s,
-    release_is_decided,
-)
+from end_effector_hal.runtime import InlineWorker, Program, longest_release_s, release_is_decided
 from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
@@ -38,8 +31,7 @@ if TYPE_CHECKING:
     from ._bus import VirtualBus
 
 ARBITER = "arbiter"
-PROGRAMS: Mapping[str, type[Program]] = {"grip": GripProgram, "tool_change": ChangerProgram}
-_OF_CHANGER = ("lock", "unlock", "arm", "reset")
+PROCESSES = (ARBITER, HAL)
 REPEAT_US = 50_000
 _TRIES_US = 200_000
 STARTED_US = 5_000_000
@@ -48,14 +40,13 @@ LONGEST_LOOK_US = 250_000
 
 
 class VirtualTool:
-    """Both programs, the line arbiter with its records, the sensors and the testbench, in one thread, without a real
-    clock.
+    """The program, the line arbiter with its records, the sensors and the testbench, in one thread, without a real clock.
 
-    The product itself runs: its programs, controllers and detectors, the rules and records of the arbiter, its codecs.
+    The product itself runs: its program, controller and detectors, the rules and records of the arbiter, its codecs.
     Only sockets, threads and their delays are left out: messages arrive at the same instant. The same seed, scenario
     and commands give the same run, to the microsecond.
 
-    Events at one instant are processed in this order: frames, programs, leases, the arbiter.
+    Events at one instant are processed in this order: frames, the program, its lease, the arbiter.
 
     Args:
         description: the description of the tool.
@@ -63,14 +54,14 @@ class VirtualTool:
         seed: seed of the valves, the noise, and the random faults.
         levels: lines that are active at the start; their parts have settled.
         watch: follows the automata, for example with a `Monitor`.
-        on_frame: called with each frame before the programs receive it; default: frames that would change nothing are
+        on_frame: called with each frame before the program receives it; default: frames that would change nothing are
             left out.
 
     Attributes:
         at: time since the start, µs.
         bench: the real state of the simulated devices.
         memories: the stores that outlive the arbiter; its disk can be made to fail.
-        statuses, changes: statuses of the gripping program, and of the tool changer's, in order.
+        statuses: the published statuses, in order.
         edges: edges of the output lines, in order.
 
     Raises:
@@ -89,7 +80,6 @@ class VirtualTool:
     ) -> None:
         self.description, self.at = description, 0
         self.statuses: list[Status] = []
-        self.changes: list[Status] = []
         self.edges: list[Edge] = []
         self._recorder = Watching(watch) if watch else NULL_RECORDER
         self._on_frame = on_frame
@@ -104,23 +94,21 @@ class VirtualTool:
         self._arbiters = ArbiterLives(description, self._outputs, self._buses, self._now, reads=reads)
         self.memories = self._arbiters.memories
         self._leap = self._leap_of(self._sources) if on_frame is None else None
-        self._programs: dict[str, Program] = {}
-        self._connections: dict[str, VirtualConnection] = {}
-        self._starting: dict[str, int] = {}
+        self._program: Program | None = None
+        self._connection: VirtualConnection | None = None
+        self._starts_at: int | None = None
         self._publisher: PredicatePublisher | None = None
         self._repeats_at: int | None = None
         self._judge = FrameJudge()
-        for name in (ARBITER, *PROGRAMS):
+        for name in PROCESSES:
             self.start(name)
-        self.run_until(
-            STARTED_US, lambda: len(self.living) == len((ARBITER, *PROGRAMS))
-        )  # at once without a bus
+        self.run_until(STARTED_US, lambda: len(self.living) == len(PROCESSES))  # at once without a bus
 
     @property
     def status(self) -> Status:
-        """The status of the whole tool from the programs' last reports; a dead program reports nothing."""
-        gone = [name for name in PROGRAMS if name not in self._programs]
-        return tool_status(self.statuses[-1], self.changes[-1], self.at, gone=gone)
+        """The status that the program has published last; of a dead program, what is still known."""
+        status = replace(self.statuses[-1], at=self.at)
+        return status if self._program is not None else unknown_now(status)
 
     @property
     def levels(self) -> dict[str, bool]:
@@ -129,8 +117,9 @@ class VirtualTool:
 
     @property
     def living(self) -> frozenset[str]:
-        """The running processes of ``arbiter``, ``grip`` and ``tool_change``."""
-        return frozenset((*self._programs, *([ARBITER] if self._arbiters.now else [])))
+        """The running processes of ``arbiter`` and ``hal``."""
+        there = self._arbiters.now, self._program
+        return frozenset(name for name, each in zip(PROCESSES, there, strict=True) if each is not None)
 
     @property
     def arbiters(self) -> int:
@@ -153,8 +142,7 @@ class VirtualTool:
         An unlock waits for the proof that nothing is gripped, as in the product; meanwhile time advances, and ``look``
         is called at each instant.
         """
-        program = self._programs.get("tool_change" if name in _OF_CHANGER else "grip")
-        if program is None:
+        if (program := self._program) is None:
             return Answer(False, "The program is not running.", decided=False)
         if name == "unlock" and self.description.tool_changer:
             limit = self.at + round(longest_release_s(self.description.tool_changer) * 1e6)
@@ -168,8 +156,8 @@ class VirtualTool:
 
     def reset(self) -> Answer:
         """Clear the latched faults of the arbiter, and ended alarms about a held part."""
-        if "grip" in self._programs:
-            self._programs["grip"].acknowledge()
+        if self._program is not None:
+            self._program.acknowledge()
         try:
             if self._arbiters.now is None:
                 return Answer(False, "There is no line arbiter.", decided=False)
@@ -207,58 +195,50 @@ class VirtualTool:
     # Births and deaths
 
     def kill(self, name: str) -> None:
-        """Kill ``arbiter``, ``grip``, ``tool_change`` or ``hal`` (both programs, with the sensor reader) now."""
-        if name == ARBITER:
+        """Kill ``arbiter`` or ``hal`` (the program with the sensor reader) now."""
+        if self._is_arbiter(name):
             self._arbiters.kill()
-        for program in self._named(name):
-            if program in self._programs:
-                del self._programs[program]
-                self._connections.pop(program).die()
-            self._starting.pop(program, None)
-        if name == "hal":
-            self._publisher = None
+        else:
+            self._starts_at = None
+            self._abandon()
 
     def end(self, name: str) -> None:
         """End the same processes properly, as after SIGTERM; a held part is treated as declared.
 
         The arbiter ends when it waits for no last will and no pulse; a second call ends it at once.
         """
-        if name == ARBITER:
+        if self._is_arbiter(name):
             self._arbiters.end()
-        for program in self._named(name):
-            if program in self._programs:
-                with suppress(WireError):  # then the arbiter executes its last will
-                    self._programs.pop(program).leave()
-                self._connections.pop(program).die()
-        if name == "hal":
-            self._publisher = None
+            return
+        if self._program is not None:
+            with suppress(WireError):  # then the arbiter executes its last will
+                self._program.leave()
+        self._abandon()
 
     def start(self, name: str) -> None:
-        """Start processes that do not run; a program without an arbiter or its lines tries again every 0.2 s."""
-        if name == ARBITER:
+        """Start a process that does not run; a program without an arbiter or its lines tries again every 0.2 s."""
+        if self._is_arbiter(name):
             self._arbiters.start()
-        for program in self._named(name):
-            if program not in self._programs:
-                self._start_program(program)
+        elif self._program is None:
+            self._start_program()
 
     def lose_power(self) -> None:
         """Cut the power: all processes die, and every line becomes inactive; `start` starts the machine again."""
-        for name in PROGRAMS:
-            self._programs.pop(name, None)
-            self._connections.pop(name, None)
-            self._starting.pop(name, None)
-        self._publisher = None
+        self._program = self._connection = self._starts_at = self._publisher = None
         self._arbiters.lose_power()
 
-    def _named(self, name: str) -> Sequence[str]:
-        if name == "hal":
-            return tuple(PROGRAMS)
-        if name not in (ARBITER, *PROGRAMS):
-            known = f"There are: {ARBITER}, hal, {', '.join(PROGRAMS)}."
-            raise UsageError(f"there is no process {name!r}.", todo=known)
-        return (name,) if name in PROGRAMS else ()
+    def _is_arbiter(self, name: str) -> bool:
+        if name not in PROCESSES:
+            raise UsageError(f"there is no process {name!r}.", todo=f"There are: {', '.join(PROCESSES)}.")
+        return name == ARBITER
 
-    def _start_program(self, name: str) -> None:
+    def _abandon(self) -> None:
+        """Close the socket of the program, which has ended."""
+        if self._connection is not None:
+            self._connection.die()
+        self._program = self._connection = self._publisher = None
+
+    def _start_program(self) -> None:
         if self._publisher is None:
             self._judge = FrameJudge()
             self._publisher = PredicatePublisher(
@@ -269,33 +249,24 @@ class VirtualTool:
                 own=False,
             )
             self._repeats_at = self.at + REPEAT_US if self._publisher.repeats else None
-        token, lines = f"{self._random.getrandbits(128):032x}", program_lines(self.description, name)
-        if name == "grip":
-            lines = (*lines, *self.description.blow_off_lines.values())
+        token, lines = f"{self._random.getrandbits(128):032x}", client_lines(self.description, HAL)
         try:
-            connection = VirtualConnection(lambda: self._arbiters.now, name, token, lines, self._now)
+            connection = VirtualConnection(lambda: self._arbiters.now, HAL, token, lines, self._now)
         except ReportedError:
-            self._starting[name] = self.at + _TRIES_US
+            self._starts_at = self.at + _TRIES_US
             return
-        self._starting.pop(name, None)
-        listener = partial(self._told, name)
-        program = PROGRAMS[name](
+        self._starts_at = None
+        program = Program(
             self.description,
             connection,
-            listener,
+            self._told,
             self._recorder,
             clock=self._now,
             judge=self._judge,
             worker=InlineWorker,
         )
-        self._connections[name], self._programs[name] = connection, program
-        if self._leap:
-            self._leap.forget()
-        {"grip": self.statuses, "tool_change": self.changes}[name].append(program.status)
-        self._tell_peers(name, program.status)
-        other = "tool_change" if name == "grip" else "grip"
-        if other in self._programs:
-            self._tell_peers(other, self._programs[other].status)
+        self._connection, self._program = connection, program
+        self._told(program.status)
         program.begin()
 
     # What happens
@@ -318,10 +289,12 @@ class VirtualTool:
         waits += [(master.due, partial(self._hear, master)) for master in self._buses.masters]
         if self._repeats_at is not None:
             waits.append((self._repeats_at, self._repeat))
-        waits += [(due, each.work) for each in self._programs.values() if (due := each.due) is not None]
-        for name, connection in self._connections.items():
-            waits.append((connection.renews_at, partial(self._renew, name, connection)))
-        waits += [(due, partial(self._start_program, name)) for name, due in self._starting.items()]
+        if self._program is not None and (due := self._program.due) is not None:
+            waits.append((due, self._program.work))
+        if self._connection is not None:
+            waits.append((self._connection.renews_at, partial(self._renew, self._connection)))
+        if self._starts_at is not None:
+            waits.append((self._starts_at, self._start_program))
         if self._arbiters.now is not None and (due := self._arbiters.now.due) is not None:
             waits.append((due, self._arbiters.now.step))
         return waits
@@ -356,7 +329,7 @@ class VirtualTool:
         """
         link = leap.link
         link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._publisher is None)
-        if not self._publisher or any(program.waits for program in self._programs.values()):
+        if not self._publisher or (program := self._program) is None or program.waits:
             return
         marks = self._marks
         while marks == self._marks:
@@ -370,15 +343,14 @@ class VirtualTool:
             while link.due < to and marks == self._marks:
                 self.at = link.due
                 frame = Frame(self.at, None, None, link.passing(self.at))
-                for program in list(self._programs.values()):
-                    program.pass_over(frame)
+                program.pass_over(frame)
             self.at = link.due - link.period_us
             self._judge.pass_over((link.due - first) // link.period_us, self.at)
             self._publisher.pass_over()
 
     @property
     def _marks(self) -> tuple[int, ...]:
-        return len(self.statuses), len(self.changes), len(self.edges)
+        return len(self.statuses), len(self.edges)
 
     def _read_own(self) -> None:
         """Read the arbiter's own inputs and pass them on, if an arbiter lives."""
@@ -393,31 +365,22 @@ class VirtualTool:
     def _pass_on(self, frame: Frame) -> None:
         if self._on_frame:
             self._on_frame(frame)
-        for program in list(self._programs.values()):
-            program.frame(frame)
+        if self._program is not None:
+            self._program.frame(frame)
 
-    def _renew(self, name: str, connection: VirtualConnection) -> None:
+    def _renew(self, connection: VirtualConnection) -> None:
         lost, faults = connection.renew()
-        program = self._programs.get(name)
-        if program is None:
+        if (program := self._program) is None:
             return
         if lost is not None:
             program.arbiter_lost(lost)
         if faults is not None:
             program.faults_changed(faults)
 
-    def _told(self, name: str, status: Status) -> None:
-        {"grip": self.statuses, "tool_change": self.changes}[name].append(status)
-        self._tell_peers(name, status)
+    def _told(self, status: Status) -> None:
+        self.statuses.append(status)
         if self._leap:
             self._leap.forget()
-
-    def _tell_peers(self, name: str, status: Status) -> None:
-        """Inform the other program of a status."""
-        if name == "grip" and (change := self._programs.get("tool_change")):
-            change.update_peer(ee=status.ee)
-        if name == "tool_change" and (grip := self._programs.get("grip")):
-            grip.update_peer(**told_to_grip(status))
 
     def _obey(self, name: str, level: bool) -> None:
         """Process an output that was commanded over its bus."""

@@ -12,8 +12,8 @@ from timed_automata import Network
 from timed_automata.execute import Observation
 from timed_automata.monitor import Monitor
 
-Watch = Callable[[str], Callable[[Observation], None]]
-"""Called with the program's name for each new controller; returns a receiver of its observations."""
+Watch = Callable[[], Callable[[Observation], None]]
+"""Called for each new controller; returns a receiver of its observations."""
 
 
 class Watching(Recorder):
@@ -24,10 +24,10 @@ class Watching(Recorder):
         self._watch = watch
 
     def controller(
-        self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
+        self, description: Description, network: Network, judge: FrameJudge | None = None
     ) -> Controller:
         """Return a controller that is observed from its start."""
-        return Controller(description, network, program, observe=self._watch(program), judge=judge)
+        return Controller(description, network, observe=self._watch(), judge=judge)
 
 
 class Monitors:
@@ -37,10 +37,10 @@ class Monitors:
         self._automata, self._network = description.automata, network_of(description)
         self._monitors: list[Monitor] = []
 
-    def watch(self, program: str) -> Callable[[Observation], None]:
-        """Create a monitor for a program; return the function that receives its observations."""
-        executed, interface = getattr(self._automata, program), self._automata.interface
-        monitor = Monitor(self._network, executed, interface, requirements=True)
+    def watch(self) -> Callable[[Observation], None]:
+        """Create a monitor for a controller; return the function that receives its observations."""
+        automata = self._automata
+        monitor = Monitor(self._network, automata.executed, automata.interface, requirements=True)
         self._monitors.append(monitor)
         return monitor.observe
 

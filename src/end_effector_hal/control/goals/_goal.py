@@ -16,14 +16,8 @@ CHANNELS = {
     Command.CANCEL: "cancel",
 }
 """The channel of the automata to which each command is sent."""
-PROGRAM_COMMANDS = {
-    "grip": (Command.GRIP, Command.RELEASE, Command.CANCEL),
-    "tool_change": (Command.LOCK, Command.UNLOCK),
-}
-"""The commands that each program executes."""
 GOAL_COMMANDS = (Command.GRIP, Command.RELEASE, Command.LOCK, Command.UNLOCK)
 """The commands that take time until they end, so that they can be goals."""
-_PROGRAM = {command: name for name, commands in PROGRAM_COMMANDS.items() for command in commands}
 
 
 class Outcome(IntEnum):
@@ -91,11 +85,6 @@ class Goal:
     """Start of its program as known when the goal was sent to it, µs; 0: not known."""
     count: int = 0
     """Number of the first status that is certain to follow the acceptance."""
-
-    @property
-    def program(self) -> str:
-        """Name of the program that executes the goal: ``grip`` or ``tool_change``."""
-        return _PROGRAM[self.command]
 
 
 class Effect(Enum):

@@ -5,11 +5,11 @@ the goals behind it.
 
 Rule 2. One goal runs at a time. A second one is refused with a reason; it never ends the first.
 
-Rule 3. Only the automata of its program accept or refuse a goal. A program that does not answer in time may have begun
-the goal: the outcome is UNREACHABLE, also for each goal that waited for the same program meanwhile. The same holds
+Rule 3. Only the automata accept or refuse a goal. A program that does not answer in time may have begun
+the goal: the outcome is UNREACHABLE, also for each goal that waited meanwhile. The same holds
 while the line arbiter is lost: no goal is begun then.
 
-Rule 4. An accepted goal follows the statuses of its program after the acceptance. It is over when the program no
+Rule 4. An accepted goal follows the statuses of the program after the acceptance. It is over when the program no
 longer executes a command; it has succeeded only if that status proves it.
 
 Rule 5. If the program has gone, was restarted, or can no longer be observed because this process ends, the end of its
@@ -28,7 +28,6 @@ all evidence while no command is executed, that goal has succeeded.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from typing import Generic
 
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, Evidence
@@ -63,9 +62,9 @@ def judge(command: Command, status: Status) -> tuple[Outcome, str]:
         if reached is position:
             return Outcome.SUCCEEDED, ""
         if status.arbiter_lost:
-            return Outcome.UNREACHABLE, status.reason or _LOST
+            return Outcome.UNREACHABLE, status.changer_reason or _LOST
         why = f"The tool changer is {reached.name}: its sensors do not prove {position.name}."
-        return Outcome.FAILED, f"{why} {status.reason}".rstrip()
+        return Outcome.FAILED, f"{why} {status.changer_reason}".rstrip()
     if status.ee == _WANTED_STATES[command]:
         return Outcome.SUCCEEDED, ""
     if status.arbiter_lost and status.ee != EndEffectorState.STAND_BY:
@@ -88,14 +87,14 @@ class Goals(Generic[GoalT]):
     Times are µs on the monotonic clock.
 
     Args:
-        programs: the name of each program at the beginning of a sentence.
+        program: the name of the program at the beginning of a sentence.
     """
 
-    def __init__(self, programs: Mapping[str, str]) -> None:
-        self._programs = programs
+    def __init__(self, program: str) -> None:
+        self._program = program
         self._undecided: list[GoalT] = []
         self._running: GoalT | None = None
-        self._newest: dict[str, tuple[Status, int, int]] = {}
+        self._newest: tuple[Status, int, int] | None = None
         self._closing = ""
 
     @property
@@ -117,7 +116,7 @@ class Goals(Generic[GoalT]):
             return []  # it was given up
         self._undecided.remove(goal)
         if not answer.accepted:
-            newest = self._newest.get(goal.program)
+            newest = self._newest
             if answer.decided and goal.is_target and newest and is_reached(goal.command, newest[0]):
                 return [self._end(goal, Outcome.SUCCEEDED, REACHED, at), *self._decide(at)]
             outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
@@ -131,34 +130,31 @@ class Goals(Generic[GoalT]):
         goal.cancelled = True
         return [(Effect.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
 
-    def see(
-        self, program: str, status: Status, at: int, *, session: int = 0, count: int = 0
-    ) -> list[GoalEffect[GoalT]]:
-        """Process a new status of a program.
+    def see(self, status: Status, at: int, *, session: int = 0, count: int = 0) -> list[GoalEffect[GoalT]]:
+        """Process a new status.
 
         Args:
-            program: ``grip`` or ``tool_change``.
             status: the status.
             at: the time now, µs.
             session: start of the program, µs; 0: the program starts only once.
             count: number of the status since that start.
         """
-        self._newest[program] = status, session, count
-        return self._follow(at) if self._running and self._running.program == program else []
+        self._newest = status, session, count
+        return self._follow(at)
 
-    def tick(self, at: int, gone: Collection[str] = ()) -> list[GoalEffect[GoalT]]:
-        """Process the passing of time; ``gone`` are the programs that no longer run."""
+    def tick(self, at: int, *, gone: bool = False) -> list[GoalEffect[GoalT]]:
+        """Process the passing of time; ``gone``: the program no longer runs."""
         effects: list[GoalEffect[GoalT]] = []
         for goal in self._undecided[:1]:
             if goal.phase is Phase.ASKED and at - goal.asked_us > ANSWER_US:
-                silence = f"{self._programs[goal.program]} does not answer."
+                silence = f"{self._program} does not answer."
                 effects.append((Effect.GIVE_UP, goal))
                 effects += self.answer(goal, Answer(False, silence, decided=False), at)
         if (running := self._running) is None:
             return effects
-        if running.program not in gone:
+        if not gone:
             return [*effects, (Effect.REPORT_PROGRESS, running)]
-        why = f"{self._programs[running.program]} has gone: {_UNKNOWN}"
+        why = f"{self._program} has gone: {_UNKNOWN}"
         return [*effects, self._end(running, Outcome.UNREACHABLE, why, at)]
 
     def close(self, who: str, todo: str, at: int) -> list[GoalEffect[GoalT]]:
@@ -174,7 +170,7 @@ class Goals(Generic[GoalT]):
         effects: list[GoalEffect[GoalT]] = []
         for goal in undecided:
             if goal.phase is Phase.ASKED:
-                answer = f"{self._programs[goal.program]} has not answered yet: whether the goal was begun is unknown."
+                answer = f"{self._program} has not answered yet: whether the goal was begun is unknown."
                 effects.append(self._end(goal, Outcome.UNREACHABLE, f"{who} is ending. {answer}", at))
             else:
                 effects.append(self._end(goal, Outcome.REJECTED, self._closing, at))
@@ -196,8 +192,8 @@ class Goals(Generic[GoalT]):
                 ending = Outcome.REJECTED, why
             else:
                 goal.phase, goal.asked_us = Phase.ASKED, at
-                if newest := self._newest.get(goal.program):
-                    goal.session = newest[1]
+                if self._newest:
+                    goal.session = self._newest[1]
                 return [*effects, (Effect.ASK, goal)]
             self._undecided.remove(goal)
             effects.append(self._end(goal, *ending, at))
@@ -206,18 +202,17 @@ class Goals(Generic[GoalT]):
     def _refuse(self, goal: GoalT, outcome: Outcome, reason: str, at: int) -> list[GoalEffect[GoalT]]:
         alike = [goal]
         if outcome is Outcome.UNREACHABLE:
-            waiting = [each for each in self._undecided if each.program == goal.program]
-            alike += [each for each in waiting if not each.cancelled]
+            alike += [each for each in self._undecided if each is not goal and not each.cancelled]
             self._undecided = [each for each in self._undecided if each not in alike]
         return [self._end(each, outcome, reason, at) for each in alike]
 
     def _follow(self, at: int) -> list[GoalEffect[GoalT]]:
         running = self._running
-        if running is None or running.program not in self._newest:
+        if running is None or self._newest is None:
             return []
-        status, session, count = self._newest[running.program]
+        status, session, count = self._newest
         if running.session not in (0, session):
-            why = f"{self._programs[running.program]} was started again: {_UNKNOWN}"
+            why = f"{self._program} was started again: {_UNKNOWN}"
             return [self._end(running, Outcome.UNREACHABLE, why, at)]
         if count < running.count:
             return []

@@ -196,11 +196,8 @@ class Automata(Part):
         min_length=1,
         description="relative to the description; default: the shipped one if there is none beside it",
     )
-    grip: Texts = Field(
-        default=("Gripper", "Actuator"), description="processes that the grip program executes"
-    )
-    tool_change: Texts = Field(
-        default=("Changer", "Arming"), description="processes that the tool-change program executes"
+    executed: Texts = Field(
+        default=("Gripper", "Actuator", "Changer", "Arming"), description="processes that the HAL executes"
     )
     interface: Texts = Field(
         default=(

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from secrets import token_hex
 
+from end_effector_hal.arbiter import HAL
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
-from end_effector_hal.runtime.stream import PROGRAM_WORDS, RELOAD_WORDS, RecordStream, program_socket
+from end_effector_hal.runtime.stream import RELOAD_WORDS, WORDS, RecordStream, program_socket
 from end_effector_hal.wires import now_us
 
-from ._recorder import Recorder
+from ._recorder import Observer, Recorder
 from ._records import KINDS, Header
 
 DESCRIPTION, MODEL = "description.json", "end_effector.xml"
@@ -25,19 +25,17 @@ DESCRIPTION, MODEL = "description.json", "end_effector.xml"
 def open_recorder(
     folder: str | Path,
     description: Description,
-    program: str,
     *,
     at: int | None = None,
     limits: RecordingLimits | None = None,
     stream: RecordStream | None = None,
-    observe: Callable[[str, int, object], None] | None = None,
+    observe: Observer | None = None,
 ) -> Recorder:
-    """Return a recorder that writes ``<program>.mcap`` and further segments, without waiting for the disk.
+    """Return a recorder that writes ``hal.mcap`` and further segments, without waiting for the disk.
 
     Args:
         folder: the folder for the trace.
         description: the tool.
-        program: name of the program.
         at: the current time of the run, µs; default: that of the monotonic clock.
         limits: the recording limits of the folder.
         stream: gets the same records.
@@ -46,7 +44,7 @@ def open_recorder(
     at = now_us() if at is None else at
     model = description.automata_path.read_bytes()
     attachments = {DESCRIPTION: whole(description), MODEL: model}
-    first = header_of(description, program, at)
+    first = header_of(description, at)
 
     def header(opening: Opening) -> Header:
         return replace(
@@ -59,27 +57,26 @@ def open_recorder(
         )
 
     return Recorder(
-        TraceWriter(folder, program, KINDS, now=at, attachments=attachments, header=header, limits=limits),
+        TraceWriter(folder, HAL, KINDS, now=at, attachments=attachments, header=header, limits=limits),
         stream,
         observe,
     )
 
 
-def open_stream(description: Description, program: str) -> RecordStream:
+def open_stream(description: Description) -> RecordStream:
     """Return the stream of a program, which is not served yet."""
-    first = header_of(description, program, now_us())
-    path, beside = program_socket(description, program), socket_path(description)
+    first = header_of(description, now_us())
+    path, beside = program_socket(description), socket_path(description)
     return RecordStream(
-        path, beside, lambda at: replace(first, at=at), (*PROGRAM_WORDS[program], *RELOAD_WORDS)
+        path, beside, lambda at: replace(first, at=at), (*WORDS, *RELOAD_WORDS)
     )
 
 
-def header_of(description: Description, program: str, at: int) -> Header:
+def header_of(description: Description, at: int) -> Header:
     """Return the header of a trace, with the origin of the trace."""
     return Header(
         at=at,
         run=token_hex(8),
-        program=program,
         description=description.name,
         hash=content_hash(description),
         model=model_hash(description),

@@ -18,7 +18,6 @@ from ._records import (
     Answered,
     Commanded,
     FrameTaken,
-    PeerUpdate,
     Start,
     TimeAdvanced,
 )
@@ -35,12 +34,11 @@ class RecordedController:
         self,
         description: Description,
         network: Network,
-        program: str,
         put: Put,
         judge: FrameJudge | None = None,
     ) -> None:
         self._put = put
-        self._controller = Controller(description, network, program, observe=self._observed, judge=judge)
+        self._controller = Controller(description, network, observe=self._observed, judge=judge)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
         self.senses = self._controller.senses
@@ -73,15 +71,10 @@ class RecordedController:
         """Process the frame like any other, because a recording must have every frame."""
         return self.frame(frame)
 
-    def update_peer(self, values: Mapping[str, int], at: int) -> list[Status]:
-        """Record and process interface variables of the other program."""
-        self._put(("tell", at, PeerUpdate(at, dict(values))))
-        return self._decided(self._controller.update_peer(values, at))
-
-    def refused(self, at: int) -> list[Status]:
+    def refused(self, at: int, *, unlock: bool = False) -> list[Status]:
         """Record and process that the line arbiter refused an activation."""
-        self._put(("refused", at, ActivationRefused(at)))
-        return self._decided(self._controller.refused(at))
+        self._put(("refused", at, ActivationRefused(at, unlock)))
+        return self._decided(self._controller.refused(at, unlock=unlock))
 
     def acknowledge(self, at: int) -> list[Status]:
         """Record and process that the alarms that are over were seen."""
@@ -119,8 +112,7 @@ _CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
         Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
     ),
     "command": lambda controller, record: controller.command(record.name, record.at),
-    "tell": lambda controller, record: controller.update_peer(record.values, record.at),
-    "refused": lambda controller, record: controller.refused(record.at),
+    "refused": lambda controller, record: controller.refused(record.at, unlock=record.unlock),
     "acknowledge": lambda controller, record: controller.acknowledge(record.at),
     "time": lambda controller, record: controller.advance(record.at),
 }

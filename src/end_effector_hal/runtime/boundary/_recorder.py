@@ -19,9 +19,9 @@ from ._recorded_controller import AnyController, Put, RecordedController
 from ._recorded_lines import RecordedLines
 from ._records import PUBLISHED, STATE, Published
 
-Observer = Callable[[str, str, int, object], None]
-"""A function that is called with each record of a program: the program, the kind, the time (µs), the content. It runs
-in the program's threads, and must not wait.
+Observer = Callable[[str, int, object], None]
+"""A function that is called with each record of a program: the kind, the time (µs), the content. It runs in the
+program's threads, and must not wait.
 """
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -42,7 +42,7 @@ class Recorder:
         self,
         writer: TraceWriter | None = None,
         stream: RecordStream | None = None,
-        observe: Callable[[str, int, object], None] | None = None,
+        observe: Observer | None = None,
     ) -> None:
         self._writer, self._stream, self._observe = writer, stream, observe
         self._entries: list[Entry] = []
@@ -68,12 +68,12 @@ class Recorder:
             self._stream.serve(command, alive, nudge)
 
     def controller(
-        self, description: Description, network: Network, program: str, judge: FrameJudge | None = None
+        self, description: Description, network: Network, judge: FrameJudge | None = None
     ) -> AnyController:
         """Return a new controller, wrapped if anything is recorded."""
         if (put := self._put) is None:
-            return Controller(description, network, program, judge=judge)
-        self._controller = RecordedController(description, network, program, put, judge)
+            return Controller(description, network, judge=judge)
+        self._controller = RecordedController(description, network, put, judge)
         self._controller.snapshot()  # the first one takes milliseconds: better now than in a grip
         return self._controller
 

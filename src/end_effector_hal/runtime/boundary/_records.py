@@ -20,7 +20,6 @@ class Header:
     """The first record of each segment, with the origin of the trace."""
 
     at: int
-    program: str
     description: str
     """Name of the tool."""
     hash: str
@@ -74,18 +73,12 @@ class Commanded:
 
 
 @dataclass(frozen=True, slots=True)
-class PeerUpdate:
-    """Another program has sent its interface variables."""
-
-    at: int
-    values: Mapping[str, int]
-
-
-@dataclass(frozen=True, slots=True)
 class ActivationRefused:
     """The line arbiter refused an activation that the last status requested."""
 
     at: int
+    unlock: bool = False
+    """Whether it is the unlock output."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +139,6 @@ INPUTS: Mapping[str, type] = {
     "start": Start,
     "frame": FrameTaken,
     "command": Commanded,
-    "tell": PeerUpdate,
     "refused": ActivationRefused,
     "acknowledge": Acknowledged,
     "time": TimeAdvanced,

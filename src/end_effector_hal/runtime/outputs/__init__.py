@@ -1,5 +1,5 @@
 """Turn a status into levels and a last will, and write both to the line arbiter, with refusals and retries."""
 
 from ._maintenance import Maintenance
-from ._output_mapping import ChangerOutputs, GripOutputs, OutputMapping
+from ._output_mapping import OutputMapping
 from ._outputs import DECLARED_DEAD, RESTARTED, RETRY_US, LineWriter, Outputs, unknown

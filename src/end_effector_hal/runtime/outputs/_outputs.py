@@ -83,10 +83,12 @@ class Outputs:
         self.settles_at: int | None = None
         """Time at which the last write is applied, µs: lines have to settle (IL-10). None: it is applied."""
         self.alarm: Alarm | None = None
-        self.refused = ""
-        """A sentence why the line arbiter refused the last activation; empty again after it accepts one."""
-        self.objected = False
-        """Whether the line arbiter has just refused an activation, and the automata have not processed that yet."""
+        self.refused = {False: "", True: ""}
+        """Sentences why the line arbiter refused the last activation of an actuator (False) and of the unlock output
+        (True); empty again after it accepts one.
+        """
+        self.objected: set[bool] = set()
+        """The keys of `refused` whose refusal is new: the automata have not processed it yet."""
 
     def found(self, levels: Mapping[str, bool], status: Status) -> None:
         """Store the levels that a program adopts as it begins; `agree` detects changes since they were read."""
@@ -109,7 +111,7 @@ class Outputs:
         This never waits; `complete` does. Before the lines are adopted nothing is written. A change of the last will
         alone is not written if a status of the same instant follows that deactivates lines: the two are one write.
         """
-        statuses = [status for status in statuses if self.mapping.adopted(status)]
+        statuses = [status for status in statuses if status.adopted]
         for number, status in enumerate(statuses):
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
             changes = self._changes(wanted) | self._once_more(wanted, status)
@@ -152,7 +154,9 @@ class Outputs:
             return
         except ReportedError as error:
             if isinstance(error, LineRefusedError):
-                self.refused, self.objected = str(error), self.objected or any(asked.changes.values())
+                for unlock in self._activated_by(asked.changes):
+                    self.refused[unlock] = str(error)
+                    self.objected.add(unlock)
             written = Alarm("lines.not_written", "", {"why": str(error)})
             self.alarm = unknown(error) if self.lost else written
             self.retry_at = self.retry_at if self.lost else asked.at + RETRY_US
@@ -160,9 +164,6 @@ class Outputs:
 
     def retry(self, status: Status, at: int) -> None:
         """Repeat the failed deactivations, and write the last will."""
-        if not self.mapping.levels(status):  # a client without lines has not said hello, and has no last will
-            self.alarm = self.retry_at = None
-            return
         self._ask(self._undone, self.mapping.last_will(status), at)
         self.finish()
 
@@ -203,10 +204,11 @@ class Outputs:
         self.lost, self.retry_at = True, at
         self.alarm = unknown(error)
 
-    def let_go(self, lines: Sequence[str], at: int) -> None:
+    def let_go(self, lines: Sequence[str], status: Status, at: int) -> None:
         """Deactivate the lines of maintenance; repeated until it succeeds, otherwise the last will does it."""
         self._leased |= set(lines)
-        self._ask({**self._undone, **dict.fromkeys(lines, False)}, maintenance_will(lines), at)
+        will = (*self.mapping.last_will(status), *maintenance_will(lines))
+        self._ask({**self._undone, **dict.fromkeys(lines, False)}, will, at)
         self.finish()
 
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
@@ -260,9 +262,12 @@ class Outputs:
         self._written |= changes
         self.known |= changes
         self._unheard -= changes.keys()
-        if any(changes.values()):
-            self.refused = ""
+        self.refused |= dict.fromkeys(self._activated_by(changes), "")
         return delay_us
+
+    def _activated_by(self, changes: Mapping[str, bool]) -> set[bool]:
+        """Return the keys of `refused` to which the activated lines belong."""
+        return {line == self.mapping.unlock_line for line, level in changes.items() if level}
 
 
 def unknown(error: ReportedError) -> Alarm:

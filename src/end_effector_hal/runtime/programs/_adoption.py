@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -67,13 +67,12 @@ class Adoption:
             (each for each in (at, self.outputs.retry_at, settles_at) if each is not None), default=None
         )
 
-    def begin(self, at: int, sensor_fault: Callable[[], bool], peer: Mapping[str, int]) -> list[Status]:
+    def begin(self, at: int, sensor_fault: Callable[[], bool]) -> list[Status]:
         """Adopt the lines as they are; if that fails, set the alarm and schedule a retry.
 
         Args:
             at: time, µs.
             sensor_fault: returns whether a sensor fault was latched before; may raise WireError.
-            peer: the known interface variables of the other program.
         """
         try:
             levels = {**dict.fromkeys(self._activated, True), **self._lines.levels()}
@@ -87,8 +86,7 @@ class Adoption:
             return []
         self.begun, self._unreachable, self.alarm, self._begin_at = True, False, None, None
         self.outputs.found(levels, self.controller.status())
-        statuses = self.controller.start(levels, at, sensor_fault=found)
-        return statuses + (self.controller.update_peer(peer, at) if peer else [])
+        return self.controller.start(levels, at, sensor_fault=found)
 
     def time_passed(self, at: int) -> list[Status]:
         """Do everything that is due at ``at``; the lines must be adopted."""

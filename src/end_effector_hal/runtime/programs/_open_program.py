@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
-from end_effector_hal.arbiter import connect_arbiter
+from end_effector_hal.arbiter import HAL, connect_arbiter
 from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer, Recorder, open_recorder, open_stream
@@ -15,11 +13,7 @@ from end_effector_hal.sensing import FrameJudge
 from ._latest_status import Listener
 from ._program import Program
 
-P = TypeVar("P", bound=Program)
-
-
 def open_program(
-    program: type[P],
     description: Description,
     on_status: Listener | None = None,
     *,
@@ -28,11 +22,10 @@ def open_program(
     limits: RecordingLimits | None = None,
     judge: FrameJudge | None = None,
     observe: Observer | None = None,
-) -> P:
+) -> Program:
     """Return a program that is not started yet; it keeps its lease at the arbiter only while it works.
 
     Args:
-        program: GripProgram or ChangerProgram.
         description: the tool.
         on_status: called with each status.
         patience_s: longest wait for an arbiter to appear.
@@ -46,16 +39,13 @@ def open_program(
         ArbiterError: there is no line arbiter.
         LineBusyError: another process runs this program; the error names it.
     """
-    lines = connect_arbiter(description, program.NAME, patience_s=patience_s)
+    lines = connect_arbiter(description, HAL, patience_s=patience_s)
     try:
-        stream = open_stream(description, program.NAME)
-        shown = None if observe is None else partial(observe, program.NAME)
-        recorder = Recorder(stream=stream, observe=shown)
+        stream = open_stream(description)
+        recorder = Recorder(stream=stream, observe=observe)
         if traces is not None:
-            recorder = open_recorder(
-                traces, description, program.NAME, limits=limits, stream=stream, observe=shown
-            )
-        opened = program(description, lines, on_status, recorder, judge=judge)
+            recorder = open_recorder(traces, description, limits=limits, stream=stream, observe=observe)
+        opened = Program(description, lines, on_status, recorder, judge=judge)
         lines.attend(alive=lambda: opened.alive, on_lost=opened.arbiter_lost, on_faults=opened.faults_changed)
     except BaseException:  # Ctrl-C, too: who leaves in order has not died
         lines.close(())

@@ -5,15 +5,15 @@ from __future__ import annotations
 import logging
 import re
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import ClassVar
+from typing import Protocol
 
 from end_effector_hal.control import (
     Answer,
+    EventKind,
     Status,
     held_words,
     network_of,
@@ -24,13 +24,21 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ArbiterError, WireError
 from end_effector_hal.runtime._reload import reload_answer
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
-from end_effector_hal.runtime.outputs import LineWriter, OutputMapping, Outputs
+from end_effector_hal.runtime.outputs import (
+    RESTARTED,
+    RETRY_US,
+    LineWriter,
+    Maintenance,
+    OutputMapping,
+    Outputs,
+)
 from end_effector_hal.runtime.stream import (
     GO_ON,
     MAINTENANCE_WORDS,
-    PROGRAM_WORDS,
+    OF_CHANGER,
     RELOAD,
     TOO_LATE,
+    WORDS,
     ProgramCommand,
 )
 from end_effector_hal.sensing import E_STOP_CLOSED, FrameJudge
@@ -49,6 +57,9 @@ from end_effector_hal.wires import now_us
 from ._adoption import Adoption, DeclaredDeadError
 from ._inline_worker import InlineWorker
 from ._latest_status import LatestStatus, Listener
+from ._maintenance_drive import drive, proof
+from ._release_proof import await_release
+from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import FollowUp, SerialWorker
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -68,8 +79,21 @@ UNWRITTEN = (
 )
 
 
-class Program(ABC):
-    """The base class of :class:`GripProgram` and :class:`ChangerProgram`; all methods are thread-safe.
+CAME_LATE = (
+    "A sensor fault of the tool changer was latched before the start, but the line arbiter read it from its disk "
+    f"too late; {RESTARTED}"
+)
+
+
+class ToolLines(LineWriter, FaultKeeper, Protocol):
+    """The methods of the line arbiter that a program calls."""
+
+
+class Program:
+    """Executes the automata of a tool; all methods are thread-safe.
+
+    The line arbiter stores the sensor fault of the tool changer until a reset (IL-04). The lines of maintenance are
+    deactivated when its lease expires (IL-12).
 
     1. The automata decide in the thread that delivers an event, and that thread sends the write to the line arbiter.
        The program's own thread waits for the reply.
@@ -94,12 +118,10 @@ class Program(ABC):
         worker: runs the jobs; an `InlineWorker` if `begin` and `work` are called instead of `start`.
     """
 
-    NAME: ClassVar[str]
-
     def __init__(
         self,
         description: Description,
-        lines: LineWriter,
+        lines: ToolLines,
         on_status: Listener | None = None,
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
@@ -111,19 +133,21 @@ class Program(ABC):
         self._recorder, self._lines, self._arbiter = recorder, recorder.lines(lines), lines
         self._held = False  # as it was last known, before a restart
         self._commanded = False  # what is being written is the beginning of a command that activates nothing
-        self._peer: dict[str, int] = {}
         self._faults: tuple[Alarm, ...] = ()
         self._stopped = ""  # the fault of a stop (IL-13)
         self._refused = ""  # why nothing is activated: that, or an e-stop, and what to do
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[Alarm, ...] = ()
+        self._waits = worker is SerialWorker
+        self._fault = SensorFault(lines)
+        self._look_at: int | None = None  # µs at which the faults of the line arbiter are read again
         self._link_faults: tuple[Alarm, ...] = ()
         self._reset()
         self._worker = worker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
         recorder.attend(self._look_around)
-        self._thread = threading.Thread(target=self._run, name=f"program {self.NAME}", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="program", daemon=True)
 
     def start(self) -> None:
         """Start the thread: read the lines, read the sensors, adopt."""
@@ -183,10 +207,6 @@ class Program(ABC):
         if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame)):
             self._submit(lambda: statuses)
 
-    def update_peer(self, **values: int) -> None:
-        """Submit interface variables of the other program; return at once."""
-        self._worker.submit(lambda: self._reaction(self._peer_changed(values)))
-
     def arbiter_lost(self, error: ArbiterError) -> None:
         """Report to the program that the connection to the line arbiter was lost; return at once."""
         self._worker.submit(lambda: partial(self._lose, error))
@@ -214,7 +234,12 @@ class Program(ABC):
         return self._ask(question)
 
     def command(self, name: str, until_us: int | None = None) -> Answer:
-        """Give a command and wait for the decision of the automaton; after ``until_us`` the command is refused."""
+        """Give a command and wait for the decision of the automaton; after ``until_us`` the command is refused.
+
+        An unlock first waits for its proof (IL-01), unless the program has no thread.
+        """
+        if self._waits and name == "unlock" and (changer := self._description.tool_changer):
+            await_release(self._latest, changer)
         return self._ask(lambda: self._decide(name, until_us), waits=name not in ACTIVATING)
 
     def close(self, ending: str = "sigterm") -> None:
@@ -228,33 +253,65 @@ class Program(ABC):
                 self._lines.close(())
             self._recorder.close()
 
-    # What differs between programs.
+    def set_actuator(self, name: str, active: bool, timeout_s: float | None = None) -> Answer:
+        """Drive one actuator in maintenance (IL-12); success requires sensor evidence.
 
-    @abstractmethod
-    def _mapping(self) -> OutputMapping:
-        """Return the output mapping of the program, for a controller that has not begun."""
+        Args:
+            name: name of the actuator.
+            active: the level that its output gets.
+            timeout_s: longest wait for the evidence; default: the time that the actuator has in a grip or a release.
+        """
+        answer = self._drive(name, None, active=active)
+        proven = answer.accepted and proof(self._latest, self._description, name, timeout_s, active=active)
+        return proven or answer
 
-    def _fault_found(self) -> bool:
-        """Return whether the line arbiter stores a sensor fault of this program; raises WireError."""
-        return False
+    def _drive(self, name: str, until_us: int | None, *, active: bool) -> Answer:
+        """Write the line of an actuator in maintenance; refuse if ``until_us`` is over."""
+        line = self._description.actuators[name].line
 
-    def _arbiter_was_lost(self) -> None:  # noqa: B027 most programs remember nothing of it
-        """Handle a loss of the line arbiter, also one that is over: remembered facts about it may be outdated."""
+        def question() -> tuple[Answer, list[Status]]:
+            at = self._clock()
+            if until_us is not None and at > until_us:
+                return Answer(False, TOO_LATE), []
+            if obstacle := self._obstacle("activate" if active else "deactivate"):
+                return Answer(False, obstacle, decided=not self._adoption.lost), []
+            answer = drive(self._adoption, self._maintenance, line, at, active=active)
+            return answer, [self._adoption.controller.status()] if answer.accepted else []
+
+        return self._ask(question, waits=True)
 
     def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
+        """Keep the latched faults; a new stop cancels a running grip, and a sensor fault is looked for again."""
+        before, self._look_at = self._stopped, self._clock()
         self._faults = _latched_alarms(faults)
         texts = {fault.id: fault.text for fault in self._faults}
         self._stopped = texts.get(STOPPED, "")
         self._refused = self._stopped or (f"{texts[E_STOPPED]} {UNTIL_RESET}" if E_STOPPED in texts else "")
-        return []  # only the notices change
+        adoption = self._adoption
+        if before or not self._stopped or not adoption.begun:
+            return []  # only the notices change
+        gripping = adoption.outputs.mapping.gripping(adoption.controller.status())
+        return adoption.controller.command("cancel", self._clock())[1] if gripping else []
 
     def _due(self) -> int | None:
         """Return the time of the next action that needs no event, µs."""
-        return self._adoption.due
+        look_at = self._look_at if self._adoption.begun else None
+        due = (self._adoption.due, self._maintenance.ends_at, look_at)
+        return min((at for at in due if at is not None), default=None)
 
     def _on_time(self, at: int) -> list[Status]:
         """Do everything that is due at ``at``; the program must have begun."""
-        return self._adoption.time_passed(at)
+        adoption = self._adoption
+        if lines := self._maintenance.over(at):
+            adoption.outputs.let_go(lines, adoption.controller.status(), at)
+        if self._look_at is not None and at >= self._look_at:
+            try:
+                late, self._look_at = self._fault.came_late(), None
+            except WireError:
+                late, self._look_at = False, at + RETRY_US
+            if late:
+                return self._restart(CAME_LATE)
+        return adoption.time_passed(at)
 
     def _obstacle(self, name: str) -> str:
         """Return a sentence why a command is refused before it reaches the automata; empty: it is not."""
@@ -264,6 +321,8 @@ class Program(ABC):
         if adoption.outputs.lost and name != "acknowledge":
             lost = "Nothing can be activated while the line arbiter is lost."
             return lost if name in ACTIVATING else LOST
+        if name == "grip" and self._maintenance.active:
+            return f"IL-12: a grip is refused during maintenance. {self._maintenance.notice}"
         if name in ACTIVATING:
             if self._still_until > self._clock():
                 return RELOADING
@@ -287,7 +346,7 @@ class Program(ABC):
             return f"{status.command.label} is under way: wait for its end, or cancel it."
         if status.ee not in (EndEffectorState.STAND_BY, EndEffectorState.OFF):
             return f"The end-effector is {status.ee.name}: this needs STAND_BY."
-        return ""
+        return self._maintenance.notice
 
     def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
         at = self._clock()
@@ -301,7 +360,9 @@ class Program(ABC):
         answer, statuses = adoption.controller.command(name, at)
         self._commanded = answer.accepted and bool(statuses) and name not in ACTIVATING
         if answer.accepted:
-            self._why = adoption.outputs.refused = ""
+            self._why = adoption.outputs.refused[name in OF_CHANGER] = ""
+            if name == "reset":
+                self._fault.reset()
         return answer, statuses
 
     def see_link_faults(self, faults: tuple[Alarm, ...]) -> None:
@@ -313,21 +374,57 @@ class Program(ABC):
     def _notices(self) -> tuple[Alarm, ...]:
         """Return the alarms that do not come from the controller."""
         listener, recorder = self._latest.trouble, self._recorder.trouble
+        active = self._maintenance.notice
         return tuple(filter(None, (
             self._adoption.alarm, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
-            Alarm("listener.failed", self.NAME, {"text": listener}) if listener else None,
-            Alarm("recording.failed", self.NAME, {"text": recorder}) if recorder else None,
+            Alarm("listener.failed", "hal", {"text": listener}) if listener else None,
+            Alarm("recording.failed", "hal", {"text": recorder}) if recorder else None,
+            Alarm("maintenance.active", "", {"text": active}) if active else None,
         )))  # fmt: skip
 
     def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
-        """Return a status of the controller with the alarms and the reason of the program added."""
-        reason = f"{status.reason or self._why} {self._adoption.outputs.refused}".strip()
-        if not notices and not status.alarms and reason == status.reason:
+        """Return a status of the controller with all that only the program knows."""
+        outputs = self._adoption.outputs
+        reason = f"{status.reason or self._why} {outputs.refused[False]}".strip()
+        changer_reason = f"{status.changer_reason or self._why} {outputs.refused[True]}".strip()
+        if notices or status.alarms or (reason, changer_reason) != (status.reason, status.changer_reason):
+            alarms = with_since((*status.alarms, *notices), self.status.alarms, status.at)
+            status = replace(status, alarms=alarms, reason=reason, changer_reason=changer_reason)
+        if status.blowing and outputs.refused[False]:
+            status = self._without_air(status, outputs.activated)
+        if self._adoption.lost:
+            status = self._as_last_known(status)
+        if not self._maintenance.active:
             return status
-        alarms = with_since((*status.alarms, *notices), self.status.alarms, status.at)
-        return replace(status, alarms=alarms, reason=reason)
+        lines = self._maintenance.lines
+        levels = self._levels(status, lambda line, level: level or line in lines)
+        return replace(status, outputs=levels, deadline=self._maintenance.ends_at, maintenance=True)
+
+    def _without_air(self, status: Status, activated: frozenset[str]) -> Status:
+        """Return a status without the blow-offs that the line arbiter has refused."""
+        air, names = self._description.blow_off_lines, self._description.sequence
+        blown = tuple(each for each in status.blowing if air[names[each]] in activated)
+        events = tuple(
+            event
+            for event in status.events
+            if event.kind is not EventKind.BLOWN_OFF or event.actuator in blown
+        )
+        return replace(status, blowing=blown, events=events)
+
+    def _as_last_known(self, status: Status) -> Status:
+        """Return a status with the last known outputs; those that were never known are in doubt active."""
+        known, begun = self._adoption.outputs.known, self._adoption.begun
+        levels = self._levels(status, lambda line, level: known.get(line, level or not begun))
+        unlock = known.get(self._adoption.outputs.mapping.unlock_line, status.unlock_output)
+        held = status.held if begun else self._held
+        return replace(status, outputs=levels, held=held, unlock_output=unlock)
+
+    def _levels(self, status: Status, level_of: Callable[[str, bool], bool]) -> tuple[bool, ...]:
+        pairs = zip(self._description.ordered, status.outputs, strict=True)
+        return tuple(level_of(part.line, level) for (_, part), level in pairs)
 
     def _publish_one(self, status: Status) -> None:
+        self._fault.update(status)
         self._latest.publish(status)
 
     def _prepare(self) -> bool:
@@ -349,7 +446,13 @@ class Program(ABC):
             return answer
         if asked.command == GO_ON:
             return self.stand_still(0)
-        return self.command(asked.command, asked.until_us)
+        if asked.command not in MAINTENANCE_WORDS:
+            return self.command(asked.command, asked.until_us)
+        if asked.actuator not in self._description.actuators:
+            there = ", ".join(self._description.sequence)
+            return Answer(False, f"There is no actuator called {asked.actuator!r}; there are {there}.")
+        # answered when the line is written: waiting for its sensor would delay the commands of other clients
+        return self._drive(asked.actuator, asked.until_us, active=asked.command == "activate")
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
@@ -373,22 +476,17 @@ class Program(ABC):
             return answer, finish
 
         if self._latest.ended:
-            return Answer(False, f"The {self.NAME} program has ended.")
+            return Answer(False, "The HAL has ended.")
         answer = self._worker.ask(job, waits=waits)
         if given_up:
             return Answer(False, given_up[0], decided=False)
-        return answer or Answer(False, f"The {self.NAME} program does not answer.", decided=False)
+        return answer or Answer(False, "The HAL does not answer.", decided=False)
 
     def _reaction(self, statuses: list[Status]) -> FollowUp | None:
         """Begin to write what the statuses request; the returned follow-up waits for the reply and publishes them."""
         if not statuses and not self.waits and self._notices() == self._shown_notices:
             return None
         return partial(self._finish, statuses, self._adoption.outputs.begin(statuses))
-
-    def _peer_changed(self, values: dict[str, int]) -> list[Status]:
-        self._peer |= values
-        adoption = self._adoption
-        return adoption.controller.update_peer(values, self._clock()) if adoption.begun else []
 
     # From here on: in the program's thread.
 
@@ -397,7 +495,7 @@ class Program(ABC):
             self._worker.run(self._begin)
             self._lines.close(self._last_will(self._ending))
         except WireError as error:
-            _log.warning("the line arbiter cannot be reached for the last will of %s: %s", self.NAME, error)
+            _log.warning("the line arbiter cannot be reached for the last will: %s", error)
         finally:
             # after a defect in here the lease is not renewed any more, and the line arbiter does what is declared
             self._latest.end()
@@ -417,22 +515,23 @@ class Program(ABC):
     def _reset(
         self, activated: frozenset[str] = frozenset(), known: Mapping[str, bool] | None = None
     ) -> None:
-        controller = self._recorder.controller(self._description, self._network, self.NAME, self._judge)
-        outputs = Outputs(self._lines, self._mapping(), known)
+        controller = self._recorder.controller(self._description, self._network, self._judge)
+        self._maintenance = Maintenance(self._description)
+        outputs = Outputs(self._lines, OutputMapping(self._description, self._maintenance), known)
         self._adoption = Adoption(controller, outputs, self._lines, activated)
 
     def _adopt(self) -> list[Status]:
-        return self._adoption.begin(self._clock(), self._fault_found, self._peer)
+        return self._adoption.begin(self._clock(), self._fault.found)
 
     def _restart(self, why: str) -> list[Status]:
-        _log.warning("%s: %s", self.NAME, why)
+        self._fault.restarted()
+        _log.warning("%s", why)
         before = self.status
         self._held = before.held
         self._reset(self._adoption.outputs.activated, self._adoption.outputs.known)
         self._why = why
         now = self._adoption.now(self._clock())
-        state = before.ee if self.NAME == "grip" else before.changer
-        return [replace(now, events=restart_events(self.NAME, state, now.at)), *self._adopt()]
+        return [replace(now, events=restart_events(before.ee, before.changer, now.at)), *self._adopt()]
 
     def _give_up(self) -> list[Status]:
         """Discard decisions that cannot be written, and their last will; restart."""
@@ -454,12 +553,12 @@ class Program(ABC):
         outputs, commanded, self._commanded = self._adoption.outputs, self._commanded, False
         outputs.complete(unwritten)
         while outputs.objected:
-            outputs.objected = False
-            more = self._adoption.controller.refused(self._clock())
+            unlock = outputs.objected.pop()
+            more = self._adoption.controller.refused(self._clock(), unlock=unlock)
             statuses = statuses + more
             outputs.complete(outputs.begin(more))
         if outputs.lost:
-            self._arbiter_was_lost()
+            self._look_at = self._clock() + RETRY_US
             try:
                 statuses = self._adoption.compare(statuses, self.status, self._clock())
             except DeclaredDeadError as error:
@@ -479,7 +578,7 @@ class Program(ABC):
         for status in statuses:
             self._shown_notices = notices
             completed = self._completed(status, notices)
-            obstacles = {word: why for word in PROGRAM_WORDS[self.NAME] if (why := self._obstacle(word))}
+            obstacles = {word: why for word in WORDS if (why := self._obstacle(word))}
             self._recorder.published(completed, obstacles)
             self._publish_one(completed)
 

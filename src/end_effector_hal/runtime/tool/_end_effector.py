@@ -5,23 +5,22 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Answer, Status, ToolEvent, ending_in_words, told_to_grip
-from end_effector_hal.control.goals import tool_status
+from end_effector_hal.control import Answer, Status, ending_in_words
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
-from end_effector_hal.runtime.programs import ChangerProgram, GripProgram, Program, open_program
+from end_effector_hal.runtime.programs import open_program
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm, ChangerState, Command, EndEffectorState
+from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm, ChangerState, Command, EndEffectorState, distinct
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -30,28 +29,28 @@ from end_effector_hal.wires.sensors import SensorReader
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._listeners import Audience
 from ._plain_outputs import PlainOutputs
-from ._ready import changer_ready, gripper_ready, missing
+from ._ready import is_ready, missing
 from ._reset import reset, stop
 
 RESET_S = 5.0
 """Longest wait for a reset of the tool changer, s; longer than the proof of a lock takes, which the reset needs."""
 RENEWED_S = 2.0
-"""Longest wait until the programs learn that faults are cleared, s; several times the interval between lease renewals,
+"""Longest wait until the program learns that faults are cleared, s; several times the interval between lease renewals,
 which carry the latched faults.
 """
 
 
 class EndEffector(Closing):
-    """Both programs of a tool, its sensors and its lines.
+    """A tool at work: its program, its sensors and its lines.
 
     The line arbiter (``eehal arbiter``) is a separate process and must run: it keeps a held part held if this process
     crashes.
 
     Args:
         description: the tool.
-        traces: the folder for the traces of both programs; None: nothing is recorded.
+        traces: the folder for the trace; None: nothing is recorded.
         limits: the recording limits of that folder.
-        observe: called with each record of both programs: their inputs, and the steps and decisions of the automata.
+        observe: called with each record: the inputs of the automata, their steps and decisions.
 
     Example:
         >>> with EndEffector.open("end_effector.yaml") as tool:  # doctest: +SKIP
@@ -71,18 +70,17 @@ class EndEffector(Closing):
         self.description = description
         self._audience = Audience(self._audience_changed)
         self._told: tuple[Alarm, ...] = ()
-        self._gripping: Status | None = None
         self._lock = threading.Lock()
+        self._latest: Status | None = None
         judge = FrameJudge()
         with ExitStack() as undo:
-            open_one = partial(open_program, traces=traces, limits=limits, judge=judge, observe=observe)
-            self._grip = open_one(GripProgram, description, self._gripper_moved)
-            undo.callback(self._grip.close)
-            self._change = open_one(ChangerProgram, description, self._changer_moved)
-            undo.callback(self._change.close)
+            self._program = open_program(
+                description, self._moved, traces=traces, limits=limits, judge=judge, observe=observe
+            )
+            undo.callback(self._program.close)
             self._outputs = PlainOutputs(description)
             undo.callback(self._outputs.close)
-            self._goals = GoalRunner({"grip": self._grip, "tool_change": self._change}, lambda: self.status)
+            self._goals = GoalRunner(self._program, lambda: self.status)
             self._predicates = PredicatePublisher(description, judge=judge)
             self._reader = SensorReader(description, self._frame_came, self._link_changed)
             undo.pop_all()
@@ -111,8 +109,7 @@ class EndEffector(Closing):
         """
         self._reader.start()
         self._predicates.start()
-        for unit in self._units:
-            unit.start()
+        self._program.start()
 
     def close(self, ending: str = "sigterm") -> None:
         """End: the line arbiter does what the description declares. Listeners get the waiting items, within 2 s.
@@ -120,8 +117,7 @@ class EndEffector(Closing):
         A running command ends UNREACHABLE; its reason contains what happens to the outputs.
         """
         self._goals.close(ending_in_words(self.description, self.status, on=ending))
-        for unit in self._units:
-            unit.close(ending)
+        self._program.close(ending)
         self._outputs.close()
         self._reader.close()
         self._predicates.close()
@@ -133,9 +129,8 @@ class EndEffector(Closing):
 
     @property
     def status(self) -> Status:
-        """The gripping program and the tool changer in one snapshot."""
-        grip, change = self._grip.status, self._change.status
-        return self._merged(grip, max(grip.at, change.at))
+        """The latest status, with the alarms about its listeners."""
+        return self._with_notices(self._program.status)
 
     @property
     def link(self) -> LinkHealth | None:
@@ -179,22 +174,18 @@ class EndEffector(Closing):
         """
 
         def latched(status: Status) -> str:
-            return " ".join(self._grip.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
+            return " ".join(self._program.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
 
-        until = now_us() + round(timeout_s * 1e6)
-        ready = self._grip.wait(
-            lambda status: bool(latched(status)) or gripper_ready(self.description, status), timeout_s
+        ready = self._program.wait(
+            lambda status: bool(latched(status)) or is_ready(self.description, status), timeout_s
         )
-        if why := latched(self._grip.status):
+        if why := latched(self._program.status):
             raise NotReadyError(
                 f"{self.description.name} is not ready: latched: {why}",
                 todo="Remove the cause, then `reset` at the prompt, or eehal reset DESCRIPTION.",
             )
-        ready = ready and self._change.wait(
-            lambda status: changer_ready(self.description, status), max(0.0, (until - now_us()) / 1e6)
-        )
         if not ready:
-            lacks = missing(self.description, self._grip.status, self._change.status, self._reader.health)
+            lacks = missing(self.description, self._program.status, self._reader.health)
             raise NotReadyError(
                 f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
                 todo="eehal doctor prints what is missing.",
@@ -225,7 +216,7 @@ class EndEffector(Closing):
 
     def cancel(self) -> Answer:
         """Cancel a running grip; return when the cancel is accepted or refused."""
-        return self._grip.command("cancel")
+        return self._program.command("cancel")
 
     def stand_still(self) -> Answer:
         """Block activations for 30 s if the tool is at rest now: for a caller that will load another description.
@@ -233,16 +224,11 @@ class EndEffector(Closing):
         `runtime.reload_answer` returns whether the file can be adopted; then close this tool and open it again, or
         call `go_on`.
         """
-        answers = [unit.stand_still() for unit in self._units]
-        refused = next((answer for answer in answers if not answer.accepted), None)
-        if refused is not None:
-            self.go_on()
-        return refused or answers[0]
+        return self._program.stand_still()
 
     def go_on(self) -> None:
         """End the block of a `stand_still`."""
-        for unit in self._units:
-            unit.stand_still(0)
+        self._program.stand_still(0)
 
     def stop(self) -> Answer:
         """Latch a stop: nothing is activated until a :meth:`reset`, a running grip is cancelled, what is held stays.
@@ -256,27 +242,28 @@ class EndEffector(Closing):
         self._audience.acknowledge()
         self._audience_changed()
         answers = []
-        if self._change.status.changer_fault:
-            changer = self._change.command("reset")
-            self._change.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
-            status = self._change.status
-            answers.append(Answer(not status.changer_fault, status.reason) if changer.accepted else changer)
-        answer = reset(self.description, self._grip, *answers)
+        program = self._program
+        if program.status.changer_fault:
+            changer = program.command("reset")
+            program.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
+            status = program.status
+            fault = Answer(not status.changer_fault, status.changer_reason)
+            answers.append(fault if changer.accepted else changer)
+        answer = reset(self.description, program, *answers)
         if answer.accepted:
-            # the line arbiter tells the programs with their next renewal: until then they would refuse a grip
-            for unit in self._units:
-                unit.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)
+            # the line arbiter tells the program with its next renewal: until then it would refuse a grip
+            program.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)
         return answer
 
     def arm(self) -> Answer:
         """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
-        return self._change.command("arm")
+        return self._program.command("arm")
 
     def set_actuator(self, name: str, active: bool) -> Answer:
         """Drive one actuator in maintenance; raises UsageError for an unknown name."""
         if name not in self.description.actuators:
             raise self._unknown("actuator", name, self.description.sequence)
-        return self._grip.set_actuator(name, active)
+        return self._program.set_actuator(name, active)
 
     def set_output(self, name: str, active: bool) -> Answer:
         """Switch a plain output; raises UsageError for an unknown name."""
@@ -295,34 +282,24 @@ class EndEffector(Closing):
         todo = f"{hint[:1].upper()}{hint[1:]} {known}".lstrip()
         return UsageError(f"{name!r} is no {what} of {self.description.name}.", todo=todo)
 
-    @property
-    def _units(self) -> tuple[Program, Program]:
-        return self._grip, self._change
+    def _with_notices(self, status: Status) -> Status:
+        notices = self._audience.alarms
+        return replace(status, alarms=distinct((*notices, *status.alarms))) if notices else status
 
-    def _merged(self, grip: Status, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
-        return tool_status(grip, self._change.status, at, notices=self._audience.alarms, events=events)
-
-    def _gripper_moved(self, status: Status) -> None:
-        self._change.update_peer(ee=status.ee)
+    def _moved(self, status: Status) -> None:
         with self._lock:
-            self._gripping = status
-            self._publish(self._merged(status, status.at, status.events))
-
-    def _changer_moved(self, status: Status) -> None:
-        self._grip.update_peer(**told_to_grip(status))
-        with self._lock:
-            # the one that was told last: the program may be further, and tells what lies between in its order
-            grip = self._gripping or self._grip.status
-            # not as of a time before its own: this one may have waited while the gripping went on
-            self._publish(self._merged(grip, max(grip.at, status.at), status.events))
+            self._latest = status
+            self._publish(status)
 
     def _publish(self, status: Status) -> None:
         self._told = self._audience.alarms
-        self._audience.status(status)
+        self._audience.status(self._with_notices(status))
 
     def _audience_changed(self) -> None:
         with self._lock:
-            self._publish(self._merged(self._gripping or self._grip.status, now_us()))
+            # the one that was published last: the program may be further, and tells what lies between in its order
+            status = self._latest or self._program.status
+            self._publish(replace(status, at=now_us(), events=()))
 
     def _frame_came(self, frame: Frame) -> None:
         self._predicates.frame(frame, self._pass_on)
@@ -332,12 +309,10 @@ class EndEffector(Closing):
         texts = [(name and f"Link {name}: ") + each for name, link in links for each in link.faults]
         # a decoder gives its faults no other identity than their sentences
         faults = tuple([Alarm("link.fault", text, {"text": text}) for text in texts])
-        for unit in self._units:
-            unit.see_link_faults(faults)
+        self._program.see_link_faults(faults)
 
     def _pass_on(self, frame: Frame) -> None:
-        for unit in self._units:
-            unit.frame(frame)
+        self._program.frame(frame)
         self._audience.frame(frame)
         if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
             self._audience_changed()

@@ -1,9 +1,9 @@
-"""Begin goals of the programs in this process in the caller's thread, and wait for them as long as the caller wants."""
+"""Begin goals of the program in this process in the caller's thread, and wait for them as long as the caller wants."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -78,13 +78,13 @@ class GoalRunner:
     """Begins goals, one at a time; thread-safe.
 
     Args:
-        programs: the programs by the names ``grip`` and ``tool_change``.
+        program: the program.
         tool: returns the status of the whole tool.
     """
 
-    def __init__(self, programs: Mapping[str, CommandedProgram], tool: Callable[[], Status]) -> None:
-        self._programs, self._tool = programs, tool
-        self._goals: Goals[RunningGoal] = Goals({name: f"The {name} program" for name in programs})
+    def __init__(self, program: CommandedProgram, tool: Callable[[], Status]) -> None:
+        self._program, self._tool = program, tool
+        self._goals: Goals[RunningGoal] = Goals("The HAL")
         self._lock = threading.Lock()
 
     def begin(self, command: Command) -> Refused | RunningGoal:
@@ -96,20 +96,18 @@ class GoalRunner:
         if command not in GOAL_COMMANDS:
             raise UsageError(f"{command!r} is not a goal.", todo="Goals are GRIP, RELEASE, LOCK and UNLOCK.")
         goal = RunningGoal(command, CHANNELS[command], runner=self)
-        program = self._programs[goal.program]
         with self._lock:
             self._look()
             self._keep(self._goals.begin(goal, now_us()))
             if goal.result is None:
-                answer = program.command(CHANNELS[command])
-                self._goals.see(goal.program, program.status, now_us())
+                answer = self._program.command(CHANNELS[command])
+                self._goals.see(self._program.status, now_us())
                 self._keep(self._goals.answer(goal, answer, now_us()))
         return goal.result if isinstance(goal.result, Refused) else goal
 
     def wait(self, goal: RunningGoal, timeout_s: float | None) -> None:
         """Block until a goal is over, or until the time-out."""
-        program = self._programs[goal.program]
-        program.wait(lambda status: goal.result is not None or is_over(status), timeout_s)
+        self._program.wait(lambda status: goal.result is not None or is_over(status), timeout_s)
         with self._lock:
             self._look()
 
@@ -122,10 +120,8 @@ class GoalRunner:
     def _look(self) -> None:
         """Process the latest statuses, which contain the end of a goal."""
         at = now_us()
-        for name, program in self._programs.items():
-            self._keep(self._goals.see(name, program.status, at))
-        gone = [name for name, program in self._programs.items() if not program.alive]
-        self._keep(self._goals.tick(at, gone))
+        self._keep(self._goals.see(self._program.status, at))
+        self._keep(self._goals.tick(at, gone=not self._program.alive))
 
     def _keep(self, effects: list[GoalEffect[RunningGoal]]) -> None:
         for todo, goal in effects:
@@ -135,7 +131,7 @@ class GoalRunner:
                 if ending.seconds is None:
                     goal.result = Refused(ending.outcome, state, ending.reason)
                 else:
-                    steps = status.steps if goal.program == "grip" else ()
+                    steps = status.steps if goal.command in (Command.GRIP, Command.RELEASE) else ()
                     goal.result = Result(ending.outcome, state, ending.reason, steps, ending.seconds)
 
 

@@ -1,4 +1,4 @@
-"""Decide whether a tool is ready: its lines adopted, its sensors read, and no reason to refuse a first grip."""
+"""Decide whether a tool is ready: its lines adopted, its sensors read, and no reason to refuse a first status."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorHealth
 
 
-def gripper_ready(description: Description, status: Status) -> bool:
-    """Return whether the lines are adopted, frames arrive, and the sensors allow a grip in STAND_BY, else a Drop.
+def is_ready(description: Description, status: Status) -> bool:
+    """Return whether the lines are adopted, frames arrive, the sensors allow a grip in STAND_BY, else a Drop, and the
+    state of the tool changer is known.
 
     GONE is proven only a while after the first frame, and again after each silence of the link; until then a grip is
     refused.
     """
     adopted = status.ee != EndEffectorState.OFF
     known = adopted and status.link_up and Evidence.UNKNOWN not in status.evidence
-    return known and not _present(description, status)
+    return known and not _present(description, status) and _changer_ready(description, status)
 
 
 def _present(description: Description, status: Status) -> list[str]:
@@ -31,7 +32,7 @@ def _present(description: Description, status: Status) -> list[str]:
     return [name for name, level in pairs if level in (Evidence.PARTIAL, Evidence.CONFIRMED)]
 
 
-def changer_ready(description: Description, status: Status) -> bool:
+def _changer_ready(description: Description, status: Status) -> bool:
     """Return whether the state of the tool changer is known; a changer without sensors counts as ready."""
     return status.changer != ChangerState.UNKNOWN or not changer_is_sensed(description)
 
@@ -42,34 +43,33 @@ def changer_is_sensed(description: Description) -> bool:
     return changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
 
 
-def missing(description: Description, grip: Status, change: Status, sensors: SensorHealth) -> Iterator[str]:
+def missing(description: Description, status: Status, sensors: SensorHealth) -> Iterator[str]:
     """Yield clauses with the reasons why a tool is not ready."""
-    if grip.ee == EndEffectorState.OFF:
+    if status.ee == EndEffectorState.OFF:
         yield "its lines are not adopted"
     inputs = sensors.inputs
     if inputs and inputs.error:
         yield f"inputs of the board are not read: {inputs.error.rstrip('.')}"
-    if not grip.link_up and sensors.links:
+    if not status.link_up and sensors.links:
         several = len(sensors.links) > 1
         silent = [
-            name for name in sensors.links if not several or name in _not_heard(description, grip.stale)
+            name for name in sensors.links if not several or name in _not_heard(description, status.stale)
         ]
         for name in silent or sensors.links:
             yield _silence(description.link_name(name), sensors.links[name])
-    elif not grip.link_up:
+    elif not status.link_up:
         yield "the inputs of the board have not been read"
-    elif Evidence.UNKNOWN in grip.evidence:
-        pairs = zip(description.sequence, grip.evidence, strict=True)
+    elif Evidence.UNKNOWN in status.evidence:
+        pairs = zip(description.sequence, status.evidence, strict=True)
         unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
         yield f"its sensors do not show {', '.join(unknown)}"
-    elif present := _present(description, grip):
+    elif present := _present(description, status):
         names = ", ".join(map(display_name, present))
         are = "is" if len(present) == 1 else "are"
         yield f"a grip would be refused, since {names} {are} not proven to be gone (IL-07): a Drop releases once more"
-    if not changer_ready(description, change):
+    if not _changer_ready(description, status):
         yield "its sensors do not show whether the tool is locked"
-    alarms = distinct((*grip.alarms, *change.alarms))
-    yield from (str(alarm).rstrip(".?") for alarm in alarms if alarm.id != "link.down")
+    yield from (str(alarm).rstrip(".?") for alarm in distinct(status.alarms) if alarm.id != "link.down")
 
 
 def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:

@@ -67,7 +67,7 @@ def prove_tool(
         progress, most_bytes: see `prove`.
     """
     automata = description.automata
-    proof = prove(network, progress, executed=(*automata.grip, *automata.tool_change), most_bytes=most_bytes)
+    proof = prove(network, progress, executed=automata.executed, most_bytes=most_bytes)
     proven: list[tuple[dict[str, int], Proof]] = []  # many zones have the same times
     for name, values in coil_constants(description).items():
         lemma = next((known for constants, known in proven if constants == values), None)

@@ -23,6 +23,8 @@ OBSERVED = ("ee", "command", "actuator", "valve")
 """The variables that are compared: the state, the command, the actuators, and the levels that are requested for the
 lines.
 """
+_GRIPPING = ("Gripper", "Actuator")
+"""The templates of the tool that correspond to Fig. 5."""
 _DEVICES = 3
 _TIMES = ("ATTEMPTS", "T_CONFIRM", "T_RESET", "T_GONE", "D", "COMMAND_GAP")
 _ENVIRONMENT = ("Sensor", "Supervisor")  # templates
@@ -58,7 +60,7 @@ def compare_with_fig5(description: Description, network: Network) -> Fig5Report:
         ModelError: its automata cannot be compared; the error names the place.
     """
     fig5 = fig5_network(description)
-    return Fig5Report(prove(fig5), grips_as_fig5(network, description.automata.grip, fig5))
+    return Fig5Report(prove(fig5), grips_as_fig5(network, _GRIPPING, fig5))
 
 
 def fig5_network(description: Description) -> Network:

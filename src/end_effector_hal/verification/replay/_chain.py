@@ -20,7 +20,7 @@ class SegmentEnd:
     """The end of a segment.
 
     Attributes:
-        program, run, segment: from its header.
+        run, segment: from its header.
         complete: whether it was closed in good order.
         state: state of its replayed controller, as JSON; None: unknown.
         execution: state of its automata, as the monitor followed them; None: they could not be followed to the end.
@@ -28,7 +28,6 @@ class SegmentEnd:
         path: path of its file.
     """
 
-    program: str
     run: str
     segment: int
     complete: bool
@@ -50,7 +49,7 @@ class Chain:
     def __init__(self, trace: ProgramTrace, before: SegmentEnd | None) -> None:
         header = trace.header
         self._before_in_folder, self._path = before, trace.file.path
-        ours = before is not None and (before.program, before.run) == (header.program, header.run)
+        ours = before is not None and before.run == header.run
         self._before = before if ours else None
         self._header = header
         next_one = self._before is not None and self._before.segment + 1 == header.segment
@@ -63,7 +62,7 @@ class Chain:
         """Return the known state of the lines at the beginning of the segment."""
         if self._joined is not None and self._joined.complete:
             return self._joined.lines.copied()
-        return WrittenLines(tool, self._header.program)
+        return WrittenLines(tool)
 
     def compare(self, recorded: ExecutionSnapshot) -> Iterator[Objection]:
         """Yield an objection if the segment begins in another state than that in which the previous one ended."""
@@ -91,7 +90,7 @@ class Chain:
         other, header = self._before_in_folder, self._header
         if other is None or header.segment <= 1:
             return
-        if other.program == header.program and _number(other.path) + 1 == _number(self._path):
+        if _number(other.path) + 1 == _number(self._path):
             yield f"This is segment {header.segment} of a run, and the trace right before it is of another run."
 
     def _missing(self, trace: ProgramTrace) -> Iterator[str]:

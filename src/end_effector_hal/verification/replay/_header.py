@@ -39,9 +39,6 @@ def header_objections(trace: ProgramTrace, tool: Description) -> Iterator[Object
 
 def _of_files(trace: ProgramTrace, tool: Description) -> Iterator[str]:
     header, files = trace.header, trace.file.attachments
-    topics = trace.file.program
-    if topics != header.program:
-        yield f"that this is the trace of {header.program!r}, and the records are of {topics!r}"
     if header.description != tool.name:
         yield f"that the tool is {header.description!r}, and its description in the trace is of {tool.name!r}"
     model = sha256(files[MODEL]).hexdigest()[:12]

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from end_effector_hal.control import PROGRAMS, network_of
+from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.recording import Record, TraceFile, read_trace
@@ -124,9 +124,6 @@ def load_trace(path: str | Path) -> ProgramTrace:
         header = TypeAdapter(Header).validate_json(file.records[0].data)
     except ValidationError as error:
         raise UsageError(f"The header cannot be read: {_short(error)}.", where=str(path)) from None
-    if header.program not in PROGRAMS:
-        known = " and ".join(PROGRAMS)
-        raise UsageError(f"There is no program {header.program!r}, only {known}.", where=str(path))
     return ProgramTrace(file, header)
 
 
@@ -177,7 +174,7 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _order(path: Path) -> tuple[str, int]:
-    """Return a sort key by which ``grip-10.mcap`` comes after ``grip-9.mcap``."""
+    """Return a sort key by which ``hal-10.mcap`` comes after ``hal-9.mcap``."""
     name, _, number = path.stem.rpartition("-")
     return (name, int(number)) if name and number.isdecimal() and len(number) < 10 else (path.stem, 1)
 

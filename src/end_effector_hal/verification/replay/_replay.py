@@ -104,8 +104,7 @@ class _Replay:
         return None if snapshot is None else _as_json(snapshot)
 
     def _new_controller(self) -> RecordedController:
-        program = self._trace.header.program
-        return RecordedController(self._description, self._network, program, self._take)
+        return RecordedController(self._description, self._network, self._take)
 
     def _feed(self, kind: str, record: Any) -> Difference | None:
         self._inputs += 1

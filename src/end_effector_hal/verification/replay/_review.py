@@ -94,7 +94,6 @@ class Review:
         difference, seconds = self.replay.difference, self.trace.seconds
         return {
             "trace": str(self.trace.file.path),
-            "program": self.trace.header.program,
             "ok": self.ok,
             "segment": self.trace.header.segment,
             "seconds": round(seconds(self.trace.last_at), 6),
@@ -128,7 +127,7 @@ def review(
     Args:
         trace: one segment of a program's trace.
         description: another tool than the recorded one; None: the recorded one.
-        before: the end of the previous trace in the folder, if it is of the same program; a segment that follows it
+        before: the end of the previous trace in the folder; a segment that follows it
             must begin there. None: the segment is judged alone, from the state it begins with.
 
     Raises:
@@ -149,8 +148,8 @@ def _reviewed(trace: ProgramTrace, description: Description | None, before: Segm
     description = description or recorded_tool
     chain = Chain(trace, before)
     network = network_of(description)
-    processes = getattr(description.automata, trace.header.program)
-    monitor = Monitor(network, processes, description.automata.interface, requirements=True)
+    automata = description.automata
+    monitor = Monitor(network, automata.executed, automata.interface, requirements=True)
     joint: list[Objection] = list(chain.objections)
     joint += header_objections(trace, recorded_tool)
     written, places = chain.lines(recorded_tool), EdgePlaces(network_of(recorded_tool))
@@ -190,7 +189,6 @@ def _reviewed(trace: ProgramTrace, description: Description | None, before: Segm
         len(monitor.queries),
         (*chain.notes, *_notes(trace, description, used)),
         SegmentEnd(
-            header.program,
             header.run,
             header.segment,
             complete,

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from typing import NamedTuple
 
-from end_effector_hal.control import Status, maintenance_will
+from end_effector_hal.control import Status, changer_will, maintenance_will
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.boundary import LinesWritten, Start
-from end_effector_hal.runtime.outputs import ChangerOutputs, GripOutputs, Maintenance, OutputMapping
+from end_effector_hal.runtime.outputs import Maintenance, OutputMapping
 from end_effector_hal.vocabulary import EndEffectorState, LastWill, display_name
 from timed_automata.monitor import Objection
 
@@ -43,17 +43,13 @@ class WrittenLines:
 
     Args:
         description: the tool.
-        program: `grip` or `tool_change`.
     """
 
-    def __init__(self, description: Description, program: str) -> None:
-        grips = program == "grip"
-        self._mapping: OutputMapping = (
-            GripOutputs(description, Maintenance(description)) if grips else ChangerOutputs(description)
-        )
+    def __init__(self, description: Description) -> None:
+        self._description, self._mapping = description, OutputMapping(description, Maintenance(description))
         parts = {part.line: name for name, part in description.ordered}
         self._names = {line: display_name(name) for name, line in zip(parts.values(), parts, strict=True)}
-        self._maintained = frozenset(parts) if grips else frozenset()
+        self._maintained = frozenset(parts)
         self._release_order = [description.actuators[name].line for name in description.releasing]
         changer = description.tool_changer
         limited = {each.line for each in description.blow_offs.values()} | (
@@ -97,7 +93,7 @@ class WrittenLines:
 
     def status(self, status: Status) -> None:
         """Process a decided status."""
-        if not self._mapping.adopted(status):
+        if not status.adopted:
             return
         levels, before = self._mapping.levels(status), self._levels
         self._last, self._levels = status, levels
@@ -209,7 +205,8 @@ class WrittenLines:
         return f"{self._names.get(line, line)} ({line})"
 
     def _maintenance(self, driven: set[str]) -> Steps:
-        return _steps(maintenance_will(line for line in self._release_order if line in driven))
+        unlocking = changer_will(self._description, self._last) if self._last is not None else ()
+        return _steps((*unlocking, *maintenance_will(line for line in self._release_order if line in driven)))
 
     def _after_death(self, start: Start) -> Iterator[Objection]:
         """Yield objections if the levels found at a start are not those that the last will should have left."""
