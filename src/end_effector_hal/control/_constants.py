@@ -38,7 +38,6 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
         "RELEASE_BOUND": required.release_ms,
         "CANCEL_BOUND": required.cancel_ms,
         "LEASE": LEASE_US // 1000,
-        "MESSAGE": bounds.message_ms,
         "CHANGER": changer is not None,
         "IL_01": locks.il_01,
         "IL_02": locks.il_02,

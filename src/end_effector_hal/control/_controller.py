@@ -13,7 +13,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import FrameJudge, HoldMonitor, SensorSet
 from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
-from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState, Evidence, ToolEvidence
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
 from ._status import Answer, Status
@@ -45,7 +45,6 @@ FIRST_FRAME_US = 5_000_000
 It is long because the reader of the link may start later.
 """
 _COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
-_AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
 class Controller:
@@ -359,20 +358,7 @@ class Controller:
 
     def _told(self, steps: Iterable[Step]) -> list[Status]:
         statuses = []
-        for step in (*steps, *self._exchange()):
+        for step in steps:
             self._at = max(self._at, step.at)
             statuses.append(self._statuses.step(step, self._at))
         return statuses
-
-    def _exchange(self) -> list[Step]:
-        """Tell the automata of gripping and of the tool changer each other's states; return the steps that follow.
-
-        The model allows this to take time, as between two processes; here it takes none.
-        """
-        value, steps = self._execution.value, list[Step]()
-        while True:
-            loose = value("unlock_valve") or value("changer") == ChangerState.FAULT
-            news = {"told[0]": int(value("ee") in _AT_REST), "told[1]": int(loose)}
-            if all(value(name) == each for name, each in news.items()):
-                return steps
-            steps += self._execution.write(news, self._at)

@@ -180,7 +180,6 @@ class Bounds(Part):
     reaction_ms: Milliseconds = Field(default=50, description="D: longest allowed reaction delay")
     sensor_gap_ms: Milliseconds = Field(default=1, description="least time between two changes of one sensor")
     command_gap_ms: Milliseconds = Field(default=10, description="least time between two commands")
-    message_ms: Milliseconds = Field(default=100, description="longest delay of a message between programs")
     grip_s: MaybeDuration = Field(default=None, description=f"time limit for a grip; {_COMPUTED}")
     release_s: MaybeDuration = Field(default=None, description=f"time limit for a release; {_COMPUTED}")
     cancel_s: MaybeDuration = Field(
@@ -209,7 +208,6 @@ class Automata(Part):
             "adopted_fault",
             "vented",
             "parked",
-            "told",
             "ee",
             "valve",
             "changer",
