@@ -43,8 +43,9 @@ class Shipped:
         return self._network(text, mutant or {})
 
     def original(self, mutant: dict) -> Network:
-        """The network that a mutant is one of, with its constants."""
-        return self._network(self.text, mutant)
+        """The network that a mutant is one of, with its constants, and with what its program forgets."""
+        forgets = mutant.get("forgets")
+        return self._network(mutated(self.text, forgets) if forgets else self.text, mutant)
 
     def _network(self, text: str, mutant: dict) -> Network:
         return _compiled(text, json.dumps(self.constants | mutant.get("constants", {})))
@@ -91,7 +92,9 @@ def _fails(network: Network, by: str) -> bool:
 
 
 def mutated(text: str, mutant: dict) -> str:
-    """The file with one edit."""
+    """The file with one edit, after the one of what the program forgets, if there is one."""
+    if forgets := mutant.get("forgets"):
+        text = mutated(text, forgets)
     start, end = _template(text, mutant.get("template"))
     part = text[start:end]
     if mutant.get("code"):

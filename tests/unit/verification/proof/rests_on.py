@@ -1,6 +1,6 @@
-"""What of the proof rests on the reaction bound D and on the message delay: the table of ``verification.md``, computed.
+"""What of the proof rests on the reaction bound D: the table of ``verification.md``, computed.
 
-``python -m tests.unit.verification.proof.rests_on`` proves the shipped tool with other values of either, everything
+``python -m tests.unit.verification.proof.rests_on`` proves the shipped tool with other values of it, everything
 else as it is, halves the intervals in which a requirement stops to hold, and prints the table: a few minutes.
 """
 
@@ -28,10 +28,7 @@ class Assumption(NamedTuple):
     tried: tuple[int, ...]
 
 
-ASSUMED = (
-    Assumption("D", "reaction bound D", (1, 10, 50, 100, 200, 500, 1000)),
-    Assumption("MESSAGE", "message delay", (1, 10, 100, 300, 1000, 3000, 6000)),
-)
+ASSUMED = (Assumption("D", "reaction bound D", (1, 10, 50, 100, 200, 500, 1000)),)
 
 
 @cache
