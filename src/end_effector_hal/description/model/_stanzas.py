@@ -188,7 +188,7 @@ class Bounds(Part):
 
 
 class Automata(Part):
-    """The UPPAAL file, and its executed processes by the program that executes them."""
+    """The UPPAAL file, and the processes of it that the HAL executes."""
 
     file: str = Field(
         default="end_effector.xml",
@@ -196,7 +196,7 @@ class Automata(Part):
         description="relative to the description; default: the shipped one if there is none beside it",
     )
     executed: Texts = Field(
-        default=("Gripper", "Actuator", "Changer", "Arming"), description="processes that the HAL executes"
+        default=("Gripper", "Actuator", "Changer", "Arming"), description="executed processes"
     )
     interface: Texts = Field(
         default=(
