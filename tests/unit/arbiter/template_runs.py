@@ -7,16 +7,17 @@ import re
 from dataclasses import dataclass, field
 
 from end_effector_hal.arbiter import LineArbiter, Policy
-from end_effector_hal.control import GripLastWill, Status, model_constants
+from end_effector_hal.control import Status, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.errors import LineRefusedError
-from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
+from end_effector_hal.runtime.outputs import Maintenance, OutputMapping
+from end_effector_hal.vocabulary import Command, EndEffectorState
 from tests.support.seen import SeenStep, seen
 from timed_automata import make_network, read_document
 from timed_automata.explore import Explorer
 
 MS = 1000
-_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Arbiter|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
+_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Arbiter|UnlockLine|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
 _STATES = (
     (EndEffectorState.GRIPPING, Command.GRIP),
     (EndEffectorState.GRIPPED, Command.NONE),
@@ -42,7 +43,7 @@ class Lines:
 
 @dataclass
 class Run:
-    """A rules with its two clients, and the steps of a process that has seen the same."""
+    """The rules with their client, and the steps of a process that has seen the same."""
 
     description: Description
     policy: Policy
@@ -63,10 +64,10 @@ class Run:
         }
         self.blowing: set[str] = set()
         self.state = _STATES[0]
-        self.grip = self.rules.hello("grip", "a" * 32, [*self.names, *self.blow_offs], (), 0)
-        self.change = self.rules.hello("tool_change", "b" * 32, [self.unlock], (), 0)
-        self.valve = dict.fromkeys(self.names, False)
-        self.steps.append((0, {"assignment": "world = APART, changer = LOCKED, ee = STAND_BY"}))
+        self.hal = self.rules.hello("hal", "a" * 32, [*self.names, self.unlock, *self.blow_offs], (), 0)
+        self.mapping = OutputMapping(self.description, Maintenance(self.description))
+        self.valve, self.unlocking = dict.fromkeys(self.names, False), False
+        self.steps.append((0, {"assignment": "world = LOOSE_TOOL, changer = LOCKED, ee = STAND_BY"}))
 
     def to(self, at: int) -> None:
         """Time passes, in ms; each change of a line is seen just before and just after it."""
@@ -82,15 +83,13 @@ class Run:
         self.at = at
 
     def grips(self, state: tuple[EndEffectorState, Command], line: str, level: bool) -> None:
-        """Grip writes one line, with the will that control computes for its state."""
+        """The program writes one line, with the will that control computes for its state."""
         self.valve[line], self.state = level, state
         ee, command = state
         status = self._status(state)
         index = self.names.index(line)
         try:
-            self.rules.write(
-                self.grip, {line: level}, GripLastWill(self.description).of(status), self.at * MS
-            )
+            self.rules.write(self.hal, {line: level}, self.mapping.last_will(status), self.at * MS)
         except LineRefusedError:
             self.valve[line] = False
         told = f"ee = {int(ee)}, command = {int(command)}, valve[{index}] = {str(self.valve[line]).lower()}"
@@ -100,11 +99,11 @@ class Run:
         self._look()
 
     def blows(self, line: str, level: bool) -> None:
-        """Grip begins to blow something off, or ends it."""
+        """The program begins to blow something off, or ends it."""
         self.blowing = self.blowing | {line} if level else self.blowing - {line}
-        will = GripLastWill(self.description).of(self._status(self.state))
+        will = self.mapping.last_will(self._status(self.state))
         try:
-            self.rules.write(self.grip, {line: level}, will, self.at * MS)
+            self.rules.write(self.hal, {line: level}, will, self.at * MS)
         except LineRefusedError:
             self.blowing.discard(line)
         index = self.blow_offs[line]
@@ -122,28 +121,36 @@ class Run:
         blowing = tuple(self.blow_offs[line] for line in sorted(self.blowing))
         idle = (0,) * len(outputs)
         return Status(
-            self.at, int(ee), int(command), idle, outputs, (), held=held, kept=kept, blowing=blowing
+            self.at,
+            ee,
+            command,
+            idle,
+            outputs,
+            (),
+            held=held,
+            kept=kept,
+            blowing=blowing,
+            unlock_output=self.unlocking,
         )
 
     def unlocks(self, level: bool) -> None:
-        """ToolChange writes its line."""
-        changer = self.description.tool_changer
-        locks = changer is not None and changer.endings.process_death == "release"
-        will = (LastWillStep(self.unlock),) if level and locks else ()
+        """The program writes the line of the tool changer."""
+        self.unlocking = level
+        will = self.mapping.last_will(self._status(self.state))
         try:
-            self.rules.write(self.change, {self.unlock: level}, will, self.at * MS)
+            self.rules.write(self.hal, {self.unlock: level}, will, self.at * MS)
         except LineRefusedError:
-            level = False
+            level = self.unlocking = False
         told = f"unlock_valve = {str(level).lower()}"
         self._step({"synchronisation": "open!" if level else "close!", "assignment": told})
         self._look()
 
-    def dies(self, session: object) -> None:
-        """A client dies, and the arbiter sees it at once."""
+    def dies(self) -> None:
+        """The program dies, and the arbiter sees it at once."""
         self._step({})
         self.steps.append((self.at, {"synchronisation": "dies?"}))
-        self._step({"guard": "grip_dead" if session is self.grip else "change_dead"})
-        self.rules.declare_dead(session, "killed", self.at * MS)  # type: ignore[arg-type]
+        self._step({"guard": "dead"})
+        self.rules.declare_dead(self.hal, "killed", self.at * MS)
         self._look()
 
     def is_one_of(self, text: str) -> bool:
@@ -155,9 +162,8 @@ class Run:
         return {**model_constants(self.description), "LEASE": self.policy.lease_us // MS}
 
     def _renew(self, at: int) -> None:
-        for session in (self.grip, self.change):
-            if not session.ended:
-                self.rules.renew(session, at)
+        if not self.hal.ended:
+            self.rules.renew(self.hal, at)
 
     def _look(self) -> None:
         self._step({"guard": f"refusing == NONE && {self._seen()}"})
@@ -172,36 +178,33 @@ class Run:
         return " && ".join(name if level else f"!{name}" for name, level in zip(names, levels, strict=True))
 
     def _model(self, text: str) -> str:
-        """The declarations, the two templates, and a process that asks for this run, step by step."""
+        """The declarations, the templates, and a process that asks for this run, step by step."""
         head = text[: text.index("\t<template>")]
         kept = "".join(_KEPT.findall(text))
-        return f"{head}{kept}{seen(self.steps)}<system>system Seen, Arbiter, Blower, Wills;</system></nta>"
+        return f"{head}{kept}{seen(self.steps)}<system>system Seen, Arbiter, UnlockLine, Blower, Wills;</system></nta>"
 
 
 def random_run(
     description: Description, policy: Policy, seed: int, rules: type[LineArbiter] = LineArbiter
 ) -> Run:
-    """Both clients write as they like, one of them dies in the middle of it."""
+    """The program writes as it likes, and dies in the middle of it."""
     chooser, run = random.Random(seed), Run(description, policy, rules)
     run.left = tuple(line for line in run.names if chooser.random() < 0.2)
-    mortal = chooser.choice([run.grip, run.grip, run.change])
+    unlocks = chooser.random() < 0.33
     for _ in range(chooser.randrange(4, 14)):
         run.to(run.at + chooser.choice([10, 60, 400, 1700]))
         if run.blow_offs and chooser.random() < 0.5:
             run.blows(chooser.choice([*run.blow_offs]), chooser.random() < 0.7)
-        elif chooser.random() < (0.6 if mortal is run.change else 0.15):
+        elif chooser.random() < (0.6 if unlocks else 0.15):
             run.unlocks(chooser.random() < 0.7)
         else:
             line = chooser.choice(run.names)
             run.grips(chooser.choice(_STATES), line, chooser.random() < 0.75)
-    active = [run.unlock] if mortal is run.change else [*run.names, *run.blow_offs]
     run.to(run.at + 30)
-    if any(run.lines.levels[line] for line in active):
-        run.dies(mortal)
+    if any(run.lines.levels[line] for line in (run.unlock, *run.names, *run.blow_offs)):
+        run.dies()
         for _ in range(3):
             run.to(run.at + chooser.choice([200, 1500, 2500]))
-            if mortal is run.grip and chooser.random() < 0.5:
-                run.unlocks(chooser.random() < 0.5)
     run.to(run.at + 8000)
     run._look()
     return run
