@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from end_effector_hal.arbiter.client import PredicateSender
-from end_effector_hal.codecs import Carrier, carrier_of
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, socket_path
-from end_effector_hal.sensing import FrameJudge, Predicates
+from end_effector_hal.sensing import Predicates, SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
 
@@ -32,15 +32,14 @@ class Sender(Protocol):
 class PredicatePublisher:
     """Turn frames into predicates and send them to the line arbiter: changes at once, the rest every 50 ms.
 
-    `frame` passes every frame on after the arbiter has received the changes, so that the arbiter has them before any
-    command that follows from the frame. Repetitions are sent after the frame, so that no line waits for them. For a
-    link that is slower than 50 ms a thread repeats the predicates while the readings are fresh.
+    The arbiter receives the changes of a frame before any write that follows from it; repetitions are sent after it, so
+    that no line waits for them. A program that processes the frames calls `use`, and `publish` and `repeat` in its own
+    turn. Without one, `frame` processes them, and for a link that is slower than 50 ms a thread repeats the predicates
+    while the readings are fresh.
 
     Args:
         description: the tool; its arbiter need not run yet.
-        carrier: the carrier of its channels; default: the one in the description.
         clock: µs.
-        judge: shared with the other readers of the same frames in this process.
         sender: to the arbiter; None: over its socket.
         own: True: send the predicates that the arbiter proves itself; False: the others; default: True with a sender.
     """
@@ -48,21 +47,18 @@ class PredicatePublisher:
     def __init__(
         self,
         description: Description,
-        carrier: Carrier | None = None,
         clock: Callable[[], int] = now_us,
-        judge: FrameJudge | None = None,
         sender: Sender | None = None,
         *,
         own: bool | None = None,
     ) -> None:
-        carrier = carrier or carrier_of(description)
         self._sender = sender or PredicateSender(socket_path(description))
-        self._predicates = Predicates(description, carrier, judge)
+        self._description, self._predicates = description, Predicates(description)
         policy = arbiter_policy(description)
         needed = {need.predicate for needs in policy.needs.values() for need in needs}
         own = sender is not None if own is None else own
         self._needed = needed & policy.proven if own else needed - policy.proven
-        self.repeats = bool(self._needed) and carrier.period_us > REPEAT_US // 2
+        self.repeats = bool(self._needed) and carrier_of(description).period_us > REPEAT_US // 2
         """Whether the link is so slow that predicates must be repeated between two frames."""
         self._clock = clock
         self._lock = threading.Lock()
@@ -76,6 +72,41 @@ class PredicatePublisher:
         if self.repeats:
             self._thread = threading.Thread(target=self._repeat, name="predicates", daemon=True)
             self._thread.start()
+
+    def use(self, senses: SensorSet) -> None:
+        """Take the predicates from the sensors of a program from now on."""
+        self._predicates = Predicates(self._description, senses=senses)
+
+    def publish(self, refused: Frame | None = None) -> None:
+        """Send the predicates after a frame if they have changed; never blocks.
+
+        Args:
+            refused: the frame, if its stamp was refused: it proves nothing, but what objects in it counts.
+        """
+        at = self._predicates.at
+        if refused is not None:
+            at, objections = max(at, refused.at), self._predicates.objections(refused)
+            if needed := self._needed_of(objections if refused.at <= self._clock() else {}):
+                self._send(needed, at)
+            return
+        proven = self._needed_of(self._predicates.holding) if self._needed else {}
+        if proven != self._sent:
+            self._send(proven, at)
+
+    def repeat(self, at: int | None = None) -> None:
+        """Send the predicates again if that is due: as they are at ``at`` µs; default: after the newest frame."""
+        seen_at = self._predicates.at if at is None else at
+        if (
+            self._needed
+            and seen_at >= self._due
+            and (proven := self._needed_of(self._predicates.said(seen_at)))
+        ):
+            self._send(proven, seen_at)
+
+    @property
+    def repeats_at(self) -> int | None:
+        """Time of the next `repeat` that needs no frame, µs; None: the frames come often enough."""
+        return self._due if self.repeats else None
 
     def frame(self, frame: Frame, pass_on: Callable[[Frame], None] = lambda _: None) -> None:
         """Process one frame of the link; never blocks.
@@ -99,21 +130,6 @@ class PredicatePublisher:
             with self._lock:
                 self._send(proven, at)
 
-    def pass_over(self) -> None:
-        """Repeat the predicates after frames without a change; see `FrameJudge.pass_over`."""
-        with self._lock:
-            proven, at = self._needed_of(self._predicates.holding), self._predicates.at
-            if proven and at >= self._due:
-                self._send(proven, at)
-
-    def repeat(self) -> None:
-        """Repeat the predicates that still hold; called every `REPEAT_US` if ``repeats``."""
-        with self._lock:
-            at = self._clock()
-            proven = self._needed_of(self._predicates.advance(at))
-            if proven and (proven != self._sent or at >= self._due):
-                self._send(proven, at)
-
     def close(self) -> None:
         """Stop sending and close the sender."""
         self._ended.set()
@@ -124,11 +140,16 @@ class PredicatePublisher:
 
     def _repeat(self) -> None:
         while not self._ended.wait(REPEAT_US / 1e6):
-            self.repeat()
+            with self._lock:
+                at = self._clock()
+                proven = self._needed_of(self._predicates.advance(at))
+                if proven and (proven != self._sent or at >= self._due):
+                    self._send(proven, at)
 
     def _needed_of(self, proven: Mapping[str, bool]) -> dict[str, bool]:
         return {name: holds for name, holds in proven.items() if name in self._needed}
 
     def _send(self, proven: Mapping[str, bool], at: int) -> None:
+        self._due = at + REPEAT_US * 4 // 5
         if self._sender.send(proven, at):
-            self._sent, self._due = proven, at + REPEAT_US * 4 // 5
+            self._sent = proven

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import FrameJudge, HoldMonitor, SensorSet
+from end_effector_hal.sensing import HoldMonitor, SensorSet
 from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
@@ -56,8 +56,6 @@ class Controller:
         description: the tool.
         network: its automata with its constants inserted.
         observe: called with every observation of the automata: their inputs and their steps.
-        judge: judges frames; shared with all controllers in this process that receive the same frames; default: its
-            own.
     """
 
     MEMORY: ClassVar = {
@@ -75,11 +73,10 @@ class Controller:
         description: Description,
         network: Network,
         observe: Callable[[Observation], None] | None = None,
-        judge: FrameJudge | None = None,
     ) -> None:
         self._description = description
         carrier = carrier_of(description)
-        self._senses = SensorSet(description, carrier, judge)
+        self._senses = SensorSet(description, carrier)
         self._hold = HoldMonitor(description, self._senses, carrier)
         automata = description.automata
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)

@@ -3,7 +3,6 @@
 ``detectors`` contains the detectors that belong to no kind of device; those of an actuator belong to its kind.
 """
 
-from ._frame_judge import FrameJudge
 from ._hold_monitor import HoldMonitor
 from ._predicates import (
     E_STOP_CLOSED,
@@ -20,6 +19,7 @@ from ._predicates import (
 from ._readings import Readings, ToolPlace, tool_place
 from ._sensor_set import SENT_INVALID, SensorSet, why_invalid
 from ._sensor_state import SensorState
+from ._stays import stays
 
 __all__ = [
     "E_STOP_CLOSED",
@@ -30,7 +30,6 @@ __all__ = [
     "PARKED",
     "PRESENT",
     "SENT_INVALID",
-    "FrameJudge",
     "HoldMonitor",
     "Predicates",
     "Readings",
@@ -39,6 +38,7 @@ __all__ = [
     "ToolPlace",
     "predicates_fitted",
     "proven_by_arbiter",
+    "stays",
     "tool_place",
     "why_invalid",
 ]

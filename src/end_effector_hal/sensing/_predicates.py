@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from end_effector_hal.codecs import Carrier
+from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ToolEvidence
 
 from ._device_faults import DeviceFaults
-from ._frame_judge import FrameJudge
 from ._sensor_set import SensorSet
 
 LOCKED = "locked"
@@ -68,17 +67,18 @@ def proven_by_arbiter(description: Description, carrier: Carrier) -> frozenset[s
 class Predicates:
     """Computes predicates from frames and time; sans-IO. Without a fresh reading nothing is proven.
 
-    It does not depend on the programs whose lines it guards: it receives each frame before they do, and judges it
-    itself.
-
     Args:
         description: the tool.
-        carrier: carries its channels.
-        judge: judges frames; shared with all objects in this process that receive the same frames.
+        carrier: carries its channels; default: the one in the description.
+        senses: the sensors of the program in this process, which processes the frames; None: its own, and `frame`
+            processes them.
     """
 
-    def __init__(self, description: Description, carrier: Carrier, judge: FrameJudge | None = None) -> None:
-        self._senses = SensorSet(description, carrier, judge)
+    def __init__(
+        self, description: Description, carrier: Carrier | None = None, senses: SensorSet | None = None
+    ) -> None:
+        carrier = carrier or carrier_of(description)
+        self._senses = senses or SensorSet(description, carrier)
         self._fitted = predicates_fitted(description, carrier)
         self._e_stop = description.e_stop.channel if description.e_stop else None
         self._present = description.tool_changer.present_bit if description.tool_changer else None
@@ -94,7 +94,7 @@ class Predicates:
         """
         now = frame.at if now is None else now
         if not self._senses.accepts(frame, now):
-            return self._objections(frame) if frame.at <= now else {}
+            return self.objections(frame) if frame.at <= now else {}
         # after a silence everything is proven again, here as in the programs
         expired = self._senses.deadline(self.at)
         if expired is not None and expired < frame.at:
@@ -105,7 +105,7 @@ class Predicates:
     @property
     def holding(self) -> dict[str, bool]:
         """The predicates after the newest valid frame, by name."""
-        return self._said(self.at)
+        return self.said(self.at)
 
     @property
     def at(self) -> int:
@@ -115,9 +115,9 @@ class Predicates:
     def advance(self, at: int) -> dict[str, bool]:
         """Return the predicates at ``at`` µs, if no frame came since the last one."""
         self._senses.advance(at)
-        return self._said(at)
+        return self.said(at)
 
-    def _objections(self, frame: Frame) -> dict[str, bool]:
+    def objections(self, frame: Frame) -> dict[str, bool]:
         """Return the predicates disproved by a frame that came too late: such a fault is latched."""
         objections = {E_STOP_CLOSED} if self._e_stop and frame.values.get(self._e_stop) is False else set()
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)):
@@ -126,7 +126,8 @@ class Predicates:
             }
         return dict.fromkeys(sorted(objections & self._fitted), False)
 
-    def _said(self, at: int) -> dict[str, bool]:
+    def said(self, at: int) -> dict[str, bool]:
+        """Return the fitted predicates at ``at`` µs, by name, from what the sensors have shown until then."""
         now = self._senses.now
         all_said = {
             LOCKED: now.tool is ToolEvidence.LOCKED,

@@ -9,11 +9,10 @@ from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.conditions import shown
-from end_effector_hal.signals import INLINE, PART, Frame, Kind, StampGate
+from end_effector_hal.signals import INLINE, PART, Frame, Kind, StampGate, lengthen, streaks_of
 from end_effector_hal.vocabulary import EMPTY, Alarm, Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
-from ._frame_judge import FrameJudge
 from ._sensor_state import SensorState
 
 _EVIDENCE_CHANNELS = {
@@ -52,21 +51,14 @@ class SensorSet:
     Args:
         description: the tool.
         carrier: carries its channels.
-        judge: judges frames; shared with all objects in this process that receive the same frames; None: there are
-            none.
     """
 
     MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[Alarm, ...], "revision": int}
 
-    def __init__(
-        self,
-        description: Description,
-        carrier: Carrier,
-        judge: FrameJudge | None = None,
-    ) -> None:
+    def __init__(self, description: Description, carrier: Carrier) -> None:
         self.now = SensorState(description, carrier)
         """The present evidence of the sensors."""
-        self._description, self._judge = description, judge
+        self._description = description
         self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
         self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
         self._channels = {
@@ -144,13 +136,7 @@ class SensorSet:
         """
         events: list[Event] = []
         before = self._proven
-        if self._judge is None:  # nobody else looks at the state: it need not be copied
-            for _ in self.now.take(frame):
-                events += self._changed_from(before)
-                before = self._proven
-            return events
-        for state in self._judge.after(self.now, frame):
-            self.now = state
+        for _ in self.now.take(frame):
             events += self._changed_from(before)
             before = self._proven
         return events
@@ -158,11 +144,20 @@ class SensorSet:
     def advance(self, at: int) -> list[Event]:
         """Return the events of readings that turned stale; call this method at :meth:`deadline`."""
         before = self._proven
-        if self._judge is None:
-            self.now.wait(at)
-        else:
-            self.now = self.now.idle(at)
+        self.now.wait(at)
         return self._changed_from(before)
+
+    def pass_over(self, samples: int, at: int) -> None:
+        """Account for frames that `stays` allowed to leave out, as if their samples had been counted.
+
+        Args:
+            samples: number of these frames.
+            at: time of the last one, µs: the present evidence is as fresh as that.
+        """
+        lengthen(streaks_of(self.now), samples)
+        self.now.readings.renew(at)
+        self.revision += 1
+        self._due = None, 0, None
 
     def deadline(self, at: int) -> int | None:
         """Return the time of the next change without a frame, µs; None: there is none."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
-from end_effector_hal.signals import PART, Frame, clone
+from end_effector_hal.signals import PART, Frame
 from end_effector_hal.vocabulary import Alarm, Evidence, ToolEvidence
 
 from ._device_faults import DeviceFaults
@@ -77,21 +77,11 @@ class SensorState:
         self.tool = ToolEvidence.UNCLEAR
         self.nothing_gripped, self.in_stand = False, False
 
-    def after(self, frame: Frame) -> tuple[Self, ...]:
-        """Return the states that a frame leads to: one, preceded by another one if the device restarted."""
-        state = clone(self)
-        return tuple([state if last else clone(state) for last in state.take(frame)])
+    def take(self, frame: Frame) -> Iterator[None]:
+        """Change this state to the one that a frame leads to.
 
-    def idle(self, at: int) -> Self:
-        """Return the state after a silence until ``at`` µs; call this method at :meth:`deadline`."""
-        state = clone(self)
-        state.wait(at)
-        return state
-
-    def take(self, frame: Frame) -> Iterator[bool]:
-        """Change this state, which must not be shared, to the one that a frame leads to.
-
-        Each item stands for one change, which is made when the item is requested; True: it was the last change.
+        Each item stands for one change, which is made when the item is requested: one, preceded by another one if the
+        device restarted.
         """
         judged = self._rules.judge(frame)
         at = max(frame.at, self.readings.last_frame)
@@ -100,15 +90,15 @@ class SensorState:
                 self.readings.forget(channel)
             self.readings.idle()
             self._sample(at)
-            yield False
+            yield
         self.readings.take(judged.frame, judged.doubted)
         for channel in judged.doubted:
             self.readings.forget(channel)
         self._sample(at)
-        yield True
+        yield
 
     def wait(self, at: int) -> None:
-        """Change this state, which must not be shared, to the one after a silence until ``at`` µs."""
+        """Change this state to the one after a silence until ``at`` µs; call this method at :meth:`deadline`."""
         self.readings.idle()
         self._sample(at)
 

@@ -2,7 +2,7 @@
 
 from ._frame import Frame, Kind, Value
 from ._measure import GAUGE_PRESSURE, Measure, MeasuredReadings
-from ._memory import INLINE, PART, clone, memory_of, recall, same_memory
+from ._memory import INLINE, PART, clone, memory_of, recall
 from ._readings import ChannelReadings, PassingReadings
 from ._stamps import StampGate
 from ._streak import Streak, lengthen, streaks_of
@@ -26,6 +26,5 @@ __all__ = [
     "lengthen",
     "memory_of",
     "recall",
-    "same_memory",
     "streaks_of",
 ]

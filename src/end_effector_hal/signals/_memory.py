@@ -113,15 +113,6 @@ def parts_of(thing: Remembers) -> Iterator[Remembers]:
             yield value
 
 
-def same_memory(one: Remembers, other: Remembers) -> bool:
-    """Return whether two objects of the same description have the same state."""
-    return all(
-        _same(getattr(one, name), getattr(other, name)) if kind is PART or kind is INLINE
-        else getattr(one, name) == getattr(other, name)
-        for name, kind in one.MEMORY.items()
-    )  # fmt: skip
-
-
 def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
     """Restore the state of another object of the same description in a new object.
 
@@ -151,16 +142,6 @@ def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
             yield from _remembered(getattr(thing, name))
         else:
             yield thing, name, kind
-
-
-def _same(one: Any, other: Any) -> bool:
-    if one is None or other is None:
-        return one is other
-    if isinstance(one, list | tuple):
-        return len(one) == len(other) and all(map(_same, one, other))
-    if isinstance(one, Mapping):
-        return one.keys() == other.keys() and all(_same(each, other[key]) for key, each in one.items())
-    return same_memory(one, other)
 
 
 def _plain_part(part: Any) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Value
 
 from ._sources import StreamedLink
@@ -19,16 +18,17 @@ AGAIN_AFTER = 2, 6
 
 
 class Leap:
-    """Decides which frame of a tool's only link is played next; see `FrameJudge.stays`.
+    """Decides which frame of a tool's only link is played next; see `end_effector_hal.sensing.stays`.
 
     Args:
         description: the description of the tool.
         link: the link with the readings.
-        judge: returns the judge of the programs that receive the readings.
+        stays: returns whether frames, given by their corners, the time of the first one, the period and their number,
+            change nothing for the program.
     """
 
-    def __init__(self, description: Description, link: StreamedLink, judge: Callable[[], FrameJudge]) -> None:
-        self.link, self._judge, self._supply = link, judge, description.supply.channel
+    def __init__(self, description: Description, link: StreamedLink, stays: Callable[..., bool]) -> None:
+        self.link, self._changes_nothing, self._supply = link, stays, description.supply.channel
         self.forget()
 
     def forget(self) -> None:
@@ -67,7 +67,7 @@ class Leap:
         """Return whether the next ``ahead`` frames change nothing."""
         first, period = self.link.due, self.link.period_us
         corners = self.link.corners(at, first + (ahead - 1) * period)
-        return corners is not None and self._judge().stays(self._apart(*corners), first, period, ahead)
+        return corners is not None and self._changes_nothing(self._apart(*corners), first, period, ahead)
 
     def _apart(self, low: Mapping[str, Value], high: Mapping[str, Value]) -> tuple[Mapping[str, Value], ...]:
         """Return the lowest values with the highest supply, and the reverse, since pressures are compared with the

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from random import Random
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.arbiter import HAL, PredicatePublisher, client_lines, wired_lines
 from end_effector_hal.control import Answer, Status, unknown_now
@@ -15,8 +15,9 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, WireError
 from end_effector_hal.runtime import InlineWorker, Program, longest_release_s, release_is_decided
 from end_effector_hal.runtime.boundary import NULL_RECORDER
-from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.sensing import stays
 from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Evidence
 from end_effector_lab.testbench import Bench
 
 from ._arbiter_lives import ArbiterLives
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 ARBITER = "arbiter"
 PROCESSES = (ARBITER, HAL)
-REPEAT_US = 50_000
 _TRIES_US = 200_000
 STARTED_US = 5_000_000
 LONGEST_LOOK_US = 250_000
@@ -40,7 +40,8 @@ LONGEST_LOOK_US = 250_000
 
 
 class VirtualTool:
-    """The program, the line arbiter with its records, the sensors and the testbench, in one thread, without a real clock.
+    """The program, the line arbiter with its records, the sensors and the testbench, in one thread, without
+    a real clock.
 
     The product itself runs: its program, controller and detectors, the rules and records of the arbiter, its codecs.
     Only sockets, threads and their delays are left out: messages arrive at the same instant. The same seed, scenario
@@ -97,9 +98,7 @@ class VirtualTool:
         self._program: Program | None = None
         self._connection: VirtualConnection | None = None
         self._starts_at: int | None = None
-        self._publisher: PredicatePublisher | None = None
-        self._repeats_at: int | None = None
-        self._judge = FrameJudge()
+        self._newest: Frame | None = None
         for name in PROCESSES:
             self.start(name)
         self.run_until(STARTED_US, lambda: len(self.living) == len(PROCESSES))  # at once without a bus
@@ -224,7 +223,7 @@ class VirtualTool:
 
     def lose_power(self) -> None:
         """Cut the power: all processes die, and every line becomes inactive; `start` starts the machine again."""
-        self._program = self._connection = self._starts_at = self._publisher = None
+        self._program = self._connection = self._starts_at = None
         self._arbiters.lose_power()
 
     def _is_arbiter(self, name: str) -> bool:
@@ -236,19 +235,9 @@ class VirtualTool:
         """Close the socket of the program, which has ended."""
         if self._connection is not None:
             self._connection.die()
-        self._program = self._connection = self._publisher = None
+        self._program = self._connection = None
 
     def _start_program(self) -> None:
-        if self._publisher is None:
-            self._judge = FrameJudge()
-            self._publisher = PredicatePublisher(
-                self.description,
-                clock=self._now,
-                judge=self._judge,
-                sender=self._arbiters.sender(own=False),
-                own=False,
-            )
-            self._repeats_at = self.at + REPEAT_US if self._publisher.repeats else None
         token, lines = f"{self._random.getrandbits(128):032x}", client_lines(self.description, HAL)
         try:
             connection = VirtualConnection(lambda: self._arbiters.now, HAL, token, lines, self._now)
@@ -262,7 +251,9 @@ class VirtualTool:
             self._told,
             self._recorder,
             clock=self._now,
-            judge=self._judge,
+            publisher=PredicatePublisher(
+                self.description, clock=self._now, sender=self._arbiters.sender(own=False), own=False
+            ),
             worker=InlineWorker,
         )
         self._connection, self._program = connection, program
@@ -287,8 +278,6 @@ class VirtualTool:
             if (silent := devices.due) is not None
         ]
         waits += [(master.due, partial(self._hear, master)) for master in self._buses.masters]
-        if self._repeats_at is not None:
-            waits.append((self._repeats_at, self._repeat))
         if self._program is not None and (due := self._program.due) is not None:
             waits.append((due, self._program.work))
         if self._connection is not None:
@@ -299,28 +288,27 @@ class VirtualTool:
             waits.append((due, self._arbiters.now.step))
         return waits
 
-    def _repeat(self) -> None:
-        self._repeats_at = self.at + REPEAT_US
-        if self._publisher is not None:
-            self._publisher.pass_over()
-
     def _read(self, source: Source) -> None:
         for frame in source.frames(self.at):
-            if self._publisher is not None:
-                self._publisher.frame(frame, self._pass_on)
+            self._pass_on(frame)
 
     def _hear(self, master: VirtualBus) -> None:
         """Pass on the readings of a bus master, and let the arbiter process the devices' changes."""
         for frame in master.frames(self.at):
-            if self._publisher is not None:
-                self._publisher.frame(frame, self._pass_on)
+            self._pass_on(frame)
         self._arbiters.heard()
 
     def _leap_of(self, sources: Sequence[Source]) -> Leap | None:
         """Return the leap; None if there are several sources of readings, or a polled one."""
         if len(sources) != 1 or self._own or self._buses.devices or not isinstance(sources[0], StreamedLink):
             return None
-        return Leap(self.description, sources[0], lambda: self._judge)
+        return Leap(self.description, sources[0], self._stays)
+
+    def _stays(self, *frames: Any) -> bool:
+        """Return whether these frames change nothing; see `sensing.stays`."""
+        if self._program is None or self._newest is None:
+            return False
+        return stays(self._program.senses.now, self._newest, *frames)
 
     def _leave_out(self, leap: Leap, limit: int, end: int) -> None:
         """Leave out the frames until ``limit`` that change nothing; the watches of a held part still receive them.
@@ -328,8 +316,8 @@ class VirtualTool:
         The last frame before ``end``, where time stops, is played.
         """
         link = leap.link
-        link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._publisher is None)
-        if not self._publisher or (program := self._program) is None or program.waits:
+        link.pass_by(min(limit, self.at + LONGEST_LOOK_US), unheard=self._program is None)
+        if (program := self._program) is None or program.waits:
             return
         marks = self._marks
         while marks == self._marks:
@@ -338,15 +326,14 @@ class VirtualTool:
                 to += link.period_us
             if to == first:
                 return
-            if self._judge.released:
+            if all(level is Evidence.GONE for level in program.senses.now.evidence):
                 link.due = to
             while link.due < to and marks == self._marks:
                 self.at = link.due
                 frame = Frame(self.at, None, None, link.passing(self.at))
                 program.pass_over(frame)
             self.at = link.due - link.period_us
-            self._judge.pass_over((link.due - first) // link.period_us, self.at)
-            self._publisher.pass_over()
+            program.passed_over((link.due - first) // link.period_us, self.at)
 
     @property
     def _marks(self) -> tuple[int, ...]:
@@ -356,17 +343,15 @@ class VirtualTool:
         """Read the arbiter's own inputs and pass them on, if an arbiter lives."""
         for frame in self._own.frames(self.at) if self._own is not None else ():
             if self._arbiters.publisher is not None:
-                self._arbiters.publisher.frame(frame, self._hand_on)
-
-    def _hand_on(self, frame: Frame) -> None:
-        if self._publisher is not None:
-            self._publisher.frame(frame, self._pass_on)
+                self._arbiters.publisher.frame(frame, self._pass_on)
 
     def _pass_on(self, frame: Frame) -> None:
+        if self._program is None:
+            return
         if self._on_frame:
             self._on_frame(frame)
-        if self._program is not None:
-            self._program.frame(frame)
+        self._newest = frame
+        self._program.frame(frame)
 
     def _renew(self, connection: VirtualConnection) -> None:
         lost, faults = connection.renew()

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from end_effector_hal.control import Controller, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.boundary import Recorder
-from end_effector_hal.sensing import FrameJudge
 from timed_automata import Network
 from timed_automata.execute import Observation
 from timed_automata.monitor import Monitor
@@ -23,11 +22,9 @@ class Watching(Recorder):
         super().__init__()
         self._watch = watch
 
-    def controller(
-        self, description: Description, network: Network, judge: FrameJudge | None = None
-    ) -> Controller:
+    def controller(self, description: Description, network: Network) -> Controller:
         """Return a controller that is observed from its start."""
-        return Controller(description, network, observe=self._watch(), judge=judge)
+        return Controller(description, network, observe=self._watch())
 
 
 class Monitors:

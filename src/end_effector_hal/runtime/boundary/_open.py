@@ -67,9 +67,7 @@ def open_stream(description: Description) -> RecordStream:
     """Return the stream of a program, which is not served yet."""
     first = header_of(description, now_us())
     path, beside = program_socket(description), socket_path(description)
-    return RecordStream(
-        path, beside, lambda at: replace(first, at=at), (*WORDS, *RELOAD_WORDS)
-    )
+    return RecordStream(path, beside, lambda at: replace(first, at=at), (*WORDS, *RELOAD_WORDS))
 
 
 def header_of(description: Description, at: int) -> Header:

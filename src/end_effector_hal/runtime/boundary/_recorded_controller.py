@@ -8,7 +8,6 @@ from typing import Any
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.runtime.stream import Entry
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
 from timed_automata import Begun, Network, Observation, Received, Step, Written
 
@@ -35,10 +34,9 @@ class RecordedController:
         description: Description,
         network: Network,
         put: Put,
-        judge: FrameJudge | None = None,
     ) -> None:
         self._put = put
-        self._controller = Controller(description, network, observe=self._observed, judge=judge)
+        self._controller = Controller(description, network, observe=self._observed)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
         self.senses = self._controller.senses

@@ -11,7 +11,6 @@ from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.runtime.outputs import LineWriter
 from end_effector_hal.runtime.stream import Commander, Entry, RecordStream
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.wires import now_us
 from timed_automata import Network
 
@@ -67,13 +66,11 @@ class Recorder:
         if self._stream is not None:
             self._stream.serve(command, alive, nudge)
 
-    def controller(
-        self, description: Description, network: Network, judge: FrameJudge | None = None
-    ) -> AnyController:
+    def controller(self, description: Description, network: Network) -> AnyController:
         """Return a new controller, wrapped if anything is recorded."""
         if (put := self._put) is None:
-            return Controller(description, network, judge=judge)
-        self._controller = RecordedController(description, network, put, judge)
+            return Controller(description, network)
+        self._controller = RecordedController(description, network, put)
         self._controller.snapshot()  # the first one takes milliseconds: better now than in a grip
         return self._controller
 

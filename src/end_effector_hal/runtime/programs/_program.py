@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Protocol
 
+from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.control import (
     Answer,
     EventKind,
@@ -41,7 +42,7 @@ from end_effector_hal.runtime.stream import (
     WORDS,
     ProgramCommand,
 )
-from end_effector_hal.sensing import E_STOP_CLOSED, FrameJudge
+from end_effector_hal.sensing import E_STOP_CLOSED, SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import (
     E_STOPPED,
@@ -114,7 +115,7 @@ class Program:
         on_status: called with each status.
         recorder: records the boundary.
         clock: returns the time, µs.
-        judge: shared by all parts of this process that get the same frames; default: a judge of its own.
+        publisher: sends what the sensors prove to the line arbiter; None: another process does.
         worker: runs the jobs; an `InlineWorker` if `begin` and `work` are called instead of `start`.
     """
 
@@ -125,10 +126,10 @@ class Program:
         on_status: Listener | None = None,
         recorder: Recorder = NULL_RECORDER,
         clock: Callable[[], int] = now_us,
-        judge: FrameJudge | None = None,
+        publisher: PredicatePublisher | None = None,
         worker: type[SerialWorker | InlineWorker] = SerialWorker,
     ) -> None:
-        self._description, self._clock, self._judge = description, clock, judge
+        self._description, self._clock, self._publisher = description, clock, publisher
         self._network = network_of(description)
         self._recorder, self._lines, self._arbiter = recorder, recorder.lines(lines), lines
         self._held = False  # as it was last known, before a restart
@@ -200,12 +201,23 @@ class Program:
 
     def frame(self, frame: Frame) -> None:
         """Submit a frame of the link; return at once."""
-        self._submit(lambda: self._adoption.controller.frame(frame, self._clock()))
+        self._worker.submit(lambda: self._frame(frame) if self._adoption.begun else None)
 
     def pass_over(self, frame: Frame) -> None:
         """Process a frame that is known to leave the evidence unchanged; for virtual time."""
         if self._adoption.begun and (statuses := self._adoption.controller.pass_over(frame)):
             self._submit(lambda: statuses)
+
+    def passed_over(self, samples: int, at: int) -> None:
+        """Account for all these frames together; for virtual time. ``at``: time of the last one, µs."""
+        self.senses.pass_over(samples, at)
+        if self._publisher is not None:
+            self._publisher.repeat()
+
+    @property
+    def senses(self) -> SensorSet:
+        """The sensors and what they prove, for display and for virtual time."""
+        return self._adoption.controller.senses
 
     def arbiter_lost(self, error: ArbiterError) -> None:
         """Report to the program that the connection to the line arbiter was lost; return at once."""
@@ -296,7 +308,8 @@ class Program:
     def _due(self) -> int | None:
         """Return the time of the next action that needs no event, µs."""
         look_at = self._look_at if self._adoption.begun else None
-        due = (self._adoption.due, self._maintenance.ends_at, look_at)
+        repeats_at = self._publisher.repeats_at if self._publisher and self._adoption.begun else None
+        due = (self._adoption.due, self._maintenance.ends_at, look_at, repeats_at)
         return min((at for at in due if at is not None), default=None)
 
     def _on_time(self, at: int) -> list[Status]:
@@ -311,7 +324,10 @@ class Program:
                 late, self._look_at = False, at + RETRY_US
             if late:
                 return self._restart(CAME_LATE)
-        return adoption.time_passed(at)
+        statuses = adoption.time_passed(at)
+        if self._publisher is not None and self._publisher.repeats:
+            self._publisher.repeat(at)
+        return statuses
 
     def _obstacle(self, name: str) -> str:
         """Return a sentence why a command is refused before it reaches the automata; empty: it is not."""
@@ -456,6 +472,17 @@ class Program:
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
+    def _frame(self, frame: Frame) -> FollowUp | None:
+        controller, publisher = self._adoption.controller, self._publisher
+        refused = controller.senses.refused
+        statuses = controller.frame(frame, self._clock())
+        if publisher is None:
+            return self._reaction(statuses)
+        publisher.publish(frame if controller.senses.refused > refused else None)
+        follow_up = self._reaction(statuses)
+        publisher.repeat()
+        return follow_up
+
     def _submit(self, event: Callable[[], list[Status]]) -> None:
         self._worker.submit(lambda: self._reaction(event()) if self._adoption.begun else None)
 
@@ -515,7 +542,9 @@ class Program:
     def _reset(
         self, activated: frozenset[str] = frozenset(), known: Mapping[str, bool] | None = None
     ) -> None:
-        controller = self._recorder.controller(self._description, self._network, self._judge)
+        controller = self._recorder.controller(self._description, self._network)
+        if self._publisher is not None:
+            self._publisher.use(controller.senses)
         self._maintenance = Maintenance(self._description)
         outputs = Outputs(self._lines, OutputMapping(self._description, self._maintenance), known)
         self._adoption = Adoption(controller, outputs, self._lines, activated)

@@ -18,9 +18,16 @@ from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import open_program
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm, ChangerState, Command, EndEffectorState, distinct
+from end_effector_hal.vocabulary import (
+    E_STOPPED,
+    STOPPED,
+    Alarm,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    distinct,
+)
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -72,16 +79,20 @@ class EndEffector(Closing):
         self._told: tuple[Alarm, ...] = ()
         self._lock = threading.Lock()
         self._latest: Status | None = None
-        judge = FrameJudge()
         with ExitStack() as undo:
+            self._predicates = PredicatePublisher(description)
             self._program = open_program(
-                description, self._moved, traces=traces, limits=limits, judge=judge, observe=observe
+                description,
+                self._moved,
+                traces=traces,
+                limits=limits,
+                publisher=self._predicates,
+                observe=observe,
             )
             undo.callback(self._program.close)
             self._outputs = PlainOutputs(description)
             undo.callback(self._outputs.close)
             self._goals = GoalRunner(self._program, lambda: self.status)
-            self._predicates = PredicatePublisher(description, judge=judge)
             self._reader = SensorReader(description, self._frame_came, self._link_changed)
             undo.pop_all()
 
@@ -108,7 +119,6 @@ class EndEffector(Closing):
         does.
         """
         self._reader.start()
-        self._predicates.start()
         self._program.start()
 
     def close(self, ending: str = "sigterm") -> None:
@@ -174,7 +184,9 @@ class EndEffector(Closing):
         """
 
         def latched(status: Status) -> str:
-            return " ".join(self._program.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
+            return (
+                " ".join(self._program.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
+            )
 
         ready = self._program.wait(
             lambda status: bool(latched(status)) or is_ready(self.description, status), timeout_s
@@ -302,7 +314,10 @@ class EndEffector(Closing):
             self._publish(replace(status, at=now_us(), events=()))
 
     def _frame_came(self, frame: Frame) -> None:
-        self._predicates.frame(frame, self._pass_on)
+        self._program.frame(frame)
+        self._audience.frame(frame)
+        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
+            self._audience_changed()
 
     def _link_changed(self, _source: str, _health: object) -> None:
         links = self.links.items()
@@ -310,9 +325,3 @@ class EndEffector(Closing):
         # a decoder gives its faults no other identity than their sentences
         faults = tuple([Alarm("link.fault", text, {"text": text}) for text in texts])
         self._program.see_link_faults(faults)
-
-    def _pass_on(self, frame: Frame) -> None:
-        self._program.frame(frame)
-        self._audience.frame(frame)
-        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
-            self._audience_changed()
