@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.nodes.interface import Action, Service, Topic
 from end_effector_hal.nodes.transport import Frames, UnknownSenders
@@ -25,6 +26,8 @@ class LoneTransport:
         self.ticks: dict[float, Callable[[], None]] = {}
         self.closers: list[Callable[[], None]] = []
         self.goals: dict[str, Callable[[Any], None]] = {}
+        self.services: dict[str, Callable[[Any], Answer]] = {}
+        self.answers: Callable[[int], Answer] = lambda command: Answer(True)
         self._tool, self._without = tool or load(profile_path()), without
 
     def description(self) -> Description:
@@ -50,6 +53,13 @@ class LoneTransport:
 
     def command_client(self, service: Service) -> Any:
         return self
+
+    def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
+        self.services[service.name] = handler
+
+    def ask(self, command: int) -> Answer:
+        """As the client of another node, which answers what a test says."""
+        return self.answers(command)
 
     def offers(self, action: Action) -> bool:
         return action not in self._without

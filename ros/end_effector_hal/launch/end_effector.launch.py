@@ -19,7 +19,7 @@ PROGRAMS = {
     "five": ("pressure", "position", "grip", "tool_change", "hal_main"),
     "managed": ("lifecycle_hal",),
 }
-RECORDERS = ("hal", "lifecycle_hal", "grip", "tool_change", "data_logger")
+RECORDERS = ("hal", "lifecycle_hal", "grip", "data_logger")
 SWITCH = ("true", "false")
 # an unfinished grip is unwound, and a last will is executed to its end
 END_S = "30"

@@ -19,8 +19,8 @@ PROGRAMS = {
 """The node of each executable."""
 _NODES = {
     HAL_MAIN: ("hal_main", "HalMainNode"),
-    GRIP: ("programs", "GripNode"),
-    TOOL_CHANGE: ("programs", "ToolChangeNode"),
+    GRIP: ("grip", "GripNode"),
+    TOOL_CHANGE: ("_tool_change", "ToolChangeNode"),
     PRESSURE: ("_pressure", "PressureNode"),
     POSITION: ("_position", "PositionNode"),
     DATA_LOGGER: ("data_logger", "DataLogger"),

@@ -27,6 +27,7 @@ from .tool import (
     changer_is_sensed,
     latch_stop,
     reset,
+    reset_tool,
     stop,
 )
 
@@ -54,6 +55,7 @@ __all__ = [
     "release_is_decided",
     "reload_answer",
     "reset",
+    "reset_tool",
     "sendable",
     "stop",
 ]

@@ -33,9 +33,10 @@ def test_nobody_else_can_speak_for_a_node_or_to_it_inside(verdin: Description) -
     assert holders(text, "publish", "/sensor_frame") == {"pressure"}
     assert holders(text, "publish", "/grip/state") == {"grip"}
     assert holders(text, "publish", "/EndEffectorState") == {"hal_main"}
-    assert holders(text, "request", "/grip/command") == {"hal_main"}
-    assert holders(text, "request", "/tool_change/command") == {"hal_main", "grip"}
-    assert holders(text, "subscribe", "/sensor_frame") == {"grip", "tool_change", "position", "data_logger"}
+    assert holders(text, "request", "/grip/command") == {"hal_main", "tool_change"}
+    assert holders(text, "reply", "/grip/command") == {"grip"}
+    assert holders(text, "subscribe", "/grip/state") == {"hal_main", "tool_change"}
+    assert holders(text, "subscribe", "/sensor_frame") == {"grip", "position", "data_logger"}
 
 
 def test_in_one_process_what_stays_inside_is_allowed_to_nobody(verdin: Description) -> None:
@@ -44,7 +45,6 @@ def test_in_one_process_what_stays_inside_is_allowed_to_nobody(verdin: Descripti
     assert not holders(text, "subscribe", "/grip/state")
     for right in ("request", "reply"):
         assert not holders(text, right, "/grip/command")
-        assert not holders(text, right, "/tool_change/command")
 
 
 @pytest.mark.parametrize("five", [False, True])

@@ -21,7 +21,7 @@ from end_effector_hal.nodes.interface import (
     STATE_HZ,
 )
 from end_effector_hal.nodes.transport import EventMessage, StatusMessage
-from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 from end_effector_hal.wires import now_us
 from tests.support.lone_node import LoneTransport
 
@@ -117,7 +117,7 @@ def test_what_the_transport_does_not_offer_is_not_served() -> None:
     assert list(bare.goals) == [action.name for action in COMMAND_ACTIONS]
 
 
-def test_a_position_that_is_none_ends_its_goal_and_asks_no_program(
+def test_a_position_that_is_none_ends_its_goal_and_asks_nobody(
     transport: LoneTransport, caplog: pytest.LogCaptureFixture
 ) -> None:
     ended: list[Any] = []
@@ -148,5 +148,33 @@ def test_a_node_that_has_never_reported_is_an_alarm_only_after_the_time_of_a_sta
         transport.ticks[STATE_HZ]()
         state = transport.published[END_EFFECTOR_STATE.name][-1]
         shown.append((EndEffectorState(state.state).name, state.lift_allowed, list(state.alarms)))
-    never = [f"The node {name} has not reported yet." for name in ("Grip", "ToolChange")]
-    assert shown == [("OFF", False, []), ("OFF", False, []), ("OFF", False, never)]
+    assert shown == [
+        ("OFF", False, []),
+        ("OFF", False, []),
+        ("OFF", False, ["The node Grip has not reported yet."]),
+    ]
+
+
+def test_while_grip_is_silent_only_what_the_line_arbiter_keeps_stays(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    from end_effector_hal.nodes.hal_main import _hal_main
+
+    clock = [now_us()]
+    monkeypatch.setattr(_hal_main, "now_us", lambda: clock[0])
+    transport = LoneTransport()
+    HalMainNode(cast("Any", transport))
+    held = status(1, EndEffectorState.GRIPPED)
+    transport.callbacks[GRIP_STATE.name](
+        replace(held, held=True, lift_allowed=True, tool_changer=ChangerState.LOCKED, outputs=[True] * 3)
+    )
+    clock[0] += 1_000_001
+    transport.ticks[STATE_HZ]()
+    gripped, silent = transport.published[END_EFFECTOR_STATE.name]
+    assert (gripped.held, gripped.lift_allowed, gripped.tool_changer_name) == (True, True, "LOCKED")
+    assert (silent.state_name, silent.held, silent.lift_allowed) == ("OFF", True, False)
+    assert (silent.tool_changer_name, silent.outputs) == ("UNKNOWN", [True] * 3)
+    assert silent.alarm_ids == ["node.silent:Grip"]
+    assert [each.getMessage() for each in caplog.records if each.levelno == logging.ERROR] == [
+        "the node Grip is silent"
+    ]

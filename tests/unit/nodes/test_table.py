@@ -68,8 +68,7 @@ def test_all_that_a_node_acts_on_has_its_writer(tool: Description) -> None:
     assert [topic.name for topic in heard if topic.public] == ["supervisor_commands"]
     assert all(len(topic.publishers) == 1 for topic in heard)
     assert {service.name: service.callers for service in services(tool) if service.internal} == {
-        "grip/command": ("HALMain",),
-        "tool_change/command": ("HALMain", "Grip"),
+        "grip/command": ("HALMain", "ToolChange"),
     }
 
 

@@ -1,18 +1,19 @@
-"""Build one state of the end-effector from the messages of the nodes: statuses, positions, margins, and the
-silence of a node.
+"""Build one state of the end-effector from the messages of the nodes: the status of the program, positions,
+margins, and the silence of Grip.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from enum import IntEnum
 from math import nan
 
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import fault_of, kind_of
 from end_effector_hal.kinds.stanza import Actuator
-from end_effector_hal.nodes.interface import GONE_AFTER_S, GRIP, STARTING_S, TOOL_CHANGE, actuator_joints
+from end_effector_hal.nodes._silence import Silence
+from end_effector_hal.nodes.interface import GONE_AFTER_S, STARTING_S, actuator_joints
 from end_effector_hal.nodes.transport import AMBIENT_PA, StateMessage, StatusMessage
 from end_effector_hal.vocabulary import (
     Alarm,
@@ -24,26 +25,6 @@ from end_effector_hal.vocabulary import (
     distinct,
     received_alarms,
 )
-
-
-class Silence:
-    """The time of the last report of each node; a node that has never reported is silent. Times in µs, monotonic."""
-
-    def __init__(self, nodes: Iterable[str]) -> None:
-        self._reported_us: dict[str, int | None] = dict.fromkeys(nodes)
-
-    def reported(self, node: str, at_us: int) -> None:
-        """Note that the node has reported at ``at_us``."""
-        self._reported_us[node] = at_us
-
-    def has_reported(self, node: str) -> bool:
-        """Return whether the node has ever reported."""
-        return self._reported_us[node] is not None
-
-    def silent(self, now_us: int) -> tuple[str, ...]:
-        """Return the names of the nodes that have not reported within the last second."""
-        limit = GONE_AFTER_S * 1e6
-        return tuple(name for name, at in self._reported_us.items() if at is None or now_us - at > limit)
 
 
 class Positions:
@@ -109,11 +90,11 @@ CHANGER, STAND = "tool_changer", "tool_stand"
 
 
 class Aggregate:
-    """Combines the latest statuses of both programs.
+    """Combines the latest status of the program with all that the other nodes report.
 
-    While the node Grip is silent, the state is OFF, the evidence UNKNOWN, and lifting is not allowed. Its outputs and
-    ``held`` keep their last known values, because the line arbiter holds the part. A silent node causes an alarm; a
-    node that has never reported does so only after HALMain itself has run for `STARTING_S`.
+    While the node Grip is silent, the state is OFF, the evidence and the tool changer are UNKNOWN, and lifting is not
+    allowed. The outputs and ``held`` keep their last known values, because the line arbiter holds the part. A silent
+    Grip causes an alarm; if it has never reported, it does so only after HALMain itself has run for `STARTING_S`.
     """
 
     def __init__(
@@ -126,28 +107,22 @@ class Aggregate:
         count = len(description.sequence)
         joints = {joint.actuator: joint for joint in actuator_joints(description)}
         self._joints = [joints.get(name) for name in description.sequence]
-        nothing = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
-        self.grip = self.tool_change = nothing
+        self.status = StatusMessage(actuators=[0] * count, outputs=[False] * count, evidence=[0] * count)
 
     def message(
         self, at_us: int, now_us: int, silence: Silence, notices: Sequence[Alarm] = ()
     ) -> StateMessage:
         """Return the state after a change at ``at_us``, without a number; ``notices`` are alarms of HALMain itself."""
-        gone = silence.silent(now_us)
-        grip, change, sequence = self.grip, self.tool_change, self._description.sequence
-        lost = GRIP in gone
-        starting = now_us - self._since_us < STARTING_S * 1e6
-        absent = [
-            Alarm("node.silent" if silence.has_reported(name) else "node.awaited", name)
-            for name in gone
-            if silence.has_reported(name) or not starting
-        ]
-        told = (received_alarms(each.alarms, each.alarm_ids) for each in (grip, change))
-        alarms = distinct((*absent, *notices, *(alarm for each in told for alarm in each)))
-        deadline = grip.deadline_us
-        state, command = EndEffectorState.OFF if lost else grip.state, self._command(gone)
-        evidence = [Evidence.UNKNOWN] * len(sequence) if lost else grip.evidence
-        changer = ChangerState.UNKNOWN if TOOL_CHANGE in gone else change.tool_changer
+        status, sequence = self.status, self._description.sequence
+        lost = silence.lasts(now_us)
+        starting = not silence.has_reported and now_us - self._since_us < STARTING_S * 1e6
+        absent = (silence.alarm,) if lost and not starting else ()
+        told = received_alarms(status.alarms, status.alarm_ids)
+        alarms = distinct((*absent, *notices, *told))
+        deadline = status.deadline_us
+        state, command = (EndEffectorState.OFF, Command.NONE) if lost else (status.state, status.command)
+        evidence = [Evidence.UNKNOWN] * len(sequence) if lost else status.evidence
+        changer = ChangerState.UNKNOWN if lost else status.tool_changer
         position, stand = self._positions.place(CHANGER, now_us), self._positions.place(STAND, now_us)
         return StateMessage(
             since_us=self._since_us,
@@ -160,49 +135,43 @@ class Aggregate:
             command_name=_name(Command, command),
             actuator_names=sequence,
             actuator_kinds=self._kinds,
-            actuators=grip.actuators,
+            actuators=status.actuators,
             actuator_states=[
-                _name(states, state) for states, state in zip(self._states, grip.actuators, strict=False)
+                _name(states, state) for states, state in zip(self._states, status.actuators, strict=False)
             ],
-            outputs=grip.outputs,
+            outputs=status.outputs,
             evidence=evidence,
             evidence_names=[_name(Evidence, each) for each in evidence],
-            margins=self._margins.values(grip.stale if grip.link_up and not lost else None),
+            margins=self._margins.values(status.stale if status.link_up and not lost else None),
             margin_units=["Pa"] * len(sequence),
             positions=[joint.position(evidence) if joint else nan for joint in self._joints],
-            actuator="" if lost or grip.step < 0 else sequence[grip.step],
-            attempt=grip.attempt,
-            attempts_allowed=grip.attempts_allowed,
+            actuator="" if lost or status.step < 0 else sequence[status.step],
+            attempt=status.attempt,
+            attempts_allowed=status.attempts_allowed,
             time_left_s=nan if lost or deadline < 0 else max(0, deadline - now_us) / 1e6,
-            steps=grip.steps,
-            cause=grip.cause,
-            cause_name=_name(Cause, grip.cause),
-            cause_actuator=sequence[grip.cause_at] if grip.cause_at >= 0 else "",
-            reason=grip.reason,
-            held=grip.held,
-            lift_allowed=grip.lift_allowed and not lost,
-            secure=grip.secure and not lost,
-            maintenance=grip.maintenance and not lost,
+            steps=status.steps,
+            cause=status.cause,
+            cause_name=_name(Cause, status.cause),
+            cause_actuator=sequence[status.cause_at] if status.cause_at >= 0 else "",
+            reason=status.reason,
+            held=status.held,
+            lift_allowed=status.lift_allowed and not lost,
+            secure=status.secure and not lost,
+            maintenance=status.maintenance and not lost,
             tool_changer=changer,
             tool_changer_name=_name(ChangerState, changer),
-            unlock_output=change.unlock_output,
+            unlock_output=status.unlock_output,
             tool_position=position,
             tool_position_name=position.name,
             tool_stand=stand,
             tool_stand_name=stand.name,
-            link_up=grip.link_up and not lost,
-            stale=grip.stale,
-            missed=grip.missed + change.missed,
-            worst_late_us=max(grip.worst_late_us, change.worst_late_us),
+            link_up=status.link_up and not lost,
+            stale=status.stale,
+            missed=status.missed,
+            worst_late_us=status.worst_late_us,
             alarms=[*map(str, alarms)],
             alarm_ids=[alarm.name for alarm in alarms],
         )  # fmt: skip
-
-    def _command(self, gone: Sequence[str]) -> int:
-        """Return the running command; gripping and the tool changer exclude each other (IL-01, IL-05)."""
-        if GRIP not in gone and self.grip.command != Command.NONE:
-            return int(self.grip.command)
-        return int(Command.NONE if TOOL_CHANGE in gone else self.tool_change.command)
 
 
 def _name(words: type[IntEnum], value: int) -> str:

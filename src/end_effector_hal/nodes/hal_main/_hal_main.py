@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from end_effector_hal.control import transition
+from end_effector_hal.nodes._silence import Silence
 from end_effector_hal.nodes.interface import (
     END_EFFECTOR_STATE,
     GRIP,
@@ -14,8 +15,6 @@ from end_effector_hal.nodes.interface import (
     POSITION_TOOL_CHANGER,
     POSITION_TOOL_STAND,
     STATE_HZ,
-    TOOL_CHANGE,
-    TOOL_CHANGE_STATE,
     position_topics,
     pressure_topics,
 )
@@ -35,7 +34,7 @@ from end_effector_hal.sensing import ToolPlace
 from end_effector_hal.vocabulary import Command, EndEffectorState, received_alarms
 from end_effector_hal.wires import now_us
 
-from ._aggregate import CHANGER, STAND, Aggregate, Margins, Positions, Silence
+from ._aggregate import CHANGER, STAND, Aggregate, Margins, Positions
 from ._goal_types import goal_types
 from ._served_goals import ServedGoals
 
@@ -43,7 +42,7 @@ _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 class HalMainNode:
-    """Publishes one EndEffectorState for every status of a program, in order, and one at 10 Hz."""
+    """Publishes one EndEffectorState for every status of the program, in order, and one at 10 Hz."""
 
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
@@ -55,18 +54,17 @@ class HalMainNode:
         self._at_us = now_us()
         self._aggregate = Aggregate(description, self._margins, self._positions, self._at_us)
         self._count = 0
-        self._silence = Silence((GRIP, TOOL_CHANGE) if description.tool_changer else (GRIP,))
-        self._known: dict[str, tuple[int, int]] = {}
+        self._silence = Silence()
+        self._known = (0, 0)
         self._stamps = StampCheck("Internal states", node.log)
-        self._gone: tuple[str, ...] = ()
+        self._gone = False
         self._lock = threading.Lock()
         self._closed = False
         self._log, self._unknown_senders = node.log, node.unknown_senders
         self._publish = node.publisher(END_EFFECTOR_STATE)
         self._state = self._aggregate.message(self._at_us, self._at_us, self._silence)
         self._goals = ServedGoals(node, goal_types(description, node.log), lambda: self._state)
-        node.subscribe(GRIP_STATE, self._on_status(GRIP))
-        node.subscribe(TOOL_CHANGE_STATE, self._on_status(TOOL_CHANGE))
+        node.subscribe(GRIP_STATE, self._on_status)
         for channel, topic in pressure_topics(description):
             node.subscribe(topic, self._on_pressure(channel))
         for name, topic in cylinders.items():
@@ -79,33 +77,26 @@ class HalMainNode:
         node.on_close(self._close)
         node.on_close(self._goals.close)
 
-    def _on_status(self, name: str) -> Callable[[StatusMessage], None]:
-        return lambda status: self._update(name, status)
-
-    def _update(self, name: str, status: StatusMessage) -> None:
+    def _on_status(self, status: StatusMessage) -> None:
         known = (status.since_us, status.count)
         with self._lock:
             if self._closed:
                 return  # OFF is the last state
             if not self._stamps.accepts(status.since_us, status.at_us):
                 return  # it would show a state that has not come yet
-            self._silence.reported(name, now_us())
-            if self._known.get(name) == known:
+            self._silence.reported(now_us())
+            if known == self._known:
                 return  # repeated: the periodic state says it
-            self._known[name] = known
-            if name == GRIP:
-                self._aggregate.grip = status
-            else:
-                self._aggregate.tool_change = status
-            # the exact time of the program that changed: the other one, over its own connection, may be a little ahead
+            self._known = known
+            self._aggregate.status = status
             self._at_us = status.at_us
             self._count += 1
             self._publish_state(self._at_us, status.events)
-        self._goals.on_status(name, status)
+        self._goals.on_status(status)
 
     def _publish_state(self, stamp_us: int | None = None, events: Sequence[EventMessage] = ()) -> None:
         now, before = now_us(), self._gone
-        self._gone = self._silence.silent(now)
+        self._gone = self._silence.lasts(now)
         if self._gone != before:
             self._at_us, self._count = now, self._count + 1
         notices = (*self._unknown_senders.alarms(), *self._stamps.notices(now), *self._margins.alarms)
@@ -115,7 +106,7 @@ class HalMainNode:
         self._publish(state)
         if state.state != earlier.state:
             old, new = (EndEffectorState(each.state).name for each in (earlier, state))
-            why = next(iter(state.alarms), "") if GRIP in self._gone else state.reason
+            why = next(iter(state.alarms), "") if self._gone else state.reason
             self._log.info("%s", transition(old, new, state.command, why))
 
     def _tick(self) -> None:
@@ -124,10 +115,10 @@ class HalMainNode:
                 return
             before = self._gone
             self._publish_state()
-        for name in self._gone:
-            if name not in before and self._silence.has_reported(name):
-                self._log.error("the node %s is silent", name)
-        self._goals.tick(self._gone)
+            gone = self._gone
+        if gone and not before and self._silence.has_reported:
+            self._log.error("the node %s is silent", GRIP)
+        self._goals.tick(gone=gone)
 
     def _on_pressure(self, channel: str) -> Callable[[PressureMessage], None]:
         return lambda message: self._margins.store(channel, message.fluid_pressure)
@@ -156,7 +147,7 @@ class HalMainNode:
     def _health(self) -> Health:
         state = self._state
         if self._gone and not state.alarms:
-            return Health(WARN, f"Starting: {' and '.join(self._gone)} did not report yet.")
+            return Health(WARN, f"Starting: {GRIP} did not report yet.")
         bad = self._gone or not state.link_up or state.state in _ERRORS
         warns = standing(received_alarms(state.alarms, state.alarm_ids)) or state.missed
         level = ERROR if bad else WARN if warns else OK

@@ -10,33 +10,19 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from end_effector_hal.control import Status
 from end_effector_hal.control.goals import Effect, Ending, Goal, GoalEffect, Goals, Outcome, Phase
-from end_effector_hal.nodes.interface import (
-    GRIP,
-    GRIP_COMMAND,
-    TOOL_CHANGE,
-    TOOL_CHANGE_COMMAND,
-)
+from end_effector_hal.nodes.interface import GRIP, GRIP_COMMAND
 from end_effector_hal.nodes.transport import (
     ClientGoal,
     NodeTransport,
     StateMessage,
     StatusMessage,
+    status_from_message,
 )
-from end_effector_hal.vocabulary import (
-    Cause,
-    ChangerState,
-    Command,
-    EndEffectorState,
-    Evidence,
-    received_alarms,
-)
+from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
 from ._goal_types import GoalType
-
-_PROGRAMS = {GRIP: "grip", TOOL_CHANGE: "tool_change"}
 
 
 @dataclass(slots=True, eq=False)
@@ -65,10 +51,9 @@ class ServedGoals:
     ) -> None:
         self._state, self._log = state, node.log
         self._lock, self._turn = threading.Lock(), threading.Lock()
-        self._goals: Goals[ServedGoal] = Goals({name: f"The node {node}" for node, name in _PROGRAMS.items()})
+        self._goals: Goals[ServedGoal] = Goals(f"The node {GRIP}")
         self._effects: deque[GoalEffect[ServedGoal]] = deque()
-        commands = {"grip": GRIP_COMMAND, "tool_change": TOOL_CHANGE_COMMAND}
-        self._commanders = {name: node.command_client(service) for name, service in commands.items()}
+        self._commander = node.command_client(GRIP_COMMAND)
         self._servers = [
             node.action_server(
                 each.action,
@@ -80,16 +65,14 @@ class ServedGoals:
             if node.offers(each.action)
         ]
 
-    def on_status(self, node: str, status: StatusMessage) -> None:
-        """Process a new status of a node, which may continue or end the goal that the node executes."""
-        program, seen, session, count = _PROGRAMS[node], _status(status), status.since_us, status.count
-        self._decide(lambda at: self._goals.see(program, seen, at, session=session, count=count))
+    def on_status(self, status: StatusMessage) -> None:
+        """Process a new status of the program, which may continue or end the running goal."""
+        seen, session, count = status_from_message(status), status.since_us, status.count
+        self._decide(lambda at: self._goals.see(seen, at, session=session, count=count))
 
-    def tick(self, gone: tuple[str, ...]) -> None:
-        """Send feedback with the time left, and end a goal whose node is gone or does not answer; called
-        periodically.
-        """
-        self._decide(lambda at: self._goals.tick(at, [_PROGRAMS[node] for node in gone]))
+    def tick(self, *, gone: bool) -> None:
+        """Send feedback with the time left, and end a goal if Grip is gone or does not answer; called periodically."""
+        self._decide(lambda at: self._goals.tick(at, gone=gone))
 
     def close(self) -> None:
         """Answer every goal while the topics are still open, and reject later goals."""
@@ -145,15 +128,14 @@ class ServedGoals:
                 self._log.exception("%s: %s failed", goal.name, todo.name)
 
     def _do(self, todo: Effect, goal: ServedGoal) -> None:
-        commander = self._commanders[goal.program]
         if todo is Effect.ASK:
-            commander.send(
+            self._commander.send(
                 goal.command, lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at))
             )
         elif todo is Effect.GIVE_UP:
-            commander.give_up()
+            self._commander.give_up()
         elif todo is Effect.CANCEL:
-            commander.send(Command.CANCEL, lambda _: None)  # refused where nothing is to be unwound
+            self._commander.send(Command.CANCEL, lambda _: None)  # refused where nothing is to be unwound
         elif todo is Effect.REPORT_BEGIN:
             goal.client.begin()
         elif todo is Effect.REPORT_PROGRESS:
@@ -170,18 +152,3 @@ class ServedGoals:
 
     def _result(self, kind: GoalType, ending: Ending, command: Command | None = None) -> Any:
         return kind.result(self._state(), ending, command)
-
-
-def _status(message: StatusMessage) -> Status:
-    return Status(
-        at=message.at_us,
-        ee=EndEffectorState(message.state),
-        command=Command(message.command),
-        actuators=tuple(message.actuators),
-        outputs=tuple(message.outputs),
-        evidence=tuple(map(Evidence, message.evidence)),
-        cause=Cause(message.cause),
-        reason=message.reason,
-        changer=ChangerState(message.tool_changer),
-        alarms=received_alarms(message.alarms, message.alarm_ids),
-    )

@@ -5,6 +5,7 @@ from ._joints import GRIP_UPPER, actuator_joints, grip_joint, grip_position
 from ._name_faults import load_for_nodes, name_faults
 from ._table import (
     ACTIONS,
+    ARM,
     ARM_TOOL_CHANGER,
     COMMAND_ACTIONS,
     COMMAND_VALID_S,
@@ -38,7 +39,6 @@ from ._table import (
     PROFILE,
     PROVE,
     READY_S,
-    RESET,
     RESET_FAULTS,
     SCRIPT,
     SEGMENT_MB,
@@ -49,8 +49,6 @@ from ._table import (
     SUPERVISOR,
     SUPERVISOR_COMMANDS,
     TOOL_CHANGE,
-    TOOL_CHANGE_COMMAND,
-    TOOL_CHANGE_STATE,
     TRIGGER_GRIP,
 )
 from ._tool import (

@@ -21,14 +21,14 @@ OF_ROS = ("rosout", "rosout_agg", "clock")
 
 STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
 GONE_AFTER_S = 1.0
-"""Silence of a periodic internal state after which its node counts as gone, s."""
+"""Silence of a periodic message after which its node counts as gone, s."""
 STARTING_S = 5.0
-"""Time after its own start for which HALMain waits for the first report of a node without an alarm, s.
+"""Time after its own start for which HALMain waits for the first report of Grip without an alarm, s.
 
 The processes of a launch begin within seconds of one another. The state is OFF until then.
 """
 COMMAND_VALID_S = 0.5
-"""Time within which a command of the internal services must begin, counted from its request, s."""
+"""Time within which a command of the internal service must begin, counted from its request, s."""
 GIVE_UP_S = 30.0
 """Longest wait of a client for the actions, s."""
 PATIENCE_S = 10.0
@@ -44,15 +44,11 @@ def pressure(name: str) -> Topic:
 
 # A second of changes is kept: nothing of a run is lost when a subscriber stumbles.
 SENSOR_FRAME = Topic(
-    "sensor_frame", "end_effector_msgs/SensorFrame", (PRESSURE,), (GRIP, TOOL_CHANGE, POSITION, DATA_LOGGER),
+    "sensor_frame", "end_effector_msgs/SensorFrame", (PRESSURE,), (GRIP, POSITION, DATA_LOGGER),
     on="frame", queue=50, internal=True,
 )  # fmt: skip
 GRIP_STATE = Topic(
     "grip/state", "end_effector_msgs/UnitStatus", (GRIP,), (TOOL_CHANGE, HAL_MAIN),
-    rate_hz=STATE_HZ, latched=True, queue=100, internal=True,
-)  # fmt: skip
-TOOL_CHANGE_STATE = Topic(
-    "tool_change/state", "end_effector_msgs/UnitStatus", (TOOL_CHANGE,), (GRIP, HAL_MAIN),
     rate_hz=STATE_HZ, latched=True, queue=100, internal=True,
 )  # fmt: skip
 POSITION_TOOL_CHANGER = Topic(
@@ -77,24 +73,21 @@ DIAGNOSTICS = Topic(
     on="", rate_hz=DIAGNOSTICS_HZ, queue=10,
 )  # fmt: skip
 
-GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN,))
-TOOL_CHANGE_COMMAND = Service(
-    "tool_change/command", "end_effector_msgs/HalCommand", TOOL_CHANGE, (HAL_MAIN, GRIP)
-)
+GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN, TOOL_CHANGE))
 
 PRESSURE_SUPPLY = pressure("PressureSupply")
 FIXED_TOPICS = (
-    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
+    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, DIAGNOSTICS,
     POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY, JOINT_STATES,
 )  # fmt: skip
 """Topics with the same name for every tool."""
 
 ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
-RESET = 100
-"""A command of the internal services that is not in Table II."""
+ARM = 100
+"""A command of the internal service that is not in Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
 STOP_TOOL = Service("StopTool", "std_srvs/Trigger", GRIP)
-FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND)
 """Services with the same name for every tool."""
 
 
@@ -129,8 +122,8 @@ PROFILE = Parameter("profile", DESCRIPTION.nodes, "name of a shipped tool, inste
 SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; drop; quit`")
 DIRECTORY = Parameter(
     "directory",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
-    "run folder to write; if it is empty, Grip and ToolChange write no trace",
+    (DATA_LOGGER, GRIP, MANAGER),
+    "run folder to write; if it is empty, Grip writes no trace",
 )
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
@@ -142,12 +135,12 @@ FRAME_ID = Parameter(
 )
 SEGMENT_MB = Parameter(
     "segment_mb",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
+    (DATA_LOGGER, GRIP, MANAGER),
     "size at which a recorded file is closed and the next segment begins, MB; default: 64",
 )
 KEEP_MB = Parameter(
     "keep_mb",
-    (DATA_LOGGER, GRIP, TOOL_CHANGE, MANAGER),
+    (DATA_LOGGER, GRIP, MANAGER),
     "largest size of the folder, MB; the oldest segments are removed; default: 1000",
 )
 PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")

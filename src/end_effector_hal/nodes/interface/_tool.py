@@ -25,8 +25,6 @@ from ._table import (
     STOP_TOOL,
     SUPERVISOR_COMMANDS,
     TOOL_CHANGE,
-    TOOL_CHANGE_COMMAND,
-    TOOL_CHANGE_STATE,
     pressure,
 )
 
@@ -75,7 +73,7 @@ def topics(description: Description) -> tuple[Topic, ...]:
     return (
         END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
         *position_topics(description).values(), JOINT_STATES, *changer,
-        SENSOR_FRAME, GRIP_STATE, TOOL_CHANGE_STATE, DIAGNOSTICS,
+        SENSOR_FRAME, GRIP_STATE, DIAGNOSTICS,
     )  # fmt: skip
 
 
@@ -84,7 +82,7 @@ def services(description: Description) -> tuple[Service, ...]:
     changer = set_tool_changer(description)
     plain = output_services(description).values()
     own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))
-    return (*own, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND, TOOL_CHANGE_COMMAND)
+    return (*own, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND)
 
 
 def _set(name: str, server: str) -> Service:

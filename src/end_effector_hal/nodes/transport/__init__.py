@@ -30,6 +30,7 @@ from ._messages import (
     StatusMessage,
     StepMessage,
 )
+from ._statuses import status_from_message, status_to_message
 from ._transport import (
     ActionClient,
     ActionServer,

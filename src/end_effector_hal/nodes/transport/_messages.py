@@ -104,7 +104,7 @@ class EventMessage:
 
 @dataclass(slots=True)
 class StatusMessage:
-    """The message ``UnitStatus``: the status of one program."""
+    """The message ``UnitStatus``: the status of the program."""
 
     header: MessageHeader = field(default_factory=MessageHeader)
     since_us: int = 0
@@ -128,6 +128,7 @@ class StatusMessage:
     maintenance: bool = False
     tool_changer: int = 0
     unlock_output: bool = False
+    changer_reason: str = ""
     link_up: bool = False
     stale: Sequence[str] = ()
     missed: int = 0

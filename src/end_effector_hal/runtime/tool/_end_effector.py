@@ -19,15 +19,7 @@ from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import open_program
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import (
-    E_STOPPED,
-    STOPPED,
-    Alarm,
-    ChangerState,
-    Command,
-    EndEffectorState,
-    distinct,
-)
+from end_effector_hal.vocabulary import Alarm, Command, EndEffectorState, distinct
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
@@ -37,14 +29,7 @@ from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._listeners import Audience
 from ._plain_outputs import PlainOutputs
 from ._ready import is_ready, missing
-from ._reset import reset, stop
-
-RESET_S = 5.0
-"""Longest wait for a reset of the tool changer, s; longer than the proof of a lock takes, which the reset needs."""
-RENEWED_S = 2.0
-"""Longest wait until the program learns that faults are cleared, s; several times the interval between lease renewals,
-which carry the latched faults.
-"""
+from ._reset import reset_tool, stop
 
 
 class EndEffector(Closing):
@@ -253,19 +238,7 @@ class EndEffector(Closing):
         """Clear latched faults and the alarms that are over; states that need a Drop stay."""
         self._audience.acknowledge()
         self._audience_changed()
-        answers = []
-        program = self._program
-        if program.status.changer_fault:
-            changer = program.command("reset")
-            program.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
-            status = program.status
-            fault = Answer(not status.changer_fault, status.changer_reason)
-            answers.append(fault if changer.accepted else changer)
-        answer = reset(self.description, program, *answers)
-        if answer.accepted:
-            # the line arbiter tells the program with its next renewal: until then it would refuse a grip
-            program.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)
-        return answer
+        return reset_tool(self.description, self._program)
 
     def arm(self) -> Answer:
         """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""

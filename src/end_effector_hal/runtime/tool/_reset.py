@@ -9,6 +9,15 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ArbiterError, WireError
+from end_effector_hal.runtime.programs import Program
+from end_effector_hal.vocabulary import E_STOPPED, STOPPED, ChangerState
+
+RESET_S = 5.0
+"""Longest wait for a reset of the tool changer, s; longer than the proof of a lock takes, which the reset needs."""
+RENEWED_S = 2.0
+"""Longest wait until the program learns that faults are cleared, s; several times the interval between lease renewals,
+which carry the latched faults.
+"""
 
 STOP_LATCHED = (
     "The stop is latched: nothing is activated until a reset, a running grip is cancelled, and what is held stays "
@@ -17,24 +26,24 @@ STOP_LATCHED = (
 
 
 class AcknowledgingProgram(Protocol):
-    """The method of the gripping program that a reset calls."""
+    """The method of the program that a reset calls."""
 
     def acknowledge(self) -> None:
         """Report that the alarms that are over were seen."""
 
 
-def reset(description: Description, grip: AcknowledgingProgram, *others: Answer) -> Answer:
+def reset(description: Description, program: AcknowledgingProgram, *others: Answer) -> Answer:
     """Clear the faults that the line arbiter has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: they need a Drop. A fault whose cause persists also stays.
 
     Args:
         description: the tool.
-        grip: its gripping program.
+        program: its program.
         others: the answers of earlier resets: of the tool changer, because the line arbiter stores its sensor fault
-            until its program has been reset.
+            until that has been reset.
     """
-    grip.acknowledge()
+    program.acknowledge()
     try:
         with ArbiterClient(socket_path(description), "reset", patience_s=0) as arbiter:
             stays = arbiter.reset()
@@ -43,6 +52,22 @@ def reset(description: Description, grip: AcknowledgingProgram, *others: Answer)
     except WireError as error:
         others = (*others, Answer(False, str(error), decided=not isinstance(error, ArbiterError)))
     return reset_answer(others)
+
+
+def reset_tool(description: Description, program: Program) -> Answer:
+    """Clear the fault of the tool changer, and all that `reset` clears; wait until the program knows it."""
+    answers = []
+    if program.status.changer_fault:
+        changer = program.command("reset")
+        program.wait(lambda status: status.changer != ChangerState.LOCKING, RESET_S)
+        status = program.status
+        fault = Answer(not status.changer_fault, status.changer_reason)
+        answers.append(fault if changer.accepted else changer)
+    answer = reset(description, program, *answers)
+    if answer.accepted:
+        # the line arbiter tells the program with its next renewal: until then it would refuse a grip
+        program.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)
+    return answer
 
 
 def stop(description: Description) -> Answer:

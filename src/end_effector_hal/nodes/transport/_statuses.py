@@ -1,11 +1,20 @@
-"""Convert the status of a program to its message."""
+"""Convert the status of a program to its message, and back."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from end_effector_hal.control import Status, ToolEvent
-from end_effector_hal.nodes.transport import EventMessage, MessageHeader, StatusMessage, StepMessage
+from end_effector_hal.vocabulary import (
+    Cause,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    Evidence,
+    received_alarms,
+)
+
+from ._messages import EventMessage, MessageHeader, StatusMessage, StepMessage
 
 
 def status_to_message(
@@ -42,6 +51,7 @@ def status_to_message(
         maintenance=status.maintenance,
         tool_changer=status.changer,
         unlock_output=status.unlock_output,
+        changer_reason=status.changer_reason,
         link_up=status.link_up,
         stale=status.stale,
         missed=status.missed,
@@ -50,6 +60,23 @@ def status_to_message(
         alarm_ids=[alarm.name for alarm in status.alarms],
         steps=[StepMessage(step.name, step.attempts, step.seconds, step.confirmed) for step in status.steps],
         events=[_event(each, actuators) for each in status.events],
+    )
+
+
+def status_from_message(message: StatusMessage) -> Status:
+    """Return the status of a message, with all that decides how a command has ended."""
+    return Status(
+        at=message.at_us,
+        ee=EndEffectorState(message.state),
+        command=Command(message.command),
+        actuators=tuple(message.actuators),
+        outputs=tuple(message.outputs),
+        evidence=tuple(map(Evidence, message.evidence)),
+        cause=Cause(message.cause),
+        reason=message.reason,
+        changer=ChangerState(message.tool_changer),
+        changer_reason=message.changer_reason,
+        alarms=received_alarms(message.alarms, message.alarm_ids),
     )
 
 

@@ -1,4 +1,4 @@
-"""The common part of the nodes Grip and ToolChange: one program with a topic and a service."""
+"""The program of the tool with its topic and its internal service."""
 
 from __future__ import annotations
 
@@ -7,57 +7,49 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any
 
-from end_effector_hal.control import Answer, Status, event_lines, refused, unanswered
-from end_effector_hal.control.goals import CHANNELS, PROGRAM_COMMANDS
+from end_effector_hal.control import Answer, Status, event_lines
+from end_effector_hal.control.goals import CHANNELS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes._recording_limits import recording_limits
 from end_effector_hal.nodes.interface import (
+    ARM,
     COMMAND_VALID_S,
     DIRECTORY,
-    RESET,
+    GRIP_COMMAND,
+    GRIP_STATE,
     SENSOR_FRAME,
     STATE_HZ,
-    Service,
-    Topic,
 )
-from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, standing
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, log_refusal, publish_health, standing
 from end_effector_hal.nodes.transport import (
     FrameMessage,
     MessageHeader,
     NodeTransport,
     StatusMessage,
+    status_to_message,
 )
-from end_effector_hal.runtime import Program, open_program
-from end_effector_hal.vocabulary import Alarm, Command, EndEffectorState, alarm_changes
+from end_effector_hal.runtime import open_program
+from end_effector_hal.vocabulary import Alarm, EndEffectorState, alarm_changes
 from end_effector_hal.wires import now_us
 
-from ._status_message import status_to_message
-
-P = TypeVar("P", bound=Program)
+_WORDS = {**{int(command): word for command, word in CHANNELS.items()}, ARM: "arm"}
+"""The commands of the internal service, as the program calls them."""
 _ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
-class ProgramNode(Generic[P]):
-    """Connects a program with a topic and a service; the program lives as long as the node.
+class ProgramNode:
+    """Publishes the statuses of the program at each step and at 10 Hz, and passes commands to it.
 
-    Args:
-        node: the connection to ROS.
-        description: the tool.
-        program: GripProgram or ChangerProgram.
-        state: the topic of its statuses: published at each step, and at 10 Hz.
-        command: the service that passes commands to it.
+    The program lives as long as the node.
     """
 
-    def __init__(
-        self, node: NodeTransport, description: Description, program: type[P], state: Topic, command: Service
-    ) -> None:
-        self._program, self._node, self._log = program.NAME, node, node.log
-        self._service = command
+    def __init__(self, node: NodeTransport, description: Description) -> None:
+        self._node, self._log = node, node.log
         self._frames = node.frames(description)
-        self._publish = node.publisher(state)
+        self._publish = node.publisher(GRIP_STATE)
         self._description = description
         self._since_us, self._count = now_us(), 0
         self._lock = threading.Lock()
@@ -67,14 +59,13 @@ class ProgramNode(Generic[P]):
         traces = Path(folder).expanduser() if folder else None
         limits = recording_limits(node)
         self.program = open_program(
-            program,
             description,
             self._on_status,
             traces=traces,
             limits=limits,
             judge=self._frames.judge,
         )
-        node.serve(command, self._on_command)
+        node.serve(GRIP_COMMAND, self._on_command)
         node.every(STATE_HZ, self._repeat)
         publish_health(node, description.name, self._health)
         node.on_close(self._close)
@@ -106,7 +97,7 @@ class ProgramNode(Generic[P]):
 
     def _repeat(self) -> None:
         if not self.program.alive:
-            self._node.fail(ReportedError(f"The program {self._program} has failed."))
+            self._node.fail(ReportedError("The program of the tool has failed."))
             return
         with self._lock:
             if self._last is not None:
@@ -118,34 +109,22 @@ class ProgramNode(Generic[P]):
     def _on_command(self, request: Any) -> Answer:
         answer = self._decide(request)
         if not answer.accepted:
-            known = request.command in PROGRAM_COMMANDS[self._program]
-            word = CHANNELS[Command(request.command)] if known else f"command {request.command}"
-            self.log_refusal("reset" if request.command == RESET else word, answer)
+            log_refusal(self._log, _WORDS.get(request.command, f"command {request.command}"), answer)
         with self._lock:
             return replace(answer, count=self._count)
 
-    def log_refusal(self, what: str, answer: Answer) -> None:
-        """Log one line about a command that was refused, or not answered in time."""
-        said = refused if answer.decided else unanswered
-        self._log.info("%s", said(what, answer.reason))
-
     def _decide(self, request: Any) -> Answer:
-        if why := self._node.refuse_unknown_caller(self._service, request):
+        if why := self._node.refuse_unknown_caller(GRIP_COMMAND, request):
             return Answer(False, why)
-        if request.command == RESET:
-            latched = bool(self.program.status.changer_fault)
-            return self.program.command("reset") if latched else Answer(True)
-        if request.command not in PROGRAM_COMMANDS[self._program]:
-            known = ", ".join(
-                f"{command.name} ({command.value})" for command in PROGRAM_COMMANDS[self._program]
-            )
+        if request.command not in _WORDS:
+            known = ", ".join(f"{word} ({command})" for command, word in _WORDS.items())
             return Answer(False, f"{request.command} is no command here; there are {known}.")
         if request.until_us and now_us() > request.until_us:
             return Answer(False, "The command came too late and was not executed.")
         if request.until_us > now_us() + round(COMMAND_VALID_S * 1e6):
             why = f"The command was not executed: until_us is more than {COMMAND_VALID_S:g} s ahead. Check the clock."
             return Answer(False, why)
-        return self.program.command(CHANNELS[Command(request.command)])
+        return self.program.command(_WORDS[request.command])
 
     def _close(self) -> None:
         self.program.close("sigterm")
