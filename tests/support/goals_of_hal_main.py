@@ -1,4 +1,4 @@
-"""HALMain's goals without a master: its nodes answer what a test says."""
+"""HALMain's goals without a master: Grip answers what a test says."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STAND_BY, GRIPPED, GRIPPING = 6, 3, 1
 NONE, GRIP, RELEASE = -1, 2, 3
 
 
-class Node:
+class Grip:
     """In place of the node that executes: answers what a test says, or hangs until it is let go."""
 
     def __init__(self) -> None:
@@ -60,7 +60,7 @@ class Hal:
 
         monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
         monkeypatch.setattr(rospy.rostime, "_rostime_current", None)
-        self.grip, self.tool_change = Node(), Node()
+        self.grip = Grip()
         monkeypatch.setattr(GoalServer, "start", start)
         self.state = EndEffectorState(state=GRIPPING, steps=[StepReport(actuator="cylinder")])
         log = logging.getLogger("tests.goals")
@@ -72,7 +72,7 @@ class Hal:
 
         node = SimpleNamespace(
             log=log,
-            command_client=lambda service: self.grip if service.server == "Grip" else self.tool_change,
+            command_client=lambda service: self.grip,
             offers=lambda action: True,
             action_server=serve,
         )
@@ -101,10 +101,10 @@ class Hal:
 
         wait_until("the acceptance", active)
 
-    def says(self, node: str = "Grip", **fields: Any) -> None:
+    def says(self, **fields: Any) -> None:
         from end_effector_msgs.msg import UnitStatus
 
-        self.goals.on_status(node, UnitStatus(**{"since_us": 5, "count": 7, "command": NONE, **fields}))
+        self.goals.on_status(UnitStatus(**{"since_us": 5, "count": 7, "command": NONE, **fields}))
 
     def end(self, goal_id: str = "a", action: str = "TriggerGrip") -> tuple[str, str]:
         """Names of status and outcome, once it is there."""

@@ -38,10 +38,6 @@ def position(name: str, kind: str) -> Topic:
     return Topic(name, f"end_effector_msgs/{kind}", STATES, ("Position",), ("HALMain",), latched=True)
 
 
-def unit(name: str, node: str, other: str) -> Topic:
-    return Topic(name, "end_effector_msgs/UnitStatus", STATES, (node,), (other, "HALMain"), latched=True)
-
-
 TOPICS = (
     Topic("EndEffectorState", "end_effector_msgs/EndEffectorState", STATES, ("HALMain",), latched=True),
     pressure("PressureVacuumBottom"),
@@ -57,10 +53,16 @@ TOPICS = (
         "end_effector_msgs/SensorFrame",
         FRAMES,
         ("Pressure",),
-        ("Grip", "ToolChange", "Position"),
+        ("Grip", "Position"),
     ),
-    unit("grip/state", "Grip", "ToolChange"),
-    unit("tool_change/state", "ToolChange", "Grip"),
+    Topic(
+        "grip/state",
+        "end_effector_msgs/UnitStatus",
+        STATES,
+        ("Grip",),
+        ("ToolChange", "HALMain"),
+        latched=True,
+    ),
     Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", HEALTH, NODES),
 )
 SERVICES = {
@@ -72,7 +74,7 @@ SERVICES = {
     "ResetFaults": ("std_srvs/Trigger", "Grip"),
     "StopTool": ("std_srvs/Trigger", "Grip"),
 }
-INTERNAL_SERVICES = {"grip/command": "Grip", "tool_change/command": "ToolChange"}
+INTERNAL_SERVICES = {"grip/command": "Grip"}
 COMMAND = "end_effector_msgs/HalCommand"
 ACTIONS = ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop")
 GRIPPER_CMD = {

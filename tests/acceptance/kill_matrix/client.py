@@ -15,11 +15,10 @@ from typing import Any
 ACTIONS = {"lock": "LockToolChanger", "unlock": "UnlockToolChanger", "grip": "TriggerGrip", "drop": "Drop"}
 HEARD = {
     "grip/state": "Grip",
-    "tool_change/state": "ToolChange",
     "sensor_frame": "Pressure",
     "PositionToolChanger": "Position",
 }
-"""A topic of each node, by which it is known to live."""
+"""A topic of a node, by which it is known to live; nothing waits for ToolChange."""
 STATE_FIELDS = ("state", "command", "actuator", "held", "lift_allowed", "tool_changer", "link_up", "at_us")
 PERIOD_S = 0.05
 
@@ -56,8 +55,7 @@ class Client(ABC):
 
     def came(self, message: Any, node: str) -> None:
         """A message of a node."""
-        adopted = {"Grip": "state", "ToolChange": "tool_changer"}.get(node)
-        if adopted is None or getattr(message, adopted):
+        if node != "Grip" or message.state:  # it has adopted its lines
             self._heard[node] = time.monotonic()
 
     def state_came(self, message: Any) -> None:

@@ -20,7 +20,6 @@ from tests.acceptance.kill_matrix.client import ACTIONS, HEARD, Client
 SUCCEEDED = 3
 TYPES = {
     "grip/state": UnitStatus,
-    "tool_change/state": UnitStatus,
     "sensor_frame": SensorFrame,
     "PositionToolChanger": ToolChangerPosition,
 }

@@ -18,7 +18,6 @@ from tests.acceptance.kill_matrix.client import ACTIONS, HEARD, Client
 SUCCEEDED = 4
 TYPES = {
     "grip/state": UnitStatus,
-    "tool_change/state": UnitStatus,
     "sensor_frame": SensorFrame,
     "PositionToolChanger": ToolChangerPosition,
 }

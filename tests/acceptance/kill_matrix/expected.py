@@ -7,11 +7,12 @@ Rules (section 5 of the contract, and what follows from it):
   unwinds in release order, `hold` and `leave` move nothing. While it is releasing, the release is carried out. The
   tool changer ends locked. What the program that starts anew finds active is released where ``power_up`` says so;
   what is left, if it is part of a grip alone, is a GRIP_ERROR.
-* A line arbiter that dies moves nothing, and the programs go on when it is back. A release that ends before that writes
-  nothing any more: what is left of it stays active, a latched GRIP_ERROR. One that hangs for longer than its
+* A line arbiter that dies moves nothing, and the program goes on when it is back. A release that ends before that
+  writes nothing any more: what is left of it stays active, a latched GRIP_ERROR. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
-* The one process of ROS 2, or without ROS (HAL), is all nodes at once: both programs get their ending, and nobody reads
-  the sensors. If the line arbiter dies with it, nothing moves until both are back; then the programs get their ending.
+* The node Grip runs the program; the one process of ROS 2, or without ROS (HAL), is all nodes at once: with it nobody
+  reads the sensors. If the line arbiter dies with it, nothing moves until both are back; then the program gets its
+  ending.
 * A master that goes away makes every node end in order, and start anew once it is back.
 * Who owns no line moves none: what runs, goes on. What lacks readings meanwhile waits, holds, and confirms nothing;
   a release without readings may end in RELEASE_ERROR.
@@ -67,9 +68,9 @@ class Expected:
 
 def expected(description: Description, cell: Cell) -> Expected:
     """The declared ending of a cell."""
-    grip, change = _ending(cell, "grip"), _ending(cell, "tool_change")
+    ending = _ending(cell)
     if cell.state == UNLOCKING:
-        return _unlocking(description, cell, change)
+        return _unlocking(description, cell, ending)
     lines = [actuator.line for _, actuator in description.ordered]
     releasing = [description.actuators[name].line for name in description.releasing]
     engaged: list[str] = []
@@ -77,22 +78,22 @@ def expected(description: Description, cell: Cell) -> Expected:
     why, moved, after = "nothing moves", (), {State.STAND_BY}
     if cell.state == GRIPPED:
         engaged, why, after = lines, "held", {State.GRIPPED}
-        if grip != GOES_ON:
-            at_once, later = _released(description, cell.state, grip, engaged)
+        if ending != GOES_ON:
+            at_once, later = _released(description, cell.state, ending, engaged)
             moved = _off([*at_once, *later])
             why = "released" if moved else why
             after = {_adopted(description, engaged, moved, State.GRIPPED)}
     elif cell.state == RELEASING:
         engaged, why, moved = releasing[1:], "release ends", _off(releasing[1:])
-        if grip == GOES_ON and (_blinds(cell) or cell.process == "LineArbiter"):
+        if ending == GOES_ON and (_blinds(cell) or cell.process == "LineArbiter"):
             after = {State.STAND_BY, State.RELEASE_ERROR}
     elif cell.state.startswith(GRIPPING):
         engaged = lines[: description.sequence.index(cell.step) + 1]
-        if grip == GOES_ON:
+        if ending == GOES_ON:
             why, after = "grip goes on", {State.GRIPPED}
             moved = tuple((line, True) for line in lines[len(engaged) :])
         else:
-            at_once, later = _released(description, cell.state, grip, engaged)
+            at_once, later = _released(description, cell.state, ending, engaged)
             moved = _off([*at_once, *later])
             why = "unwound" if moved else "held"
             after = {_adopted(description, engaged, moved, State.GRIP_ERROR)}
@@ -101,8 +102,8 @@ def expected(description: Description, cell: Cell) -> Expected:
     active = {line for line, level in (*((line, True) for line in engaged), *moved) if level}
     active -= {line for line, level in moved if not level}
     locked = frozenset({ChangerState.LOCKED})
-    first_s = _first_s(cell) if grip != GOES_ON and moved and at_once else None
-    may_keep = cell.state == RELEASING and cell.process == "LineArbiter" and grip == GOES_ON
+    first_s = _first_s(cell) if ending != GOES_ON and moved and at_once else None
+    may_keep = cell.state == RELEASING and cell.process == "LineArbiter" and ending == GOES_ON
     return Expected(why, moved, (), frozenset(active), frozenset(after), locked, first_s, may_keep)
 
 
@@ -128,35 +129,34 @@ def _adopted(description: Description, engaged: list[str], moved: tuple[Switch, 
     return whole if left == len(description.sequence) else State.GRIP_ERROR
 
 
-def _unlocking(description: Description, cell: Cell, change: str) -> Expected:
+def _unlocking(description: Description, cell: Cell, ending: str) -> Expected:
     """Whatever ends: the unlock output goes inactive (IL-03 at the latest), the spring locks."""
     assert description.tool_changer is not None
     changers = {ChangerState.LOCKED}
-    if change != GOES_ON or _blinds(cell) or cell.process == "LineArbiter":
+    if ending != GOES_ON or _blinds(cell) or cell.process == "LineArbiter":
         # the lock may not be proven in time (IL-04), or adopted before it is
         changers |= {ChangerState.FAULT, ChangerState.UNKNOWN}
     off = ((description.tool_changer.line, False),)
-    own = change == GOES_ON or getattr(description.tool_changer.endings, change) != "release"
+    own = ending == GOES_ON or getattr(description.tool_changer.endings, ending) != "release"
     after, first_s = frozenset({State.STAND_BY}), None if own else _first_s(cell)  # else: IL-03 in its time
     return Expected("relocked", (), off, frozenset(), after, frozenset(changers), first_s)
 
 
-def _ending(cell: Cell, program: str) -> str:
-    """The key of the ending that a program gets, or that it goes on."""
+def _ending(cell: Cell) -> str:
+    """The key of the ending that the program gets, or that it goes on."""
     ending = "sigterm" if cell.signal == "SIGTERM" else "process_death"
-    own = {"grip": "Grip", "tool_change": "ToolChange"}[program]
     if cell.process == "LineArbiter" and cell.signal == "SIGSTOP":
         ending = "process_death"
     elif cell.process == "roscore" and cell.ends:
         ending = "sigterm"
-    elif cell.process not in (own, "HAL", BOTH):
+    elif cell.process not in ("Grip", "HAL", BOTH):
         return GOES_ON
     return ending
 
 
 def _first_s(cell: Cell) -> float | None:
     """How long a will may wait: for a socket that closes, for an orderly end, or for the end of a lease."""
-    if cell.process not in ("Grip", "ToolChange", "HAL"):
+    if cell.process not in ("Grip", "HAL"):
         return None
     return {"SIGKILL": 0.5, "SIGTERM": 1.5, "SIGSTOP": 1.0 + 0.5}[cell.signal]
 

@@ -155,7 +155,7 @@ def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
     description = load_tool(arguments.description)
     if description.tool_changer is None and arguments.ros != "none":
         raise UsageError(
-            "The matrix kills a node ToolChange as well: it takes a tool with a tool changer.",
+            "The matrix hears the node Position by the place of the tool changer: it takes a tool with a tool changer.",
             where=str(arguments.description),
         )
     if not arguments.cells:

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.arbiter import HAL, ArbiterClient
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
-from tests.acceptance.kill_matrix.cells import NODES
+from tests.acceptance.kill_matrix.client import HEARD
 from tests.acceptance.kill_matrix.hands import Hands
 from tests.acceptance.kill_matrix.observer import Observer
 from tests.acceptance.kill_matrix.waiting import until
@@ -56,7 +56,7 @@ class System(ABC):
     """
 
     launched: Sequence[str] = ()
-    nodes: Sequence[str] = NODES
+    nodes: Sequence[str] = ("HALMain", *HEARD.values())
 
     def __init__(self, folder: Path, description: Description | None = None) -> None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -138,15 +138,11 @@ class System(ABC):
             return set()
 
     def is_up(self) -> bool:
-        """Every node was heard just now, the link is up, both programs hold their lease."""
+        """Every node was heard just now, the link is up, the program holds its lease."""
         state = self.hands.look()
         obstacles = [alarm for alarm in state.get("alarms", ()) if not alarm.startswith(LATCHED)]
         up = not self._silent() and bool(state) and state["link_up"] and not obstacles
-        return up and self.clients_of_the_arbiter() >= self._programs
-
-    @property
-    def _programs(self) -> set[str]:
-        return {"grip", "tool_change"} if self.description.tool_changer else {"grip"}
+        return up and HAL in self.clients_of_the_arbiter()
 
     def why_not_up(self) -> str:
         """What `is_up` lacks, in words."""

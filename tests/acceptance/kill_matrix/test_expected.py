@@ -35,7 +35,8 @@ def description() -> Description:
         ("LineArbiter:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("LineArbiter:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
-        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("Grip:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("ToolChange:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("HAL:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
@@ -96,7 +97,7 @@ def test_each_actuator_has_its_own_ending() -> None:
         ("Grip:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
         ("Grip:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
         ("LineArbiter:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
-        ("ToolChange:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
+        ("Grip:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
     ],
 )
 def test_mixed_endings(cell: str, state: State, moved: list[str], active: list[str]) -> None:

@@ -23,7 +23,6 @@ def hal(monkeypatch: pytest.MonkeyPatch) -> Iterator[Hal]:
     hal = Hal(monkeypatch)
     yield hal
     hal.grip.goes_on.set()
-    hal.tool_change.goes_on.set()
     hal.goals.close()
 
 
@@ -64,7 +63,7 @@ def failed_without_words(hal: Hal) -> None:
 
 def gone(hal: Hal) -> None:
     begun(hal)
-    hal.goals.tick(("Grip",))
+    hal.goals.tick(gone=True)
 
 
 def started_again(hal: Hal) -> None:
@@ -94,9 +93,9 @@ def after_the_end(hal: Hal) -> None:
 
 
 def at_the_end_waiting(hal: Hal) -> None:
-    hal.tool_change.goes_on.clear()
+    hal.grip.goes_on.clear()
     hal.send("first", "LockToolChanger")
-    wait_until("the first is asked", lambda: hal.tool_change.asked)
+    wait_until("the first is asked", lambda: hal.grip.asked)
     hal.send()
     hal.goals.close()
 
@@ -129,12 +128,12 @@ def overtaken(hal: Hal) -> None:
 
 
 def cancelled_while_it_waited(hal: Hal) -> None:
-    hal.tool_change.goes_on.clear()
+    hal.grip.goes_on.clear()
     hal.send("first", "LockToolChanger")
-    wait_until("the first is asked", lambda: hal.tool_change.asked)
+    wait_until("the first is asked", lambda: hal.grip.asked)
     hal.send()
     hal.cancel()
-    hal.tool_change.goes_on.set()
+    hal.grip.goes_on.set()
 
 
 ENDS = [
@@ -188,17 +187,6 @@ def test_who_waited_for_a_node_that_did_not_answer_is_not_asked_for(hal: Hal) ->
     hal.send("later")
     hal.accepted("later")
     assert hal.grip.asked == [RELEASE, GRIP], "the next goal is"
-
-
-def test_a_goal_that_waits_for_its_decision_is_in_nobodys_way(hal: Hal) -> None:
-    hal.tool_change.goes_on.clear()
-    hal.send("first", "LockToolChanger")
-    wait_until("the first is asked", lambda: hal.tool_change.asked)
-    hal.send("drop", "Drop")
-    hal.tool_change.replies = [Answer(False, "The node ToolChange does not answer.", decided=False)]
-    hal.tool_change.goes_on.set()
-    hal.accepted("drop")
-    assert hal.end("first", "LockToolChanger") == ("REJECTED", "UNREACHABLE")
 
 
 def test_a_cancel_of_a_goal_that_is_asked_for_reaches_its_node(hal: Hal) -> None:

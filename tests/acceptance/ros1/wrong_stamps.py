@@ -8,8 +8,8 @@ import time
 import rospy
 from end_effector_msgs.msg import SensorFrame
 
-LISTENERS = 4
-"""Grip, ToolChange, Position, DataLogger."""
+LISTENERS = 3
+"""Grip, Position, DataLogger."""
 
 
 def main(stamps: list[int]) -> None:
