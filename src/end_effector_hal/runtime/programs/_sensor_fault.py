@@ -66,7 +66,7 @@ class SensorFault:
         try:
             if shown and not self._is_latched:
                 self._is_latched = True
-                self._keeper.latch(SENSOR_FAULT, status.reason)
+                self._keeper.latch(SENSOR_FAULT, status.changer_reason)
             elif not shown and self._is_reset:
                 self._is_latched = self._is_reset = self._was_found = False
                 self._keeper.clear(SENSOR_FAULT)
