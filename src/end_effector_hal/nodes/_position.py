@@ -60,7 +60,7 @@ class PositionNode:
     def __init__(self, node: NodeTransport) -> None:
         description = node.description()
         self._log, self._frames = node.log, node.frames(description)
-        self._senses = SensorSet(description, carrier_of(description), self._frames.judge)
+        self._senses = SensorSet(description, carrier_of(description))
         self._looked_us = 0
         self._lock = threading.Lock()
         order = {name: index for index, name in enumerate(description.sequence)}

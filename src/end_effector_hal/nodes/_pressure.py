@@ -45,20 +45,18 @@ class PressureNode:
             channel: node.publisher(topic) for channel, topic in pressure_topics(description)
         }
         self._frames = node.frames(description)
-        judge = self._frames.judge
-        self._senses = SensorSet(description, carrier_of(description), judge)
+        self._senses = SensorSet(description, carrier_of(description))
         self._looked_us = 0
         self._lock = threading.Lock()
         self._unknown: set[str] = set()
         """Pressures whose last published value is NaN."""
-        self._predicates = PredicatePublisher(description, judge=judge)
+        self._predicates = PredicatePublisher(description)
         node.on_close(self._predicates.close)
         self._predicates.start()
         self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
         publish_health(node, description.name, self._health, hardware=self._reader.where)
         node.on_close(self._reader.close)
         node.every(STATE_HZ, self._tick)
-        # all who look at the same frames begin with the same one: so that it is judged once
         node.on_start(self._reader.start, last=True)
 
     def _on_frame(self, frame: Frame) -> None:

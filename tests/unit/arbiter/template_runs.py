@@ -17,7 +17,9 @@ from timed_automata import make_network, read_document
 from timed_automata.explore import Explorer
 
 MS = 1000
-_KEPT = re.compile(r"\t<template>\s*<name[^>]*>(?:Arbiter|UnlockLine|Blower|Wills)</name>.*?</template>\n", re.DOTALL)
+_KEPT = re.compile(
+    r"\t<template>\s*<name[^>]*>(?:Arbiter|UnlockLine|Blower|Wills)</name>.*?</template>\n", re.DOTALL
+)
 _STATES = (
     (EndEffectorState.GRIPPING, Command.GRIP),
     (EndEffectorState.GRIPPED, Command.NONE),

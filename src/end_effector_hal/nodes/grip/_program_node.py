@@ -63,7 +63,6 @@ class ProgramNode:
             self._on_status,
             traces=traces,
             limits=limits,
-            judge=self._frames.judge,
         )
         node.serve(GRIP_COMMAND, self._on_command)
         node.every(STATE_HZ, self._repeat)

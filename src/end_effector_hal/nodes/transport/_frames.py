@@ -9,7 +9,6 @@ from collections.abc import Mapping
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Kind, StampGate
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
@@ -48,13 +47,9 @@ AMBIENT_PA = 101_325
 
 
 class Frames:
-    """Frames and their messages, for the nodes of one process that work with the same tool; thread-safe.
-
-    Nodes that get the same message get the same frame, so that ``judge`` judges it only once.
-    """
+    """Frames and their messages, for the nodes of one process that work with the same tool; thread-safe."""
 
     def __init__(self, description: Description) -> None:
-        self.judge = FrameJudge()
         self._kinds = carrier_of(description).channels
         self._newest: tuple[object, Frame | None] = (None, None)
 

@@ -17,7 +17,9 @@ def test_the_mutant_is_caught(mutant, shipped):
     assert shipped.catches(mutant), f"{mutant['name']}: survives"
 
 
-@pytest.mark.parametrize("mutant", [each for each in MUTANTS if "forgets" in each], ids=lambda each: each["name"])
+@pytest.mark.parametrize(
+    "mutant", [each for each in MUTANTS if "forgets" in each], ids=lambda each: each["name"]
+)
 def test_the_line_arbiter_alone_keeps_what_the_program_forgets(mutant, shipped):
     query = {each.id: each.query for each in requirements_of(shipped.network())}[mutant["caught_by"]]
     assert overview(shipped.original(mutant), [query]).answers[0]
