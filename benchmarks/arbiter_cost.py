@@ -17,7 +17,7 @@ from typing import Any
 from figures import Figures, figures
 from usage import Meter, Usage
 
-from end_effector_hal.arbiter import ArbiterClient, PredicateSender, output_lines, program_lines
+from end_effector_hal.arbiter import HAL, ArbiterClient, PredicateSender, client_lines, output_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
@@ -63,7 +63,7 @@ class ArbiterCost:
 def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> ArbiterCost:
     """Measure commands in alternating blocks, directly and through the arbiter; then hold for ``hold_s``."""
     description = load(profile_path())
-    gripping, changing = (program_lines(description, program) for program in ("grip", "tool_change"))
+    gripping = [part.line for _, part in description.ordered]
     line = gripping[0]
     unwind = [LastWillStep(each) for each in reversed(gripping)]
     with ExitStack() as stack:
@@ -72,20 +72,19 @@ def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> A
         chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
         arbiter = stack.enter_context(_arbiter(chips["owned"], folder / "sock"))
         stack.enter_context(_told(folder / "sock"))
-        stack.enter_context(ArbiterClient(folder / "sock", "tool_change", changing))
-        grip = stack.enter_context(ArbiterClient(folder / "sock", "grip", gripping))
+        hal = stack.enter_context(ArbiterClient(folder / "sock", HAL, client_lines(description, HAL)))
         backend = VirtualLines(chips["direct"])
         backend.request(lines)
         stack.callback(backend.close)
-        # with the will of each step, as the gripping program leaves it
-        owned = _Commands(chips["owned"], lambda level: grip.set({line: level}, unwind if level else []))
+        # with the will of each step, as the program leaves it
+        owned = _Commands(chips["owned"], lambda level: hal.set({line: level}, unwind if level else []))
         direct = _Commands(chips["direct"], lambda level: backend.set({line: level}))
         for block in range(blocks):
             say(f"block {block + 1} of {blocks}")
             direct.run()
             owned.run()
         say(f"holding for {hold_s:g} s")
-        grip.set({line: True}, [])
+        hal.set({line: True}, [])
         meter = Meter({"line arbiter": arbiter.pid})
         sleep(hold_s)
         usage = meter.read()["line arbiter"]

@@ -1,8 +1,8 @@
 """Counts the Python function calls on the first visit of a state, from an event to a line.
 
 ``python benchmarks/calls.py [--profile]`` prints three numbers: from a frame to a line, from a goal to a line, and
-from the death of a program, once the line arbiter has detected it (`LineArbiter.declare_dead`), to its last will. Both
-programs and the line arbiter run in this process, with a chip in memory behind the arbiter's real socket. Calls are
+from the death of the program, once the line arbiter has detected it (`LineArbiter.declare_dead`), to its last will. The
+program and the line arbiter run in this process, with a chip in memory behind the arbiter's real socket. Calls are
 counted in the thread that delivers the event, up to the write to the arbiter, and in the arbiter, up to the write to
 the chip; nothing is logged. Each path is run in three fresh tools, and the least count is used, since a renewal of a
 lease may come between. ``--profile`` also lists the functions.
@@ -24,10 +24,9 @@ from pathlib import Path
 from types import FrameType
 
 from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, PredicatePublisher, arbiter_policy
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, load, profile_path, socket_path
-from end_effector_hal.runtime import ChangerProgram, GripProgram, open_program
-from end_effector_hal.sensing import FrameJudge
+from end_effector_hal.runtime import open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState, Evidence, LastWillStep
 from end_effector_hal.wires import now_us
@@ -104,7 +103,7 @@ class Chip:
 
 
 class Tool:
-    """The shipped tool: both programs and the arbiter, which runs in its own thread except while it is counted."""
+    """The shipped tool: its program and the arbiter, which runs in its own thread except while it is counted."""
 
     def __init__(self, folder: Path) -> None:
         os.environ["EEHAL_RUN_DIR"] = str(folder)
@@ -116,23 +115,14 @@ class Tool:
         self._serves, self._ended = threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
-        judge = FrameJudge()
-        self.predicates = PredicatePublisher(self.description, judge=judge)
-        self.grip = open_program(GripProgram, self.description, self._gripper_moved, judge=judge)
-        self.change = open_program(ChangerProgram, self.description, self._changer_moved, judge=judge)
-        for program in (self.grip, self.change):
-            program.start()
+        self.predicates = PredicatePublisher(self.description)
+        self.program = open_program(self.description, publisher=self.predicates)
+        self.program.start()
 
     def _serve(self) -> None:
         while not self._ended.wait(0.0005):
             with self._serves:
                 self.arbiter.step(0)
-
-    def _gripper_moved(self, status: Status) -> None:
-        self.change.update_peer(ee=status.ee)
-
-    def _changer_moved(self, status: Status) -> None:
-        self.grip.update_peer(unlock_valve=int(status.unlock_output))
 
     def frame(self) -> Frame:
         """Return sensor values that match the lines; they vary, since a constant sensor counts as frozen."""
@@ -150,11 +140,7 @@ class Tool:
 
     def deliver(self, frame: Frame) -> None:
         """Process a frame, as in the thread of the link."""
-        self.predicates.frame(frame, self._pass_on)
-
-    def _pass_on(self, frame: Frame) -> None:
-        self.grip.frame(frame)
-        self.change.frame(frame)
+        self.program.frame(frame)
 
     def until(self, reached: Callable[[], bool]) -> None:
         """Deliver frames until a condition holds."""
@@ -163,11 +149,11 @@ class Tool:
                 return
             self.deliver(self.frame())
             time.sleep(PERIOD_S)
-        raise SystemExit(f"The tool did not come so far: {self.grip.status}.")
+        raise SystemExit(f"The tool did not come so far: {self.program.status}.")
 
     def ready(self) -> bool:
         """Return whether a grip can begin."""
-        status = self.grip.status
+        status = self.program.status
         return (
             status.ee == EndEffectorState.STAND_BY
             and Evidence.UNKNOWN not in status.evidence
@@ -176,14 +162,14 @@ class Tool:
 
     def from_frame(self) -> Counter[str]:
         """Count from the frame that confirms the first actuator to the line of the second."""
-        self._accepted(self.grip.command("grip"))
+        self._accepted(self.program.command("grip"))
         for _ in range(MOST_FRAMES):
             time.sleep(PERIOD_S)
             frame = self.frame()
             with self._serves:
                 if sent := Count().of(lambda frame=frame: self.deliver(frame)):
                     return sent + self._arbiter_until_line()
-        raise SystemExit(f"No line followed a frame: {self.grip.status}.")
+        raise SystemExit(f"No line followed a frame: {self.program.status}.")
 
     @staticmethod
     def _accepted(answer: Answer) -> None:
@@ -195,7 +181,7 @@ class Tool:
         count, answers = Count(), list[Answer]()
 
         def command() -> None:
-            count.of(lambda: answers.append(self.grip.command("grip")))
+            count.of(lambda: answers.append(self.program.command("grip")))
 
         with self._serves:
             thread = threading.Thread(target=command)
@@ -211,10 +197,11 @@ class Tool:
 
     def from_death(self) -> Counter[str]:
         """Count from the detected death of a program to the first line of its last will."""
-        self.grip.close()
+        self.program.close()
+        predicates = PredicatePublisher(self.description)
         line = self.description.ordered[0][1].line
         with suppress(_DeathError), ArbiterClient(socket_path(self.description), "dying", [line]) as dying:
-            self.predicates.frame(self.frame())
+            predicates.frame(self.frame())
             dying.set({line: True}, [LastWillStep(line)])
             time.sleep(SETTLED_S)
             self._serves.acquire()
@@ -233,9 +220,8 @@ class Tool:
         raise SystemExit("The arbiter has written no line.")
 
     def close(self) -> None:
-        """End the programs, then the arbiter."""
-        for program in (self.grip, self.change):
-            program.close()
+        """End the program, then the arbiter."""
+        self.program.close()
         self.predicates.close()
         self._ended.set()
         self._thread.join()

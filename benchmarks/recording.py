@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from calls import AT_REST
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import GripProgram
+from end_effector_hal.runtime import Program
 from end_effector_hal.runtime.boundary import NULL_RECORDER, open_recorder
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import LastWillStep
@@ -53,8 +53,8 @@ def block(*, recorded: bool) -> list[float]:
 
     found = []
     with tempfile.TemporaryDirectory() as folder:
-        recorder = open_recorder(folder, description, "grip") if recorded else NULL_RECORDER
-        program = GripProgram(description, _Lines(), on_status, recorder)
+        recorder = open_recorder(folder, description) if recorded else NULL_RECORDER
+        program = Program(description, _Lines(), on_status, recorder)
         program.start()
         for number in range(FRAMES):
             told.clear()

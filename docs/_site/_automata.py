@@ -18,8 +18,7 @@ DRAWN = ROOT / "docs" / "images" / "automata"
 def automata() -> str:
     """Each template, in the order of its file, and what executes it."""
     tool = load(profile_path())
-    executed = dict.fromkeys(tool.automata.grip, "Executed in Grip.")
-    executed |= dict.fromkeys(tool.automata.tool_change, "Executed in ToolChange.")
+    executed = dict.fromkeys(tool.automata.executed, "Executed by the HAL.")
     tools = _templates(tool.automata_path, executed, "Part of the environment, which the proof needs.")
     coils = _templates(COILS_FILE, {}, "Of `two_coils.xml`, which proves outputs with two coils.")
     bus = _templates(BUS_FILE, {}, "Of `bus_output.xml`, which proves outputs on a bus.")

@@ -40,7 +40,7 @@ def mutants() -> str:
             else "Of these none survives; the others are not judged."
         )
     tool = load(profile_path())
-    executed = (*tool.automata.grip, *tool.automata.tool_change)
+    executed = tool.automata.executed
     for template in load_automata(tool).document.templates:
         if template.name.content.strip() in executed:
             parts += _edges(template)

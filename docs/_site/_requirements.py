@@ -24,13 +24,8 @@ def requirements() -> str:
     """All of them, in the order of the file."""
     tool = load(profile_path())
     network, automata = network_of(tool), tool.automata
-    recordings = {
-        f"`{program}.mcap`": {
-            query.comment
-            for query in Monitor(network, processes, automata.interface, requirements=True).queries
-        }
-        for program, processes in (("grip", automata.grip), ("tool_change", automata.tool_change))
-    }
+    monitor = Monitor(network, automata.executed, automata.interface, requirements=True)
+    recordings = {"`hal.mcap`": {query.comment for query in monitor.queries}}
     mutants = tomllib.loads(MUTANTS.read_text(encoding="utf-8"))["mutant"]
     parts = [
         part

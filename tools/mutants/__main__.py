@@ -94,12 +94,12 @@ def command(
 
 
 def _executed(tool: Description, template: str | None) -> tuple[str, ...]:
-    executed = (*tool.automata.grip, *tool.automata.tool_change)
+    executed = tool.automata.executed
     if template is None:
         return executed
     if template not in executed:
         todo = f"There are: {', '.join(executed)}."
-        raise UsageError(f"No program executes a template {template!r}.", todo=todo)
+        raise UsageError(f"Nothing executes a template {template!r}.", todo=todo)
     return (template,)
 
 

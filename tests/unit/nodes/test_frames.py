@@ -38,13 +38,3 @@ def test_only_nodes_of_equal_descriptions_share(verdin: Description) -> None:
     shared, other = SharedFrames(), verdin.model_copy(update={"name": "another"})
     assert shared.of(verdin) is shared.of(verdin.model_copy())
     assert shared.of(other) is not shared.of(verdin)
-
-
-def test_nodes_that_begin_with_the_same_frame_share_what_it_leads_to(verdin: Description) -> None:
-    frames, codec = Frames(verdin), get_codec(verdin.link.codec)
-    ones, others = (SensorSet(verdin, codec, frames.judge) for _ in range(2))
-    for at in range(20_000, 400_000, 20_000):
-        message = frames.message_of(Frame(at, at // 20_000, at // 1000, dict.fromkeys(codec.channels, 0)))
-        for senses in (ones, others):
-            senses.frame(frames.frame_of(message))
-        assert ones.now is others.now
