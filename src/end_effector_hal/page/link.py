@@ -1,4 +1,4 @@
-"""The page's clients for the sockets of the programs and of a testbench: records in, commands out."""
+"""The page's clients for the sockets of the HAL and of a testbench: records in, commands out."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import asyncio
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any
 
-from end_effector_hal.control import PROGRAMS, Answer
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
 from end_effector_hal.faults import (
     TESTBENCH_RECORDS,
@@ -19,7 +18,7 @@ from end_effector_hal.faults import (
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.runtime import reset, stop
 from end_effector_hal.runtime.boundary import STREAMED
-from end_effector_hal.runtime.stream import program_of, program_socket
+from end_effector_hal.runtime.stream import program_socket
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc.aio import AsyncClient
 
@@ -27,7 +26,7 @@ RESET_S = 5.0
 
 
 class ToolLink:
-    """Passes records to a view, and commands to the programs.
+    """Passes records to a view, and commands to the HAL.
 
     Args:
         description: the tool.
@@ -39,23 +38,18 @@ class ToolLink:
         self._workers = {word: ThreadPoolExecutor(1, word) for word in ("stop", "reset")}
         for worker in self._workers.values():
             worker.submit(int).result()  # the thread exists from now on: a command needs no new one
-        self._links = {
-            name: AsyncClient(
-                program_socket(description, name),
-                f"The {name} program",
-                STREAMED,
-                partial(self._take, name),
-                partial(self._lost, name),
-            )
-            for name in PROGRAMS
-        }
-
-    async def run(self) -> None:
-        """Follow both programs until cancelled."""
-        await asyncio.gather(*(link.run() for link in self._links.values()))
+        self._client = AsyncClient(
+            program_socket(description),
+            "The HAL",
+            STREAMED,
+            lambda kind, at, record: view.take(kind, at, record, now_us()),
+            lambda why: view.lose(why, now_us()),
+        )
+        self.run = self._client.run
+        """Follow the HAL until cancelled."""
 
     async def command(self, word: str, actuator: str = "") -> Answer:
-        """Request a command of `PROGRAM_WORDS`, ``reset`` or ``stop``; always return an answer."""
+        """Request a command of `WORDS`, or ``stop``; always return an answer."""
         if word == "stop":
             return await self._at_the_arbiter("stop", partial(stop, self._description))
         if word == "reset":
@@ -63,10 +57,10 @@ class ToolLink:
         return await self._ask(word, actuator)
 
     async def _ask(self, word: str, actuator: str = "") -> Answer:
-        return Answer(*await self._links[program_of(word)].request(command=word, actuator=actuator))
+        return Answer(*await self._client.request(command=word, actuator=actuator))
 
     async def _reset(self) -> Answer:
-        """Reset the tool changer, then the latched faults of programs and line arbiter, as `EndEffector.reset` does."""
+        """Reset the tool changer, then the latched faults of the line arbiter, as `EndEffector.reset` does."""
         answers = []
         status = self._view.status()
         if status is not None and status.changer_fault:
@@ -91,17 +85,11 @@ class ToolLink:
             if status is not None and not status.changer_fault:
                 return answer
         status = self._view.status()
-        return Answer(False, status.reason if status else "") if answer.accepted else answer
-
-    def _take(self, program: str, kind: str, at: int, record: Any) -> None:
-        self._view.take(program, kind, at, record, now_us())
-
-    def _lost(self, program: str, why: str) -> None:
-        self._view.lose(program, why, now_us())
+        return Answer(False, status.changer_reason if status else "") if answer.accepted else answer
 
 
 class _Acknowledged:
-    """A stand-in for the gripping program, which has been asked before."""
+    """A stand-in for the program, which has been asked before."""
 
     def acknowledge(self) -> None:
         pass

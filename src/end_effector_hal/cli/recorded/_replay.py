@@ -148,7 +148,7 @@ def _tell(review: Review) -> None:
     header = trace.header
     version = f"version {header.version}, " if header.version else ""
     click.echo(
-        f"{trace.file.path}: {header.program} of {header.description} ({version}{header.hash}), "
+        f"{trace.file.path}: {header.description} ({version}{header.hash}), "
         f"{trace.seconds(trace.last_at):.3f} s, {replay.inputs} inputs"
     )
     if replay.difference is None:

@@ -224,7 +224,7 @@ def _own_folder(folder: Path) -> Path:
 
 
 def _try_to_write(folder: Path) -> None:
-    """Check that the folder can be written, so that the error appears once at the start and not once per program."""
+    """Check that the folder can be written, so that the error appears at the start."""
     with os_errors("The recording cannot be written", folder, todo="Name another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()

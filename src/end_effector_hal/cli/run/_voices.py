@@ -349,14 +349,13 @@ class Changes:
         self._alarms = status.alarms
         with self._told:
             self._shown = _shown(status)
-            self._at = max(self._at, status.at)  # the two programs may tell in another order than it happened
+            self._at = max(self._at, status.at)  # one about a listener may be newer than the next one
             self._told.notify_all()
 
     def catch_up(self, status: Status) -> None:
         """Wait until a status has been reported, for a second at most, so that a result is printed after its states.
 
-        Several statuses of one reaction have the same time, and the two programs report in turn: the time alone does
-        not identify the reported status.
+        Several statuses of one reaction have the same time: the time alone does not identify the reported status.
         """
         with self._told:
             self._told.wait_for(lambda: self._at >= status.at and self._shown == _shown(status), CAUGHT_UP_S)

@@ -73,7 +73,7 @@ class TablesBuilder:
         self._changer: list[ChangerRow] = []
 
     def status(self, status: Status) -> None:
-        """Add a status of the whole tool."""
+        """Add a status of the tool."""
         at_s = (status.at - self._epoch) / 1e6
         self._alarms += changed_alarms(at_s, self._standing, status.alarms)
         self._standing = status.alarms

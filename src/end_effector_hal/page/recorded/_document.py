@@ -97,8 +97,7 @@ class _Fold:
         self._edge_list: list[dict[str, Any]] = []
         self._changes: list[dict[str, Any]] = []
         self._seen = [0, 0, 0]
-        self._lost: set[str] = set()
-        self._runs: dict[str, str] = {}
+        self._lost, self._run = False, ""
         self._ended = ""
 
     def run(self) -> FoldedRecording:
@@ -137,14 +136,14 @@ class _Fold:
 
     def _take(self, entry: Entry) -> bool:
         """Process one record and return whether more than readings may have changed."""
-        at, program, kind, record = entry
+        at, kind, record = entry
         view = self._view
         if kind == "header":
-            self._lost.discard(program)
-            self._begin(program, record)
+            self._lost = False
+            self._begin(record)
         elif kind == "unreadable":
-            self._lose(program, at, "The rest of the recording cannot be read.")
-        if program in self._lost or record is None:
+            self._lose(at, "The rest of this trace cannot be read.")
+        if self._lost or record is None:
             return kind == "unreadable"
         if kind == TOLD:
             view.log.told(at, record)
@@ -152,18 +151,18 @@ class _Fold:
         try:
             if kind == "status":
                 self._check(record)
-            view.take(program, kind, at, record, at)
-            if kind == "frame" and program == "grip":
+            view.take(kind, at, record, at)
+            if kind == "frame":
                 self._tables.frame(at, record.values)
             if kind == "status":
-                view.take(program, PUBLISHED, at, Published(record.at, record, {}), at)
+                view.take(PUBLISHED, at, Published(record.at, record, {}), at)
         except Exception as error:  # noqa: BLE001 what was damaged, or is of another version, ends no page
             self._files.notes.append(
-                f"From {(at - self._epoch) / 1e6:.3f} s on the {program} program is not shown: its record {kind} does "
-                f"not fit what came before ({str(error) or type(error).__name__})."[:600]
+                f"From {(at - self._epoch) / 1e6:.3f} s on the HAL is not shown: its record {kind} does not fit "
+                f"what came before ({str(error) or type(error).__name__})."[:600]
             )
             self._files.whole = False
-            self._lose(program, at, f"Its record {kind} does not fit what came before.")
+            self._lose(at, f"Its record {kind} does not fit what came before.")
             return True
         self._drain()
         if kind in ("status", PUBLISHED) and (status := view.status()) is not None:
@@ -180,20 +179,20 @@ class _Fold:
         for (_, part), value in zip(parts, status.actuators, strict=True):
             kind_of(part).states(value)
 
-    def _begin(self, program: str, header: Any) -> None:
-        if self._runs.get(program) == header.run:
+    def _begin(self, header: Any) -> None:
+        if self._run == header.run:
             if header.gap is not None:
-                text = f"{header.gap.records} records of the {program} program are missing: {header.gap.why}."
-                self._view.log.add(header.at, "alarm", text, program)
+                text = f"{header.gap.records} records of the HAL are missing: {header.gap.why}."
+                self._view.log.add(header.at, "alarm", text)
             return
-        again = " again" if program in self._runs else ""
-        self._runs[program] = header.run
-        self._view.log.add(header.at, "command", f"The {program} program begins{again}.", program)
+        again = " again" if self._run else ""
+        self._run = header.run
+        self._view.log.add(header.at, "command", f"The HAL begins{again}.")
 
-    def _lose(self, program: str, at: int, why: str) -> None:
-        self._lost.add(program)
-        self._view.log.add(at, "alarm", f"The recording of the {program} program breaks off. {why}", program)
-        self._view.lose(program, why, at)
+    def _lose(self, at: int, why: str) -> None:
+        self._lost = True
+        self._view.log.add(at, "alarm", f"The recording breaks off. {why}")
+        self._view.lose(why, at)
 
     def _drain(self) -> None:
         log, line = self._view.log, self._view.timeline

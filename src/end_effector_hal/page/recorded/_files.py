@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.control import PROGRAMS
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.recording import content_hash
@@ -97,10 +95,6 @@ class RecordingFiles:
         self.end = max(self.begin, *(part.last_at for part in parts))
         self.has_events = True
         self.whole = not refused and all(part.complete for part in parts)
-        recorded = {part.header.program for part in parts}
-        for program in PROGRAMS:
-            if program not in recorded:
-                self.notes.append(f"There is no trace of the {program} program: its records are missing.")
 
     def again(self) -> RecordingFiles:
         """Return the recording as it is on disk now."""
@@ -129,25 +123,19 @@ class RecordingFiles:
         return stamp_of(self.path) != self.stamp
 
     def entries(self) -> Iterator[Entry]:
-        """Yield all records of both programs by time; an unreadable record is noted and ends its file."""
-        ways = [self._of(program) for program in PROGRAMS]
-        return heapq.merge(*ways, key=lambda entry: entry.at)
-
-    def _of(self, program: str) -> Iterator[Entry]:
+        """Yield all records in the order of writing; an unreadable record is noted and ends its file."""
         at = self.begin
         for part in self._parts:
-            if part.header.program != program:
-                continue
             try:
                 trace = self.load(part.path)
                 for number, record in enumerate(trace.file.records):
                     typed = trace.typed(number)
                     at = max(at, typed.at)
-                    yield Entry(at, program, record.kind, typed)
+                    yield Entry(at, record.kind, typed)
             except ReportedError as error:
                 self.notes.append(f"{part.path.name}: {_what(error)} What follows in this file is not shown.")
                 self.whole = False
-                yield Entry(at, program, "unreadable", None)
+                yield Entry(at, "unreadable", None)
 
     def _foreign(self, trace: ProgramTrace, first: ProgramTrace | None, parts: list[_Part]) -> str:
         """Return why a trace does not belong to the first one; empty if it does."""
@@ -158,8 +146,7 @@ class RecordingFiles:
                 f"which is of another description ({trace.header.description}, {trace.header.hash}) than the first "
                 f"trace ({first.header.description}, {first.header.hash}). Open it by its own name."
             )
-        before = [part for part in parts if part.header.program == trace.header.program]
-        if before and trace.header.at < before[-1].header.at:
+        if trace.header.at < parts[-1].header.at:
             return "which was recorded after a restart of the machine. Open it by its own name."
         return ""
 

@@ -51,7 +51,7 @@ class Summary:
         self._events: list[EventRow] = []
 
     def status(self, status: Status) -> None:
-        """Add a status of the whole tool."""
+        """Add a status of the tool."""
         at_s = (status.at - self._epoch) / 1e6
         row = StatesRow(at_s, status.ee, status.command, status.actuators)
         if not self._rows or self._rows[-1].states != row.states:
@@ -60,7 +60,7 @@ class Summary:
             self._reasons.append((at_s, status.reason))
 
     def events(self, events: Sequence[ToolEvent]) -> None:
-        """Add events of one of the tool's programs."""
+        """Add events of the tool."""
         names = self._description.sequence
         self._events += (event_row(each, (each.at - self._epoch) / 1e6, names) for each in events)
 

@@ -84,7 +84,6 @@ class RecordedTables:
             self.notes.append(self._pressures.note)
         self.header = Header(
             0,
-            "grip",
             description.name,
             own,
             "not recorded",
@@ -146,7 +145,7 @@ class RecordedTables:
                 changes = [
                     (name, new) for name, was, new in zip(names, old, row.states, strict=True) if was != new
                 ]
-                yield Entry(at, "grip", TOLD, changes)
+                yield Entry(at, TOLD, changes)
             if state is not None:
                 active = tuple(value in (PENDING, ACTIVE) for value in state.actuators)
                 unknown = (Evidence.UNKNOWN,) * len(active)
@@ -161,21 +160,21 @@ class RecordedTables:
                     events=tuple(events),
                 )
                 events.clear()
-                yield Entry(at, "grip", PUBLISHED, Published(at, status, {}))
+                yield Entry(at, PUBLISHED, Published(at, status, {}))
 
     def _frames(self) -> Iterator[Entry]:
         for time_s, values in self._pressures.samples:
             at = round(time_s * 1e6)
             named = zip(self._pressures.channels, values, strict=True)
             pascals = {name: None if kpa is None else round(kpa * 1000) for name, kpa in named}
-            yield Entry(at, "grip", "frame", FrameTaken(at, at, None, None, pascals))
+            yield Entry(at, "frame", FrameTaken(at, at, None, None, pascals))
 
     def _levels(self) -> Iterator[Entry]:
         log = self._switches
         for time_s, levels in log.rows if log else ():
             at = round(time_s * 1e6)
             values = dict(zip(log.channels, levels, strict=True)) if log else {}
-            yield Entry(at, "grip", "frame", FrameTaken(at, at, None, None, values))
+            yield Entry(at, "frame", FrameTaken(at, at, None, None, values))
 
     def _optional(self, name: str, read: Any, nothing: Any) -> Any:
         path = self.path / name

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.control import PROGRAMS, Controller, model_constants
+from end_effector_hal.control import Controller, model_constants
 from end_effector_hal.description import Description
 from end_effector_hal.verification.mutation import CHECKS, kept_record
 from end_effector_hal.verification.proof import requirements_of
@@ -31,16 +31,12 @@ class AutomataView:
     """
 
     def __init__(self, network: Network, description: Description) -> None:
-        self._processes = [
-            (process, program)
-            for process in network.processes
-            for program in PROGRAMS
-            if {process.template, process.name} & set(getattr(description.automata, program))
-        ]
+        executed = set(description.automata.executed)
+        self._processes = [each for each in network.processes if {each.template, each.name} & executed]
         self._templates = {
             template.name.content.strip(): template
             for template in network.document.templates
-            if template.name.content.strip() in {process.template for process, _ in self._processes}
+            if template.name.content.strip() in {process.template for process in self._processes}
         }
         self._requirements = requirements_of(network)
         self._constants = model_constants(description)
@@ -65,7 +61,7 @@ class AutomataView:
             ],
             "processes": [
                 {"name": process.name, "template": process.template, "who": self._who(process.name)}
-                for process, _ in self._processes
+                for process in self._processes
             ],
         }
 
@@ -75,20 +71,18 @@ class AutomataView:
             if (number := self._edges.get(in_file(edge.where))) is not None:
                 self._last[edge.process] = {"edge": number, "at": step.at}
 
-    def now(self, controllers: Mapping[str, Controller | None]) -> dict[str, Any]:
+    def now(self, controller: Controller | None) -> dict[str, Any]:
         """Return by process: location, last edge, start times (µs) of its clocks, and their bounds (ms)."""
-        snapshots = {name: each.locations() if each else None for name, each in controllers.items()}
-        shown: dict[str, Any] = {}
-        for process, program in self._processes:
-            if (snapshot := snapshots[program]) is None:
-                continue
-            location = snapshot.locations[process.name]
-            shown[process.name] = {
-                "location": location,
+        if controller is None or (snapshot := controller.locations()) is None:
+            return {}
+        return {
+            process.name: {
+                "location": snapshot.locations[process.name],
                 "last": self._last.get(process.name),
                 "clocks": self._clocks(process.template, process.name, snapshot),
             }
-        return shown
+            for process in self._processes
+        }
 
     def _spoken_of(self, name: str, template: Template) -> list[list[int]]:
         """Return by edge the numbers of requirements that name one of its ends or a variable that it writes."""

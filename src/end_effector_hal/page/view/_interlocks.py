@@ -28,11 +28,10 @@ _AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 _CHANGER = "There is no tool changer."
 FULFILLED, BLOCKING, NOT_FITTED, OFF, NOT_ASKED = "fulfilled", "blocking", "not fitted", "off", "not asked"
 NOT_KNOWN = "not known"
-_OF_GRIP, _OF_CHANGE = ("IL-05", "IL-06", "IL-07"), ("IL-01", "IL-02")
 
 
 class InterlockTable:
-    """Combines the description's setting of each interlock with the present state of the programs."""
+    """Combines the description's setting of each interlock with the present state of the HAL."""
 
     def __init__(self, description: Description) -> None:
         self._description = description
@@ -46,48 +45,37 @@ class InterlockTable:
         }  # fmt: skip
         self._static = self._by_description()
 
-    def now(
-        self, status: Status | None, grip: Controller | None, change: Controller | None
-    ) -> list[dict[str, str]]:
+    def now(self, status: Status | None, controller: Controller | None) -> list[dict[str, str]]:
         """Return the rows of all interlocks, in order."""
-        said: dict[str, str] = {}
-        unknown = set(RULES) if status is None else set()
-        if grip is not None:
-            found = grip.blocking
-            said |= {name: found[name] for name in _OF_GRIP}
-        else:
-            unknown.update(_OF_GRIP)
-        if change is not None:
-            found = change.blocking
-            said |= {name: found[name] for name in _OF_CHANGE}
-        else:
-            unknown.update(_OF_CHANGE)
-        if status is not None:
-            said |= self._by_status(status, change)
+        said: dict[str, str] | None = None
+        if status is not None and controller is not None:
+            said = {**controller.blocking, **self._by_status(status, controller)}
         gripping = status is not None and status.ee not in _AT_REST
-        return [self._row(name, said, gripping=gripping, known=name not in unknown) for name in RULES]
+        return [self._row(name, said, gripping=gripping) for name in RULES]
 
-    def e_stop(self, status: Status, change: Controller | None) -> dict[str, str] | None:
+    def e_stop(self, status: Status, controller: Controller | None) -> dict[str, str] | None:
         """Return the e-stop's state and a sentence; None if it has no input and no stop is latched."""
         e_stop, latched = self._description.e_stop, bool(status.alarm(STOPPED, E_STOPPED))
         closed: object = e_stop is None
         if e_stop is None and not latched:
             return None
-        if e_stop is not None and change is not None:
-            closed = change.senses.now.readings.get(e_stop.channel, change.at)
+        if e_stop is not None and controller is not None:
+            closed = controller.senses.now.readings.get(e_stop.channel, controller.at)
         word = ("STOPPED" if latched else "CLOSED") if closed else "OPEN" if closed is False else "NOT KNOWN"
         why = "nothing is activated until the faults are reset" if latched else "nothing is activated now"
         return {"word": word, "why": "" if word == "CLOSED" else why}
 
-    def _row(self, name: str, said: dict[str, str], *, gripping: bool, known: bool) -> dict[str, str]:
+    def _row(self, name: str, said: dict[str, str] | None, *, gripping: bool) -> dict[str, str]:
         row = {"id": name, "rule": RULES[name], "blocks": _BLOCKS.get(name, "")}
         if name == "IL-07" and gripping and name not in self._static:
             return {**row, "state": NOT_ASKED, "why": "asked when a grip begins"}
-        if name in self._static and not (name == "IL-13" and name in said):  # a stop needs no e-stop input
+        if name in self._static and not (
+            name == "IL-13" and said and name in said
+        ):  # a stop needs no e-stop input
             state, why = self._static[name]
             return {**row, "state": state, "why": why}
-        if not known:
-            return {**row, "state": NOT_KNOWN, "why": "no program has reported it yet"}
+        if said is None:
+            return {**row, "state": NOT_KNOWN, "why": "the HAL has not reported it yet"}
         why = said.get(name, "").removeprefix(f"{name}: ")
         return {**row, "state": BLOCKING if why else FULFILLED, "why": why}
 
@@ -115,19 +103,19 @@ class InterlockTable:
             found["IL-13"] = NOT_FITTED, "there is no e-stop input"
         return found
 
-    def _by_status(self, status: Status, change: Controller | None) -> dict[str, str]:
+    def _by_status(self, status: Status, controller: Controller) -> dict[str, str]:
         said: dict[str, str] = {}
         for alarm in status.alarms:
             name = str(alarm.values.get("interlock"))
             if name in RULES and not alarm.over:
                 said[name] = alarm.text
-        if status.changer_fault and status.reason.startswith("IL-04"):
-            said["IL-04"] = status.reason
+        if status.changer_fault and status.changer_reason.startswith("IL-04"):
+            said["IL-04"] = status.changer_reason
         if status.maintenance:
             said["IL-12"] = "Maintenance is on: no grip until it ends."
         e_stop = self._description.e_stop
-        if e_stop is not None and change is not None and "IL-13" not in said:
-            closed = change.senses.now.readings.get(e_stop.channel, change.at)
+        if e_stop is not None and "IL-13" not in said:
+            closed = controller.senses.now.readings.get(e_stop.channel, controller.at)
             if not closed:
                 said["IL-13"] = (
                     f"the e-stop is {'open' if closed is False else 'not known'} ({e_stop.channel})"

@@ -46,12 +46,12 @@ class EventLog:
         }
         self.entries: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self._count = 0
-        self._asked: dict[str, str] = {}
-        self._alarms: dict[str, tuple[Alarm, ...]] = {}
-        self._readers: dict[str, EventReader] = {}
+        self._asked = ""
+        self._alarms: tuple[Alarm, ...] = ()
+        self._reader = EventReader()
 
     def since(self, number: int) -> list[dict[str, Any]]:
-        """Return the entries after this number, sorted by time because each program has its own socket."""
+        """Return the entries after this number, sorted by time: a status comes after the writes that it caused."""
         new = min(len(self.entries), self._count - number)
         return sorted([self.entries[index] for index in range(-new, 0)], key=lambda entry: entry["at"])
 
@@ -60,49 +60,43 @@ class EventLog:
         """Number of the newest entry; 0 if there is none."""
         return self._count
 
-    def take(self, program: str, kind: str, record: Any, readings: Mapping[str, Any]) -> None:
+    def take(self, kind: str, record: Any, readings: Mapping[str, Any]) -> None:
         """Process one record; ``readings`` are the sensor values at that time."""
         if kind == "step":
-            self._step(program, record, readings)
+            self._step(record, readings)
         elif kind == "start":
-            self._readers[program] = EventReader()
+            self._reader = EventReader()
         elif kind == "state":
-            self._readers[program] = EventReader(record.execution.variables)
+            self._reader = EventReader(record.execution.variables)
         elif kind == "command":
-            self._asked[program] = record.name
+            self._asked = record.name
         elif kind == "answer":
-            word = self._asked.pop(program, "command")
+            word, self._asked = (self._asked or "command").capitalize(), ""
             if not record.accepted:
-                self.add(record.at, "refusal", f"{word.capitalize()} refused. {record.reason}", program)
+                self.add(record.at, "refusal", f"{word} refused. {record.reason}")
             else:
-                self.add(record.at, "command", f"{word.capitalize()} accepted.", program)
+                self.add(record.at, "command", f"{word} accepted.")
         elif kind == "refused":
-            self.add(record.at, "refusal", "The line arbiter refused an activation.", program)
+            self.add(record.at, "refusal", "The line arbiter refused an activation.")
         elif kind == "lines" and record.error:
-            self.add(record.at, "refusal", record.error, program)
+            self.add(record.at, "refusal", record.error)
         elif kind == "arbiter":
-            there = "is there again" if record.there else f"was lost. {record.why}"
-            self.add(
-                record.at,
-                "alarm",
-                f"The line arbiter {there}".rstrip() + ("." if record.there else ""),
-                program,
-            )
+            there = "is there again." if record.there else f"was lost. {record.why}"
+            self.add(record.at, "alarm", f"The line arbiter {there}".rstrip())
         elif kind == "published":
-            self._published(program, record.status)
+            self._published(record.status)
 
     def add(
         self,
         at: int,
         kind: str,
         text: str,
-        who: str = "",
         detail: Mapping[str, Any] | None = None,
         alarm: Alarm | None = None,
     ) -> None:
         """Add one entry; an alarm's entry has the alarm's identity."""
         self._count += 1
-        entry = {"n": self._count, "at": at, "kind": kind, "text": text, "who": who, "detail": detail}
+        entry = {"n": self._count, "at": at, "kind": kind, "text": text, "detail": detail}
         self.entries.append(entry | ({"id": alarm.id, "about": alarm.about} if alarm else {}))
 
     def told(self, at: int, changes: Sequence[tuple[str, int]]) -> None:
@@ -110,20 +104,15 @@ class EventLog:
         if words := self._words(changes):
             self.add(at, "transition", "; ".join(words))
 
-    def _published(self, program: str, status: Status) -> None:
-        before = self._alarms.get(program, ())
-        self._alarms[program] = status.alarms
-        others = (alarms for name, alarms in self._alarms.items() if name != program)
-        elsewhere = {alarm.key for alarms in others for alarm in alarms}
-        for alarm, change in alarm_changes(before, status.alarms):
-            if alarm.key not in elsewhere and (change != "ended" or not alarm.over):
-                self.add(
-                    status.at, "alarm" if change == "begun" else "over", alarm.text, program, alarm=alarm
-                )
+    def _published(self, status: Status) -> None:
+        for alarm, change in alarm_changes(self._alarms, status.alarms):
+            if change != "ended" or not alarm.over:
+                self.add(status.at, "alarm" if change == "begun" else "over", alarm.text, alarm=alarm)
+        self._alarms = status.alarms
 
-    def _step(self, program: str, step: Step, readings: Mapping[str, Any]) -> None:
+    def _step(self, step: Step, readings: Mapping[str, Any]) -> None:
         edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]
-        events = self._readers.setdefault(program, EventReader()).of(step, step.at)
+        events = self._reader.of(step, step.at)
         texts = [text.rstrip(".") for event in events if (text := event_text(self._description, event))]
         changes = [f"{change.name} = {change.new}" for change in step.changes]
         words = [*texts, *self._words([(change.name, change.new) for change in step.changes])]
@@ -138,9 +127,9 @@ class EventLog:
         moved = f"{step.edges[0].process}: {step.edges[0].source} → {step.edges[0].target}"
         failed = any(event.kind in FAILURES for event in events)
         kind = "time-out" if failed else "transition" if words else "automaton"
-        self.add(step.at, kind, "; ".join(words) or moved, program, detail)
+        self.add(step.at, kind, "; ".join(words) or moved, detail)
         if step.missed:
-            self.add(step.at, "alarm", f"Taken {step.late_us / 1000:.1f} ms late: beyond the bound.", program)
+            self.add(step.at, "alarm", f"Taken {step.late_us / 1000:.1f} ms late: beyond the bound.")
 
     def _edge(self, process: str, source: str, target: str, where: str) -> dict[str, Any]:
         template, number = self._labels.get(in_file(where), (None, -1))

@@ -1,10 +1,10 @@
-"""A copy of a program's controller, which receives the same inputs and so reaches the same state."""
+"""A copy of the HAL's controller, which receives the same inputs and so reaches the same state."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from end_effector_hal.control import Controller, Status
+from end_effector_hal.control import Controller, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime.boundary import INPUTS, PUBLISHED, STATE, Header, Published, feed
@@ -13,12 +13,11 @@ from timed_automata import Network
 
 
 class Replica:
-    """Follows one program by its records; it decides nothing and queries the same automata.
+    """Follows the HAL by its records; it decides nothing and queries the same automata.
 
     Args:
         description: the tool.
         network: its automata.
-        program: ``grip`` or ``tool_change``.
         content: the hash of the description, as in headers.
 
     Attributes:
@@ -27,21 +26,18 @@ class Replica:
         heard_at: time of the last sign of life, µs.
     """
 
-    def __init__(self, description: Description, network: Network, program: str, content: str) -> None:
-        self._description, self._network, self.program = description, network, program
-        self._content = content
-        self.connected, self.why, self.heard_at = (
-            False,
-            f"Nothing was received from the {program} program yet.",
-            0,
-        )
+    def __init__(self, description: Description, network: Network, content: str) -> None:
+        self._description, self._network, self._content = description, network, content
+        self.connected, self.why, self.heard_at = False, "Nothing was received from the HAL yet.", 0
         self.controller: Controller | None = None
         self.published: Published | None = None
 
     @property
     def status(self) -> Status | None:
-        """The published status; None before the first."""
-        return self.published.status if self.published else None
+        """The published status, or what is still known of it without a connection; None before the first."""
+        if self.published is None:
+            return None
+        return self.published.status if self.connected else unknown_now(self.published.status)
 
     def take(self, kind: str, record: Any) -> None:
         """Process one record.
@@ -67,11 +63,11 @@ class Replica:
         self.connected, self.why = False, why
 
     def refusal(self, word: str) -> str:
-        """Return why the program would refuse a command now; empty if it would accept it."""
+        """Return why the HAL would refuse a command now; empty if it would accept it."""
         if not self.connected:
             return self.why
         if self.published is None or self.controller is None:
-            return f"The {self.program} program has not sent its state yet."
+            return "The HAL has not sent its state yet."
         if refused := self.published.refused.get(word):
             return refused
         if word in MAINTENANCE_WORDS:
@@ -79,12 +75,12 @@ class Replica:
         return self.controller.refusal(word)
 
     def _begin(self, header: Header) -> None:
-        if header.hash != self._content or header.program != self.program:
-            what = f"The {self.program} program runs another description ({header.source}, {header.hash})"
+        if header.hash != self._content:
+            what = f"The HAL runs another description ({header.source}, {header.hash})"
             raise ReportedError(
                 f"{what} than this page ({self._content}).", todo=f"Start: eehal page {header.source}"
             )
         self.connected, self.why, self.controller, self.published = True, "", None, None
 
     def _new(self) -> Controller:
-        return Controller(self._description, self._network, self.program)
+        return Controller(self._description, self._network)

@@ -1,4 +1,4 @@
-"""The whole page as JSON, made from the records of both programs."""
+"""The whole page as JSON, made from the records of the HAL."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections import deque
 from typing import Any
 
 from end_effector_hal.codecs import carrier_of, sources_of
-from end_effector_hal.control import PROGRAMS, Status, network_of
-from end_effector_hal.control.goals import CHANNELS, GOAL_COMMANDS, Outcome, judge, tool_status
+from end_effector_hal.control import Status, network_of
+from end_effector_hal.control.goals import GOAL_COMMANDS, Outcome, judge
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
-from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, program_of
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
 from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState, display_name
@@ -39,9 +39,9 @@ class ToolView:
     """Converts records and times to views without I/O; times in µs on the monotonic clock.
 
     Args:
-        description: the tool; its programs must run the same one.
+        description: the tool; its HAL must run the same one.
         at: the present time.
-        content: the hash that the programs' headers give for the description; default: its present hash.
+        content: the hash that the headers give for the description; default: its present hash.
 
     Raises:
         ModelError, UsageError: its automata, or the sources of its channels, cannot be loaded.
@@ -53,7 +53,7 @@ class ToolView:
         self._hash = content or content_hash(description)
         self._sources = sources_of(carrier)
         self._source_of = {name: i for i, each in enumerate(self._sources) for name in each.channels}
-        self._replicas = {name: Replica(description, network, name, self._hash) for name in PROGRAMS}
+        self._replica = Replica(description, network, self._hash)
         self.cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
@@ -67,15 +67,13 @@ class ToolView:
         self._last: dict[str, Any] | None = None
         self._kept: Verdict | None = None
         self._verdict_due = at
-        self._heard: dict[str, bool] = dict.fromkeys(PROGRAMS, False)
 
     # What comes.
 
-    def take(self, program: str, kind: str, at: int, record: Any, now: int) -> None:
-        """Process one record of a program.
+    def take(self, kind: str, at: int, record: Any, now: int) -> None:
+        """Process one record of the HAL.
 
         Args:
-            program: the program's name.
             kind: the kind of the record.
             at: time of the event.
             record: the dataclass of its kind; None for ``alive``.
@@ -84,52 +82,44 @@ class ToolView:
         Raises:
             ReportedError: the record does not fit the ones before it; connect again.
         """
-        replica = self._replicas[program]
-        replica.heard_at = now
+        self._replica.heard_at = now
         if kind == "alive":
             return
-        replica.take(kind, record)
-        if kind == "header" and not self._heard[program]:
-            self._heard[program] = True
-            self.log.add(at, "page", f"The {program} program is connected.", program)
-        if program == "grip" and kind == "frame":
+        before = self._replica.connected
+        self._replica.take(kind, record)
+        if self._replica.connected and not before:
+            self.log.add(at, "page", "The HAL is connected.")
+        if kind == "frame":
             self._frames[self._source_of.get(next(iter(record.values), ""), 0)].append(at)
             self.timeline.frame(at, record.values)
         if kind == "step":
             self._automata.step(record)
-        self.log.take(program, kind, record, self._readings(program) if kind == "step" else {})
+        self.log.take(kind, record, self._readings() if kind == "step" else {})
         if kind == "published" and (status := self.status()) is not None:
             self._follow(status)
 
-    def lose(self, program: str, why: str, now: int) -> None:
-        """Mark the stream of a program as lost."""
-        self._replicas[program].lose(why)
-        if self._heard[program]:
-            self._heard[program] = False
-            self.log.add(now, "page", why, program)
+    def lose(self, why: str, now: int) -> None:
+        """Mark the stream of the HAL as lost."""
+        if self._replica.connected:
+            self.log.add(now, "page", why)
             self.timeline.gap(now)
+            self._state, self._command, self._last = (EndEffectorState.OFF, now), (Command.NONE, now), None
+        self._replica.lose(why)
 
     # What is shown.
 
     def status(self) -> Status | None:
-        """Return the status of the whole tool; None before the first."""
-        grip, change = (self._replicas[name].status for name in PROGRAMS)
-        if grip is None:
-            return None
-        if change is None:
-            return grip
-        return tool_status(grip, change, max(grip.at, change.at))
+        """Return the status of the tool; None before the first."""
+        return self._replica.status
 
     def refusal(self, word: str) -> str:
         """Return why the HAL would refuse a button now; empty if it would accept it."""
         if word == "stop":
-            return ""  # the line arbiter is asked, whatever the programs say
-        if word == "reset":  # both programs and the line arbiter are asked; what is not latched needs none
-            silent = next((each.why for each in self._replicas.values() if not each.connected), "")
-            status = self.status()
-            if silent or status is None or not status.changer_fault:
-                return silent
-        return self._replicas[program_of(word)].refusal(word)
+            return ""  # the line arbiter is asked, whatever the HAL says
+        status = self.status()
+        if word == "reset" and self._replica.connected and status is not None and not status.changer_fault:
+            return ""  # the automata are asked only if the tool changer is in FAULT
+        return self._replica.refusal(word)
 
     @property
     def buttons(self) -> tuple[str, ...]:
@@ -176,13 +166,12 @@ class ToolView:
 
     def moment(self) -> dict[str, Any]:
         """Return the view of the records, live or recorded; constant between records, as it has instants, not ages."""
-        status = self.status()
-        grip, change = (self._replicas[name].controller for name in PROGRAMS)
+        status, controller = self.status(), self._replica.controller
         return {
             "state": None if status is None else self._state_now(status),
-            "cards": None if status is None else self.cards.now(status, grip),
-            "interlocks": self._interlocks.now(status, grip, change),
-            "automata": self._automata.now({name: each.controller for name, each in self._replicas.items()}),
+            "cards": None if status is None else self.cards.now(status, controller),
+            "interlocks": self._interlocks.now(status, controller),
+            "automata": self._automata.now(controller),
         }
 
     def _rates_hz(self, at: int) -> list[float]:
@@ -200,15 +189,10 @@ class ToolView:
         return link or ("inputs" if on_board else "link")
 
     def _news(self, at: int) -> dict[str, Any]:
-        silent = {
-            name: each
-            for name, each in self._replicas.items()
-            if not each.connected or at - each.heard_at > STALE_US
-        }
-        heard = [each.heard_at for each in self._replicas.values()]
-        age_s = (at - min(heard)) / 1e6 if all(heard) else None
-        whys = [each.why or f"The {name} program is silent." for name, each in silent.items()]
-        return {"fresh": not silent, "age_s": age_s, "why": " ".join(dict.fromkeys(whys))}
+        replica = self._replica
+        fresh = replica.connected and at - replica.heard_at <= STALE_US
+        age_s = (at - replica.heard_at) / 1e6 if replica.heard_at else None
+        return {"fresh": fresh, "age_s": age_s, "why": "" if fresh else replica.why or "The HAL is silent."}
 
     def _state_now(self, status: Status) -> dict[str, Any]:
         command, since = self._command
@@ -233,7 +217,7 @@ class ToolView:
             "bound_ms": self.description.bounds.reaction_ms,
             "goal": None if command is Command.NONE else self._goal(command, since),
             "last": self._last,
-            "e_stop": self._interlocks.e_stop(status, self._replicas["tool_change"].controller),
+            "e_stop": self._interlocks.e_stop(status, self._replica.controller),
         }
 
     def _goal(self, command: Command, since: int) -> dict[str, Any]:
@@ -299,15 +283,13 @@ class ToolView:
                 self._last = self._outcome(*self._asked, status)
 
     def _outcome(self, command: Command, since: int, status: Status) -> dict[str, Any]:
-        own = self._replicas[program_of(CHANNELS[command])].status or status
-        outcome, reason = judge(command, own)
+        outcome, reason = judge(command, status)
         seconds = (status.at - since) / 1e6
         word = f"{_ASKED[command]} {outcome.name.lower()}"
         return {"outcome": outcome.name, "word": word, "reason": reason, "at": status.at, "seconds": seconds}
 
-    def _readings(self, program: str) -> dict[str, Any]:
-        controller = self._replicas[program].controller
-        if controller is None:
+    def _readings(self) -> dict[str, Any]:
+        if (controller := self._replica.controller) is None:
             return {}
         at, now = controller.at, controller.senses.now
         measures = now.readings.measures

@@ -39,7 +39,7 @@ def serve_page(description: Description, address: PageAddress, recordings: Path,
     """Serve the page of a tool until SIGINT or SIGTERM; its end moves no line.
 
     Args:
-        description: the tool; its programs need not run yet.
+        description: the tool; its HAL need not run yet.
         address: address to serve at; port 0: any free port.
         recordings: folder of the recordings that the page lists; it need not exist yet.
         on_ready: receives the address with the token.
