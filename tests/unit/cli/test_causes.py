@@ -24,7 +24,7 @@ def played(description: Description, causes: Causes, scenario: str, seconds: flo
     tool = VirtualTool(
         description,
         scenario,
-        controller=lambda d, n, p: RecordedController(d, n, p, lambda entry: causes.take(p, *entry)),  # type: ignore[arg-type,return-value]
+        controller=lambda d, n: RecordedController(d, n, lambda entry: causes.take(*entry)),  # type: ignore[arg-type,return-value]
     )
     tool.run(1.0)
     assert tool.command("grip").accepted
@@ -41,7 +41,7 @@ def test_a_confirmation_names_its_event_its_edge_and_what_the_sensor_said(descri
     played(description, causes, "nominal", 5.0)
     entries = list(causes.new())
     extended = the(entries, "Cylinder EXTENDED")
-    assert (extended["program"], extended["kind"]) == ("grip", "transition")
+    assert extended["kind"] == "transition"
     assert extended["cause"] == "confirmed[1]"
     assert [(edge["process"], edge["target"]) for edge in extended["edges"]] == [
         ("Actuator(1)", "Confirming"),
@@ -88,7 +88,7 @@ def test_it_stands_before_the_states_that_it_led_to(
     kinds = [each["event"] for each in events]
     assert kinds[0] == "transition"
     assert kinds.index("log") == kinds.count("transition")
-    assert {"program", "text", "kind", "cause", "edges", "changes", "late_ms", "readings"} <= events[0].keys()
+    assert {"text", "kind", "cause", "edges", "changes", "late_ms", "readings"} <= events[0].keys()
     assert "at" not in events[0]
 
 
@@ -100,7 +100,7 @@ def test_who_looks_on_and_fails_ends_no_program(description: Description) -> Non
         raise RuntimeError("not today")
 
     recorder = Recorder(observe=fail)
-    controller = recorder.controller(description, network_of(description), "grip")
+    controller = recorder.controller(description, network_of(description))
     controller.start({}, 0)
     controller.advance(1_000_000)
     assert len(calls) == 1

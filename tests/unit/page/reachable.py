@@ -1,9 +1,10 @@
-"""Each state in which both programs can rest, as the proof's explorer finds them, and controllers put there."""
+"""Each state in which a tool can rest, as the proof's explorer finds them, and a controller put there."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Iterator, Mapping
+import re
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -12,32 +13,27 @@ from pydantic import TypeAdapter
 from pydantic_core import to_json
 
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.control import PROGRAMS, Controller, ControllerSnapshot, network_of
+from end_effector_hal.control import Controller, ControllerSnapshot, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.runtime.boundary import STATE, STREAMED
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import EndEffectorState, Evidence, ToolEvidence
+from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Network, State
 from timed_automata.explore.search import Search
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
 
 PERIOD_US, FRAMES = 20_000, 60
-AT_REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
-OWN = {
-    "grip": ("ee", "command", "actuator", "valve", "kept", "blow", "cause", "cause_at"),
-    "tool_change": ("changer", "changer_command", "changer_fault", "unlock_valve", "armed"),
-}
-"""What each program writes."""
-ASKED = {
-    "grip": (("Gripper",), ("ee", "command", "told[1]")),
-    "tool_change": (
-        ("Changer", "Arming"),
-        ("changer", "changer_fault", "unlock_valve", "armed", "ee", "told[0]"),
-    ),
-}
-"""The automata of each that take commands, and what they and their sentences go by beside the sensors."""
+WRITTEN = (
+    *("ee", "command", "actuator", "valve", "kept", "blow", "cause", "cause_at"),
+    *("changer", "changer_command", "changer_fault", "unlock_valve", "armed"),
+)
+"""What the executed automata write."""
+GRIPPING = ("grip", "drop", "cancel")
+"""The commands that the Gripper takes; the others are for the Changer and Arming."""
+TOOL = ("changer", "changer_fault", "unlock_valve", "armed", "ee")
+"""What the Changer, Arming and their sentences go by beside the sensors."""
 VACUUM_PA = {Evidence.GONE: -1_000, Evidence.PARTIAL: -30_000, Evidence.CONFIRMED: -80_000}
 CYLINDER = {
     Evidence.GONE: (1_000, False, True),
@@ -77,7 +73,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Reached:
-    """Where both programs rest at the same time.
+    """Where the tool rests.
 
     Attributes:
         locations: of the executed automata, by process.
@@ -89,31 +85,36 @@ class Reached:
     values: tuple[tuple[str, int], ...]
     shown: Shown
 
-    def seen_by(self, program: str) -> Hashable:
-        """What a program goes by when it is given a command; the actuators' own automata take none."""
-        mine, known = ASKED[program]
-        locations = [place for place in self.locations if place[0] in mine]
-        values = {name: value for name, value in self.values if name in known}
-        asks_for_air = program == "grip" and values["ee"] == EndEffectorState.STAND_BY
+    @property
+    def of_grip(self) -> Hashable:
+        """What a command of `GRIPPING` goes by; the actuators' own automata take none."""
+        values = dict(self.values)
+        loose = values["unlock_valve"] or values["changer"] == ChangerState.FAULT
+        asks_for_air = values["ee"] == EndEffectorState.STAND_BY
         shown = self.shown if asks_for_air else replace(self.shown, supply_ok=True)
-        return program, tuple(locations), tuple(values.items()), shown
+        return dict(self.locations)["Gripper"], values["ee"], values["command"], loose, shown
+
+    @property
+    def of_tool(self) -> Hashable:
+        """What the other commands go by."""
+        places = [place for name, place in self.locations if name in ("Changer", "Arming")]
+        values = [value for name, value in self.values if name in TOOL]
+        return tuple(places), tuple(values), replace(self.shown, supply_ok=True)
 
 
 def reached(description: Description) -> list[Reached]:
     """All of them, each with enough and with too little air: the model leaves that open."""
     network = network_of(description)
-    names = {*description.automata.grip, *description.automata.tool_change}
+    names = set(description.automata.executed)
     executed = [each for each in network.processes if {each.name, each.template} & names]
-    interface = {*description.automata.interface, *OWN["grip"], *OWN["tool_change"]}
-    variables = [
-        name for name in network.offsets if name.split("[")[0] in interface or name.split(".")[0] in names
-    ]
+    known = {*names, *description.automata.interface, *WRITTEN}
+    variables = [name for name in network.offsets if re.split(r"[.\[]", name)[0] in known]
     found: dict[tuple[object, ...], Reached] = {}
     for node in Search(SymbolicSpace(DiscreteSpace(network), Limits(network))).nodes():
         state = node.record.discrete.state
         places = [each.locations[state.locations[each.index]] for each in executed]
         if any(place.committed or place.urgent for place in places):
-            continue  # no program is seen there
+            continue  # nobody sees it there
         locations = tuple((each.name, place.name) for each, place in zip(executed, places, strict=True))
         values = {name: state.values[network.offsets[name]] for name in variables}
         for supply_ok in (True, False):
@@ -140,7 +141,7 @@ def shown_in(description: Description, network: Network, state: State, *, supply
 
 
 class Placed:
-    """Puts controllers of a tool where the explorer has been, with sensors that show what the model says.
+    """Puts a controller of a tool where the explorer has been, with sensors that show what the model says.
 
     Args:
         description: the tool.
@@ -150,21 +151,17 @@ class Placed:
         self.description, self.network = description, network_of(description)
         self.at = FRAMES * PERIOD_US
         self._sensing = cache(self._sense)
-        self._controllers = {name: Controller(description, self.network, name) for name in PROGRAMS}
+        self._controller = Controller(description, self.network)
 
-    def snapshot(self, program: str, where: Reached) -> ControllerSnapshot:
-        """A program in that state."""
-        sensing = self._sensing(program, where.shown)
-        values = self._values(program, dict(where.values))
+    def snapshot(self, where: Reached) -> ControllerSnapshot:
+        """A controller in that state."""
+        sensing = self._sensing(where.shown)
         locations = dict(where.locations)
-        variables = {**sensing.execution.variables, **values, **where.shown.levels}
+        variables = {**sensing.execution.variables, **dict(where.values), **where.shown.levels}
         told = dict(sensing.memory["_statuses"])
         told["values"] = {name: variables[name] for name in told["values"]}
-        started = locations["Gripper" if program == "grip" else "Changer"] not in ("Off", "Start")
-        told["adopted"], told["found"] = started, {}
+        told["adopted"], told["found"] = locations["Gripper"] != "Off", {}
         memory = {**sensing.memory, "_statuses": told, "_adopt_by": None}
-        if program == "tool_change":
-            told["values"]["ee"] = self._heard_ee(dict(where.values))
         execution = replace(
             sensing.execution,
             at=self.at,
@@ -175,30 +172,14 @@ class Placed:
         )
         return replace(sensing, execution=execution, memory=memory)
 
-    def put(self, program: str, snapshot: ControllerSnapshot) -> Controller:
-        """The program's controller, there; until the next one is put somewhere."""
-        controller = self._controllers[program]
-        controller.resume(snapshot)
-        return controller
+    def put(self, snapshot: ControllerSnapshot) -> Controller:
+        """The controller, there; until it is put somewhere else."""
+        self._controller.resume(snapshot)
+        return self._controller
 
-    def _values(self, program: str, values: Mapping[str, int]) -> dict[str, int]:
-        """Of what the other program writes it knows what it was told."""
-        other = OWN["tool_change" if program == "grip" else "grip"]
-        known = {name: value for name, value in values.items() if name.split("[")[0] not in other}
-        if program == "grip":
-            known["unlock_valve"] = values["told[1]"]
-        return known
-
-    def _heard_ee(self, values: Mapping[str, int]) -> int:
-        """The state of the gripping program as the other one has heard it, which may be a little ago."""
-        rest, now = bool(values["told[0]"]), EndEffectorState(values["ee"])
-        if rest == (now in AT_REST):
-            return now
-        return EndEffectorState.STAND_BY if rest else EndEffectorState.RELEASING if now else now
-
-    def _sense(self, program: str, shown: Shown) -> ControllerSnapshot:
-        """A program that has seen this for a while."""
-        controller = Controller(self.description, self.network, program)
+    def _sense(self, shown: Shown) -> ControllerSnapshot:
+        """A controller that has seen this for a while."""
+        controller = Controller(self.description, self.network)
         controller.start({}, 0)
         for number, values in enumerate(() if shown.silent else self._frames(shown), 1):
             at = number * PERIOD_US

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import pytest
 
-from end_effector_hal.control import PROGRAMS, Answer, ControllerSnapshot, Status
+from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.runtime.boundary import PUBLISHED, STATE, Published
 from end_effector_hal.runtime.boundary._open import header_of
-from end_effector_hal.runtime.stream import program_of
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from tests.support.blown import blown
 from tests.support.declared import declared
 from tests.support.nightly import first_of
-from tests.unit.page.reachable import Placed, Reached, reached
+from tests.unit.page.reachable import GRIPPING, Placed, Reached, reached
 
 pytestmark = pytest.mark.timeout(600)
 
@@ -42,11 +41,6 @@ def tools() -> dict[str, Description]:
     }
 
 
-def of(word: str) -> str:
-    """The program that decides; also of a reset, which is asked of both."""
-    return "tool_change" if word == "reset" else program_of(word)
-
-
 class Desk:
     """The page's view, and beside it the HAL, in the same state."""
 
@@ -54,43 +48,45 @@ class Desk:
         self.placed = Placed(description)
         self.view = ToolView(description, 0)
         self.at = self.placed.at
-        self._where: dict[str, ControllerSnapshot] = {}
-        self._status: dict[str, Status] = {}
-        for program in PROGRAMS:
-            self._send(program, "header", header_of(description, program, 0))
+        self._send("header", header_of(description, 0))
 
-    def put(self, program: str, where: Reached) -> None:
-        """A program is there, and the page hears of it as when it connects."""
-        self._where[program] = snapshot = self.placed.snapshot(program, where)
-        self._status[program] = self.placed.put(program, snapshot).status()
-        self._send(program, STATE, snapshot)
-        self._send(program, PUBLISHED, Published(self.at, self._status[program], {}))
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """Of the buttons whose command a program decides: a stop is latched by the line arbiter in every state."""
-        return tuple(word for word in self.view.buttons if word != "stop")
+    def put(self, where: Reached) -> Status:
+        """The HAL is there, and the page hears of it as when it connects."""
+        self._where = self.placed.snapshot(where)
+        status = self.placed.put(self._where).status()
+        self._send(STATE, self._where)
+        self._send(PUBLISHED, Published(self.at, status, {}))
+        return status
 
     def answer(self, word: str) -> Answer:
         """Of the HAL, given the command."""
-        program = of(word)
-        if word == "reset" and not self._status[program].changer_fault:
+        controller = self.placed.put(self._where)
+        if word == "reset" and not controller.status().changer_fault:
             return Answer(True)  # then the tool changer is not asked, see `EndEffector.reset`
-        answer, _ = self.placed.put(program, self._where[program]).command(word, self.at)
-        return answer
+        return controller.command(word, self.at)[0]
 
-    def _send(self, program: str, kind: str, content: object) -> None:
-        self.view.take(program, kind, self.at, content, self.at)
+    def _send(self, kind: str, content: object) -> None:
+        self.view.take(kind, self.at, content, self.at)
 
 
-def told_apart(states: list[Reached]) -> Iterator[tuple[Reached, set[str]]]:
-    """Each state of each program once, with both where the pair of their states in Table II is new."""
-    seen = set[Any]()
+def told_apart(states: list[Reached], words: Collection[str]) -> Iterator[tuple[Reached, set[str]]]:
+    """Each state in which a command may be answered in a new way, with these commands.
+
+    All of them where the pair of states in Table II is new.
+    """
+    gripping, seen = set(GRIPPING), set[Any]()
     for where in states:
         values = dict(where.values)
         pair = values["ee"], values["changer"], values["changer_fault"]
-        new = {program for program in PROGRAMS if pair not in seen or where.seen_by(program) not in seen}
-        seen |= {pair, *(where.seen_by(program) for program in new)}
+        new = set[str]()
+        for key, its in (
+            (("grip", where.of_grip), gripping),
+            (("tool", where.of_tool), set(words) - gripping),
+            (pair, set(words)),
+        ):
+            if key not in seen:
+                seen.add(key)
+                new |= its
         if new:
             yield where, new
 
@@ -102,21 +98,19 @@ def test_each_button_says_what_the_hal_answers(name: str) -> None:
     possible = [where for where in states if where.shown.possible]
     assert {where.locations for where in possible} == {where.locations for where in states}
     desk = Desk(description)
+    # a stop is latched by the line arbiter in every state
+    words = set(desk.view.buttons) - {"stop"}
     said = defaultdict[str, set[str]](set)
     pairs = set()
-    for where, programs in told_apart(possible):
-        for program in programs:
-            desk.put(program, where)
-        status = desk.view.status()
-        assert status is not None
-        if programs == set(PROGRAMS):
+    for where, asked in told_apart(possible, words):
+        status = desk.put(where)
+        if asked == words:
             pairs.add((status.ee, status.changer))
             shown = desk.view.now(desk.at)["buttons"]
-            assert shown["stop"] == ""
-            buttons = {word: shown[word] for word in desk.words}
+            assert shown.pop("stop") == ""
         else:
-            buttons = {word: desk.view.refusal(word) for word in desk.words if of(word) in programs}
-        for word, refusal in buttons.items():
+            shown = {word: desk.view.refusal(word) for word in asked}
+        for word, refusal in shown.items():
             answer = desk.answer(word)
             assert (answer.accepted, answer.reason) == (not refusal, refusal), (word, where)
             said[word].add(refusal)

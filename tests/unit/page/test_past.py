@@ -105,7 +105,7 @@ def test_what_is_broken_hides_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "waits").mkdir()
     os.mkfifo(tmp_path / "waits" / "states.csv")
     (tmp_path / "traces").mkdir()
-    (tmp_path / "traces" / "grip.mcap").write_bytes(b"x")
+    (tmp_path / "traces" / "hal.mcap").write_bytes(b"x")
     found = {each["name"]: each["story"] for each in list_recordings(tmp_path)["recordings"]}
     assert found.pop("good").startswith("Nominal")
     assert found == {

@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 from pydantic_core import to_json
 
+from end_effector_hal.arbiter import HAL
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.recorded._recordings import open_recordings
 from end_effector_hal.codecs import carrier_of, load_tool
@@ -66,27 +67,21 @@ class WatchedAndRecorded(Watched):
 
     def __init__(self, description: Description, folder: Path, scenario: str) -> None:
         files = {DESCRIPTION: whole(description), MODEL: description.automata_path.read_bytes()}
-        self.writers = {
-            program: TraceWriter(
-                folder, program, KINDS, now=0, attachments=files,
-                header=lambda opening, program=program: header_of(description, program, opening.at),
-            )
-            for program in ("grip", "tool_change")
-        }  # fmt: skip
+        header = lambda opening: header_of(description, opening.at)  # noqa: E731
+        self.writer = TraceWriter(folder, HAL, KINDS, now=0, attachments=files, header=header)
         self.seen: list[tuple[int, Json]] = []
         super().__init__(description, scenario)
 
-    def put(self, program: str, kind: str, at: int, content: object) -> None:
-        self.writers[program].put([(kind, at, content)])
-        super().put(program, kind, at, content)
+    def put(self, kind: str, at: int, content: object) -> None:
+        self.writer.put([(kind, at, content)])
+        super().put(kind, at, content)
 
     def look(self, seconds: float) -> None:
         self.tool.run(seconds)
         self.seen.append((self.tool.at, plain(self.view.moment())))
 
     def close(self) -> None:
-        for writer in self.writers.values():
-            writer.close()
+        self.writer.close()
 
 
 def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_path: Path) -> None:
@@ -140,7 +135,7 @@ def grip(verdin: Description, tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert tool.command("grip").accepted
     tool.run(12.0)
     tool.close()
-    assert (tool.folder / "grip-3.mcap").exists()
+    assert (tool.folder / "hal-3.mcap").exists()
     return tool.folder
 
 
@@ -162,25 +157,25 @@ def test_why_a_grip_failed_is_told_in_words(grip: Path) -> None:
 
 
 def test_a_trace_that_was_cut_off_is_shown_up_to_there(copy: Path) -> None:
-    last = copy / "grip-3.mcap"
+    last = copy / "hal-3.mcap"
     last.write_bytes(last.read_bytes()[:-20_000])
     document = read(copy)
     (note,) = document["recording"]["notes"]
-    assert note.startswith("grip-3.mcap is not whole: it was not closed")
+    assert note.startswith("hal-3.mcap is not whole: it was not closed")
     assert not document["recording"]["whole"]
     assert any("Cylinder PENDING EXTEND" in entry["text"] for entry in document["log"])
 
 
 def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> None:
     """Its bytes are valid JSON, and no frame."""
-    second = copy / "grip-2.mcap"
+    second = copy / "hal-2.mcap"
     data = second.read_bytes()
     place = data.index(b'"device_ms"', len(data) * 2 // 3)
     second.write_bytes(data[:place] + b'"Xevice_ms"' + data[place + 11 :])
     files = RecordingFiles(copy)
     document = plain(read_recording(files).document)
     notes = " ".join(document["recording"]["notes"])
-    assert "grip-2.mcap is damaged: bytes in it were changed" in notes
+    assert "hal-2.mcap is damaged: bytes in it were changed" in notes
     assert "(frame) cannot be read" in notes
     assert "What follows in this file is not shown." in notes
     assert any("breaks off" in entry["text"] for entry in document["log"])
@@ -189,7 +184,7 @@ def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> 
     assert document["summary"]["goals"][0]["outcome"] == "UNFINISHED"
     verdict = judge_recording(files)
     assert not verdict["ok"]
-    assert "grip-2.mcap" in verdict["text"]
+    assert "hal-2.mcap" in verdict["text"]
 
 
 def test_a_trace_of_another_description_is_left_out(copy: Path, verdin: Description, tmp_path: Path) -> None:
@@ -198,15 +193,15 @@ def test_a_trace_of_another_description_is_left_out(copy: Path, verdin: Descript
     tool = RecordedTool(tmp_path / "other", description=other)
     tool.run(1.0)
     tool.close()
-    shutil.copy(tool.folder / "grip.mcap", copy / "grip-9.mcap")
+    shutil.copy(tool.folder / "hal.mcap", copy / "hal-9.mcap")
     document = read(copy)
     (note,) = document["recording"]["notes"]
-    assert note.startswith("Left out: grip-9.mcap, which is of another description (verdin_gripper, ")
+    assert note.startswith("Left out: hal-9.mcap, which is of another description (verdin_gripper, ")
     assert document["summary"]["goals"][0]["outcome"] == "ABORTED"
 
 
 def test_a_file_that_is_no_trace_is_left_out_and_told(copy: Path) -> None:
-    (copy / "grip-8.mcap").write_bytes(b"nothing of the kind")
+    (copy / "hal-8.mcap").write_bytes(b"nothing of the kind")
     document = read(copy)
     assert "This is not an MCAP file." in document["recording"]["notes"][0]
     assert document["summary"]["goals"]
@@ -215,7 +210,7 @@ def test_a_file_that_is_no_trace_is_left_out_and_told(copy: Path) -> None:
 def test_what_is_no_recording_is_refused_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UsageError, match="There is no trace here"):
         RecordingFiles(tmp_path)
-    (tmp_path / "grip.mcap").write_bytes(b"nothing of the kind")
+    (tmp_path / "hal.mcap").write_bytes(b"nothing of the kind")
     with pytest.raises(UsageError, match="This is not an MCAP file"):
         RecordingFiles(tmp_path)
     monkeypatch.setattr(files_module, "MOST_BYTES", 10)
@@ -226,7 +221,7 @@ def test_what_is_no_recording_is_refused_in_words(tmp_path: Path, monkeypatch: p
 def test_a_recording_that_grows_is_noticed(copy: Path) -> None:
     files = RecordingFiles(copy)
     assert not files.grown
-    with (copy / "grip-3.mcap").open("ab") as last:
+    with (copy / "hal-3.mcap").open("ab") as last:
         last.write(b"more")
     assert files.grown
 
@@ -287,11 +282,11 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     assert (ran.exit_code, ran.output.splitlines()[0]) == (0, str(out))
     assert "Cylinder never confirmed" in ran.output
     assert out.read_text().startswith("<!doctype html>")
-    last = copy / "grip-3.mcap"
+    last = copy / "hal-3.mcap"
     last.write_bytes(last.read_bytes()[:-20_000])
     ran = CliRunner().invoke(eehal, ["report", str(copy), "-o", str(out)])
     assert ran.exit_code == 1
-    assert "Note: grip-3.mcap is not whole" in ran.output
+    assert "Note: hal-3.mcap is not whole" in ran.output
     told = CliRunner().invoke(eehal, ["report", str(grip), str(copy), "-o", str(out), "--json"])
     document = json.loads(told.stdout)
     assert (told.exit_code, document["ok"], document["exit_code"], document["file"]) == (
@@ -303,7 +298,7 @@ def test_the_command_writes_one_file(grip: Path, copy: Path, tmp_path: Path) -> 
     whole, cut = document["recordings"]
     assert (whole["replay_ok"], whole["notes"]) == (True, [])
     assert "Cylinder never confirmed" in whole["story"]
-    assert any("grip-3.mcap is not whole" in note for note in cut["notes"])
+    assert any("hal-3.mcap is not whole" in note for note in cut["notes"])
     refused = CliRunner().invoke(eehal, ["report", str(tmp_path / "nowhere")])
     assert isinstance(refused.exception, UsageError)
 
@@ -313,8 +308,8 @@ def test_a_folder_of_runs_is_one_file_with_their_table(grip: Path, tmp_path: Pat
     runs, out = tmp_path / "runs", tmp_path / "out.html"
     for name in ("a", "b/deep", "cut", "torn"):
         shutil.copytree(grip, runs / name)
-    shutil.copy(grip / "grip.mcap", runs / "b" / "deep" / "other.txt")
-    last = runs / "cut" / "grip-3.mcap"
+    shutil.copy(grip / "hal.mcap", runs / "b" / "deep" / "other.txt")
+    last = runs / "cut" / "hal-3.mcap"
     last.write_bytes(last.read_bytes()[:-20_000])
     for trace in (runs / "torn").glob("*.mcap"):
         trace.write_bytes(trace.read_bytes()[:1000])
@@ -324,7 +319,7 @@ def test_a_folder_of_runs_is_one_file_with_their_table(grip: Path, tmp_path: Pat
     assert ran.exit_code == 1
     assert "b/deep: Cylinder never confirmed: grip ABORTED after 3 attempts" in ran.output
     assert "torn: Cannot be read: The trace ends after 1000 bytes" in ran.output
-    assert "Note, cut: grip-3.mcap is not whole" in ran.output
+    assert "Note, cut: hal-3.mcap is not whole" in ran.output
     html = out.read_text()
     found = {
         name: json.loads(text)
@@ -388,11 +383,11 @@ def test_a_recording_is_read_again_when_it_has_grown(copy: Path) -> None:
     from end_effector_hal.page.web._recordings import ServedRecording
 
     async def twice() -> tuple[Json, Json]:
-        served = ServedRecording(RecordingFiles(copy / "grip.mcap"), RecordingPart())
+        served = ServedRecording(RecordingFiles(copy / "hal.mcap"), RecordingPart())
         first = json.loads(await served.document())
         served.refresh()
         assert served.document().done(), "it is not read again while it is the same"
-        shutil.copy(copy / "grip-2.mcap", copy / "grip.mcap")
+        shutil.copy(copy / "hal-2.mcap", copy / "hal.mcap")
         assert served.document().done(), "nor for those who look at it already"
         served.refresh()
         return first, json.loads(await served.document())

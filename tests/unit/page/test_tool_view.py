@@ -48,24 +48,23 @@ class Watched:
         self.description = description
         self.view = ToolView(description, 0)
         self.now, self.faults = 0, tuple[Alarm, ...]()
-        for program in ("grip", "tool_change"):
-            self.send(program, "header", 0, header_of(description, program, 0))
+        self.send("header", 0, header_of(description, 0))
 
-        def recorded(tool: Description, network: Any, program: str) -> RecordedController:
-            return RecordedController(tool, network, program, lambda entry: self.put(program, *entry))
+        def recorded(tool: Description, network: Any) -> RecordedController:
+            return RecordedController(tool, network, lambda entry: self.put(*entry))
 
         self.tool = VirtualTool(description, scenario, controller=recorded)  # type: ignore[arg-type]
 
-    def put(self, program: str, kind: str, at: int, content: object) -> None:
-        self.send(program, kind, at, content)
+    def put(self, kind: str, at: int, content: object) -> None:
+        self.send(kind, at, content)
         if isinstance(content, Status):
             told = replace(content, alarms=(*content.alarms, *self.faults))
-            self.send(program, PUBLISHED, at, Published(at, told, {}))
+            self.send(PUBLISHED, at, Published(at, told, {}))
 
-    def send(self, program: str, kind: str, at: int, content: object) -> None:
+    def send(self, kind: str, at: int, content: object) -> None:
         self.now = max(self.now, at)
         plain = json.loads(to_json(content, fallback=dict))
-        self.view.take(program, kind, at, adapter(kind).validate_python(plain), self.now)
+        self.view.take(kind, at, adapter(kind).validate_python(plain), self.now)
 
     def shown(self) -> dict[str, Any]:
         """As the browser gets it."""
@@ -250,11 +249,16 @@ def test_an_interlock_of_which_nothing_was_heard_is_not_fulfilled(verdin: Descri
     states = {row["id"]: row["state"] for row in ToolView(verdin, 0).now(0)["interlocks"]}
     assert [name for name, state in states.items() if state == "not fitted"] == ["IL-08", "IL-13"]
     assert set(states.values()) == {"not fitted", "not known"}
-    grip_only = Watched(verdin)
-    grip_only.tool.run(1.5)
-    table, grip = grip_only.view._interlocks, grip_only.view._replicas["grip"].controller
-    rows = {row["id"]: row["state"] for row in table.now(grip.status() if grip else None, grip, None)}
-    assert (rows["IL-01"], rows["IL-02"], rows["IL-05"]) == ("not known", "not known", "fulfilled")
+
+
+def test_a_fault_of_the_tool_changer_is_that_of_its_interlock(verdin: Description) -> None:
+    watched = Watched(verdin, "locked-shows:tool_changer:0")
+    watched.tool.run(10.0)
+    shown = watched.shown()
+    assert shown["state"]["changer"] == "FAULT"
+    row = next(row for row in shown["interlocks"] if row["id"] == "IL-04")
+    assert row["state"] == "blocking"
+    assert row["why"].startswith("locked and unlocked were both on, or both off")
 
 
 def test_without_news_nothing_counts_as_present(verdin: Description) -> None:
@@ -266,10 +270,13 @@ def test_without_news_nothing_counts_as_present(verdin: Description) -> None:
     stale = watched.shown()["news"]
     assert not stale["fresh"]
     assert "is silent" in stale["why"]
-    watched.view.lose("grip", "The grip program has ended its connection.", watched.now)
+    gone = "The HAL has ended its connection."
+    watched.view.lose(gone, watched.now)
     shown = watched.shown()
-    assert shown["buttons"]["grip"] == "The grip program has ended its connection."
-    assert shown["news"]["why"].startswith("The grip program has ended its connection.")
+    assert shown["buttons"]["grip"] == shown["buttons"]["reset"] == gone
+    assert shown["buttons"]["stop"] == ""
+    assert shown["news"]["why"] == gone
+    assert (shown["state"]["name"], shown["state"]["changer"]) == ("OFF", "UNKNOWN")
 
 
 def test_a_page_that_comes_later_stands_where_the_program_stands(verdin: Description) -> None:
@@ -278,14 +285,13 @@ def test_a_page_that_comes_later_stands_where_the_program_stands(verdin: Descrip
     assert early.tool.command("grip").accepted
     early.tool.run(0.9)
     late = ToolView(verdin, early.now)
-    for program, controller in (("grip", early.tool.grip), ("tool_change", early.tool.change)):
-        snapshot = json.loads(to_json(controller.snapshot(), fallback=dict))
-        for kind, content in (
-            ("header", header_of(verdin, program, 0)),
-            ("state", adapter("state").validate_python(snapshot)),
-            (PUBLISHED, Published(early.now, controller.status(), {})),
-        ):
-            late.take(program, kind, early.now, content, early.now)
+    snapshot = json.loads(to_json(early.tool.controller.snapshot(), fallback=dict))
+    for kind, content in (
+        ("header", header_of(verdin, 0)),
+        ("state", adapter("state").validate_python(snapshot)),
+        (PUBLISHED, Published(early.now, early.tool.status, {})),
+    ):
+        late.take(kind, early.now, content, early.now)
     one, other = early.shown(), json.loads(to_json(late.now(early.now)))
     for key in ("cards", "buttons", "interlocks"):
         assert one[key] == other[key]
@@ -297,9 +303,9 @@ def test_a_page_that_comes_later_stands_where_the_program_stands(verdin: Descrip
 def test_a_program_with_another_description_is_not_shown(verdin: Description) -> None:
     view = ToolView(verdin, 0)
     other = verdin.model_copy(update={"name": "another"})
-    header = header_of(other, "grip", 0)
+    header = header_of(other, 0)
     with pytest.raises(ReportedError, match="runs another description") as refused:
-        view.take("grip", "header", 0, header, 0)
+        view.take("header", 0, header, 0)
     assert str(refused.value).endswith(f"Start: eehal page {header.source}")
 
 
@@ -397,8 +403,7 @@ def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) ->
     watched.tool.run(4.0)
     assert watched.shown()["state"]["alarms"] == []
     assert watched.texts("over").count(again) == 1
-    # four of the grip, two of the changer
-    assert len(watched.texts("over")) == len(watched.texts("alarm")) == 6
+    assert len(watched.texts("over")) == len(watched.texts("alarm")) == 4
     assert "No valid reading of locked, unlocked, in_stand, tool_present, supply." in watched.texts("over")
     assert not any(each.startswith("Over") for each in watched.texts("alarm"))
 
@@ -406,21 +411,21 @@ def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) ->
 def test_the_log_is_in_the_order_of_time(verdin: Description) -> None:
     log = Watched(verdin).view.log
     number = log.newest
-    log.add(59_590_000, "transition", "of one program", "grip")
-    log.add(59_420_000, "transition", "of the other", "tool_change")
-    assert [entry["text"] for entry in log.since(number)] == ["of the other", "of one program"]
+    log.add(59_590_000, "refusal", "of a write")
+    log.add(59_420_000, "alarm", "of the status that it belongs to")
+    assert [entry["kind"] for entry in log.since(number)] == ["alarm", "refusal"]
 
 
 def test_each_of_several_sources_has_a_rate_of_its_own() -> None:
     """Two links and the inputs of a board were shown as one rate, against the period of the slowest."""
     tool = load_tool(ROOT / "examples/tools/two_links/end_effector.yaml")
     view = ToolView(tool, 0)
-    view.take("grip", "header", 0, header_of(tool, "grip", 0), 0)
+    view.take("header", 0, header_of(tool, 0), 0)
 
     def put(entry: tuple[str, int, object]) -> None:
-        view.take("grip", *entry, entry[1])
+        view.take(*entry, entry[1])
 
-    controller = RecordedController(tool, load_automata(tool), "grip", put)
+    controller = RecordedController(tool, load_automata(tool), put)
     controller.start({}, 0)
     frames = [
         Frame(at, None, None, dict.fromkeys(source.channels))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from end_effector_hal.control import Controller, Status, unknown_now
@@ -34,10 +35,8 @@ class Replica:
 
     @property
     def status(self) -> Status | None:
-        """The published status, or what is still known of it without a connection; None before the first."""
-        if self.published is None:
-            return None
-        return self.published.status if self.connected else unknown_now(self.published.status)
+        """The published status, or what is still known of it after a loss; None before the first."""
+        return self.published.status if self.published else None
 
     def take(self, kind: str, record: Any) -> None:
         """Process one record.
@@ -61,6 +60,8 @@ class Replica:
     def lose(self, why: str) -> None:
         """Mark the stream as lost."""
         self.connected, self.why = False, why
+        if self.published is not None:
+            self.published = replace(self.published, status=unknown_now(self.published.status))
 
     def refusal(self, word: str) -> str:
         """Return why the HAL would refuse a command now; empty if it would accept it."""
