@@ -77,11 +77,11 @@ def states_of_a_recording(folder: Path) -> bytes:
 
 
 @pytest.mark.parametrize(
-    "left", [["states.csv", "run.json"], ["states.csv"], ["run.json"], ["grip.mcap", "run.json"]]
+    "left", [["states.csv", "run.json"], ["states.csv"], ["run.json"], ["hal.mcap", "run.json"]]
 )
 def test_a_run_of_the_model_replaces_no_recording(left: list[str]) -> None:
     states_of_a_recording(Path("run"))
-    (Path("run") / "grip.mcap").write_bytes(b"trace")
+    (Path("run") / "hal.mcap").write_bytes(b"trace")
     for each in Path("run").iterdir():
         if each.name not in left:
             each.unlink()
@@ -106,7 +106,7 @@ def test_a_counterexample_replaces_its_own_files_and_no_recording() -> None:
     for _ in range(2):
         assert run("verify", "--model", "model.xml", "-o", "found").exit_code == 4
     (place,) = Path("found").iterdir()
-    (place / "grip.mcap").write_bytes(b"trace")
+    (place / "hal.mcap").write_bytes(b"trace")
     assert "This folder contains a recording" in str(
         run("verify", "--model", "model.xml", "-o", "found").exception
     )
@@ -128,14 +128,14 @@ def test_what_a_command_reads_is_not_replaced(command: tuple[str, ...], output: 
 
 
 @pytest.mark.parametrize(
-    "output", ["run/grip.mcap", "run/states.csv", "other.yaml", "report", "linked.html", "hard.html"]
+    "output", ["run/hal.mcap", "run/states.csv", "other.yaml", "report", "linked.html", "hard.html"]
 )
 def test_a_report_replaces_nothing_of_a_recording(output: str) -> None:
     states_of_a_recording(Path("run"))
-    (Path("run") / "grip.mcap").write_bytes(b"trace")
+    (Path("run") / "hal.mcap").write_bytes(b"trace")
     Path("other.yaml").write_text("name: x")
     Path("linked.html").symlink_to("run/states.csv")
-    Path("hard.html").hardlink_to("run/grip.mcap")
+    Path("hard.html").hardlink_to("run/hal.mcap")
     before = {str(each): each.read_bytes() for each in Path().rglob("*.*") if each.is_file()}
     result = run("report", "run", "-o", output)
     assert isinstance(result.exception, UsageError)

@@ -14,7 +14,6 @@ import pytest
 from click.testing import CliRunner
 from pydantic_core import to_json
 
-from end_effector_hal.arbiter import HAL
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.recorded._recordings import open_recordings
 from end_effector_hal.codecs import carrier_of, load_tool
@@ -29,9 +28,8 @@ from end_effector_hal.page.recorded import (
 )
 from end_effector_hal.page.recorded import _document as document_module
 from end_effector_hal.page.recorded import _files as files_module
-from end_effector_hal.recording import Recording, RecordingLimits, TraceWriter
-from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL
-from end_effector_hal.runtime.boundary._open import header_of, whole
+from end_effector_hal.recording import Recording, RecordingLimits
+from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.signals import Kind
 from end_effector_lab.commands import _report as report_module
 from end_effector_lab.recorded import report_html
@@ -66,9 +64,9 @@ class WatchedAndRecorded(Watched):
     """A live page, and a recording of the same run."""
 
     def __init__(self, description: Description, folder: Path, scenario: str) -> None:
-        files = {DESCRIPTION: whole(description), MODEL: description.automata_path.read_bytes()}
-        header = lambda opening: header_of(description, opening.at)  # noqa: E731
-        self.writer = TraceWriter(folder, HAL, KINDS, now=0, attachments=files, header=header)
+        writer = open_recorder(folder, description, at=0)._writer
+        assert writer is not None
+        self.writer = writer
         self.seen: list[tuple[int, Json]] = []
         super().__init__(description, scenario)
 
