@@ -51,6 +51,6 @@ install extras "$sdist[bags,lab,modbus]"
 play extras-demo
 [ -s extras-demo/nominal/timeline.png ] || fail "The demo drew no figure"
 "$eehal" replay extras-demo/nominal >/dev/null
-"$eehal" import extras-demo/nominal/grip.mcap 2>import.log || true
+"$eehal" import extras-demo/nominal/hal.mcap 2>import.log || true
 grep -q 'not a bag of ROS 2' import.log || fail "No bag is read"
 echo "wheel and sdist: installed, checked, verified, played"

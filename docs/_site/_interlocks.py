@@ -18,7 +18,7 @@ from ._markdown import ROOT, link, plain, strings, table, tests_with
 SOURCE = ROOT / "src" / "end_effector_hal"
 PLACES = {
     "the line arbiter": ("arbiter",),
-    "the programs": ("runtime",),
+    "the program": ("runtime",),
     "`eehal check`": ("description/rules",),
 }
 """Packages of what enforces an interlock, beside the automata."""

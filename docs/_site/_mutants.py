@@ -40,9 +40,8 @@ def mutants() -> str:
             else "Of these none survives; the others are not judged."
         )
     tool = load(profile_path())
-    executed = tool.automata.executed
     for template in load_automata(tool).document.templates:
-        if template.name.content.strip() in executed:
+        if template.name.content.strip() in tool.automata.executed:
             parts += _edges(template)
     return "\n\n".join(parts)
 

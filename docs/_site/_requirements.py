@@ -25,14 +25,14 @@ def requirements() -> str:
     tool = load(profile_path())
     network, automata = network_of(tool), tool.automata
     monitor = Monitor(network, automata.executed, automata.interface, requirements=True)
-    recordings = {"`hal.mcap`": {query.comment for query in monitor.queries}}
+    judged = [query.comment for query in monitor.queries]
     mutants = tomllib.loads(MUTANTS.read_text(encoding="utf-8"))["mutant"]
     parts = [
         part
         for each in requirements_of(network)
         for part in _requirement(
             each,
-            [file for file, judged in recordings.items() if any(f"[{each.id}]" in words for words in judged)],
+            any(f"[{each.id}]" in words for words in judged),
             [mutant for mutant in mutants if mutant["caught_by"] == each.id],
         )
     ]
@@ -52,15 +52,15 @@ def requirements() -> str:
 
 def _apart(file: Path) -> Iterator[str]:
     for each in requirements_of(load_network(file)):
-        yield from (part.replace("## ", "### ", 1) for part in _requirement(each, [], []))
+        yield from (part.replace("## ", "### ", 1) for part in _requirement(each, False, []))
 
 
-def _requirement(each: Requirement, recordings: list[str], found: list[dict[str, str]]) -> Iterator[str]:
+def _requirement(each: Requirement, judged: bool, found: list[dict[str, str]]) -> Iterator[str]:
     yield f"## `{each.id}`"
     yield plain(each.sentence)
     yield f"```text\n{each.query}\n```"
-    if recordings:
-        yield f"Recordings that speak of it: {' and '.join(recordings)} of any run; `eehal replay` judges it there."
+    if judged:
+        yield "The trace of any run speaks of it; `eehal replay` judges it there."
     if found:
         yield "It finds these out:"
         yield "\n".join(
