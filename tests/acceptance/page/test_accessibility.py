@@ -121,7 +121,7 @@ def test_many_runs_in_one_file(chromium: Any, retried: Path, tmp_path: Path) -> 
     """Their table, one of which cannot be read."""
     shutil.copytree(retried, tmp_path / "runs" / "retried")
     (tmp_path / "runs" / "torn").mkdir()
-    (tmp_path / "runs" / "torn" / "grip.mcap").write_bytes(b"x")
+    (tmp_path / "runs" / "torn" / "hal.mcap").write_bytes(b"x")
     many = test_recordings.reported(tmp_path, tmp_path / "runs", expected=1)
     page = test_recordings.opened(chromium, f"file://{many}")
     assert_no_fault(page, "runs in a report")

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.runtime.stream import ask_program, program_of, program_socket
+from end_effector_hal.runtime.stream import ask_program, program_socket
 from end_effector_hal.verification.mutation import kept_record
 from tests.acceptance.page.conftest import Live
 from tests.support.patience import wait_until
@@ -112,8 +112,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
 
 def asked(live: Live, word: str) -> str:
     """Why the HAL itself refuses a command, asked beside the page; empty: it accepts it."""
-    program = program_of(word)
-    answer = ask_program(program_socket(live.world.description, program), program, word)
+    answer = ask_program(program_socket(live.world.description), word)
     assert answer.decided, answer.reason
     return "" if answer.accepted else answer.reason
 

@@ -335,7 +335,7 @@ def test_a_report_of_a_folder_begins_with_a_table_and_opens_each_run(
     for each in (retried, nominal):
         shutil.copytree(each, folder / each.name)
     (folder / "<i>torn").mkdir()
-    (folder / "<i>torn" / "grip.mcap").write_bytes((nominal / "grip.mcap").read_bytes()[:1000])
+    (folder / "<i>torn" / "hal.mcap").write_bytes((nominal / "hal.mcap").read_bytes()[:1000])
     page = opened(chromium, f"file://{reported(tmp_path, folder, expected=1)}")
     shows(page, "about", "3 runs in the order of their names")
     shows(
@@ -370,7 +370,7 @@ def test_a_report_of_a_folder_begins_with_a_table_and_opens_each_run(
 def test_what_a_recording_says_is_text(chromium: Any, retried: Path, tmp_path: Path) -> None:
     """A reason of the same length, so that the file is readable but for its checksum."""
     folder = Path(shutil.copytree(retried, tmp_path / "run"))
-    trace = folder / "grip.mcap"
+    trace = folder / "hal.mcap"
     data = trace.read_bytes()
     reason = b"There is no running grip to cancel; the end-effector is STAND_BY."
     assert data.count(reason) == 1
@@ -400,15 +400,15 @@ def test_damage_is_told_and_what_was_before_it_is_shown(chromium: Any, served: A
     tool.command("grip")
     tool.run(25.0)
     tool.close()
-    second, last = tool.folder / "grip-2.mcap", tool.folder / "tool_change.mcap"
+    second, last = tool.folder / "hal-2.mcap", max(tool.folder.glob("hal-*.mcap"))
     data = second.read_bytes()
     place = data.index(b'"device_ms"', len(data) // 2)
     second.write_bytes(data[:place] + b'"Xevice_ms"' + data[place + 11 :])
     last.write_bytes(last.read_bytes()[:-5000])
     page = opened(chromium, served(str(tool.folder)))
-    shows(page, "notes", "grip-2.mcap is damaged: bytes in it were changed")
+    shows(page, "notes", "hal-2.mcap is damaged: bytes in it were changed")
     shows(page, "notes", "What follows in this file is not shown.")
-    shows(page, "notes", "tool_change.mcap is not whole")
+    shows(page, "notes", f"{last.name} is not whole")
     shows(page, "judged", "Replay and monitor: decisions differ, or the trace is incomplete", READ_MS)
     page.fill("#scrub", "4")
     shows(page, "state-word", "GRIPPING")
@@ -461,7 +461,7 @@ def test_a_recording_that_is_still_written_grows(chromium: Any, served: Any, tmp
         hal = Process(tmp_path, "run", str(world.description_path), "--record", str(tmp_path / "run"))
         try:
             hal.said("STAND.BY")
-            wait_until("both traces", lambda: len(list((tmp_path / "run").glob("*.mcap"))) == 2)
+            wait_until("the trace", (tmp_path / "run" / "hal.mcap").exists)
             page = opened(chromium, served(str(tmp_path / "run")))
             shows(page, "notes", "the program was killed or still writes")
             assert hal.child.stdin is not None
@@ -486,8 +486,8 @@ def test_the_live_page_lists_what_was_recorded_and_opens_it(
         for file in (folder / each.name).iterdir():
             os.utime(file, (1000.0 + number, 1000.0 + number))
     (folder / "torn").mkdir()
-    (folder / "torn" / "grip.mcap").write_bytes((nominal / "grip.mcap").read_bytes()[:20_000])
-    os.utime(folder / "torn" / "grip.mcap", (10.0, 10.0))
+    (folder / "torn" / "hal.mcap").write_bytes((nominal / "hal.mcap").read_bytes()[:20_000])
+    os.utime(folder / "torn" / "hal.mcap", (10.0, 10.0))
     with Live(tmp_path, "nominal", "--recordings", str(folder)) as live:
         page = live_page(chromium, live)
         assert page.locator("#past-rows tr").count() == 0, "nothing is read before somebody asks"

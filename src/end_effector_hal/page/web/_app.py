@@ -210,10 +210,10 @@ class _Served(NamedTuple):
         return await self._logged(who, f"fault, {what}", asked)
 
     async def _logged(self, who: str, what: str, asked: Awaitable[Answer]) -> Response:
-        self.view.log.add(now_us(), "page", f"{who}: {what}.", who)
+        self.view.log.add(now_us(), "page", f"{who}: {what}.")
         answer = await asked
         if not answer.accepted:
-            self.view.log.add(now_us(), "refusal", f"{who}, {what}: {answer.reason}", who)
+            self.view.log.add(now_us(), "refusal", f"{who}, {what}: {answer.reason}")
         return _as_json(answer)
 
     def _known(self, posted: PagePost) -> bool:
