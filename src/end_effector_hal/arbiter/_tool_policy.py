@@ -127,7 +127,8 @@ def _no_fault(predicate: str) -> Need:
 
 def output_lines(description: Description) -> tuple[str, ...]:
     """Return every output line: actuators in sequence order, the tool changer, blow-offs, plain outputs."""
-    return (*client_lines(description, HAL), *client_lines(description, OUTPUTS))
+    hal, plain = client_lines(description, HAL), client_lines(description, OUTPUTS)
+    return tuple(dict.fromkeys((*hal, *description.blow_off_lines.values(), *plain)))
 
 
 def wired_lines(description: Description) -> tuple[str, ...]:
@@ -142,4 +143,5 @@ def client_lines(description: Description, client: str) -> tuple[str, ...]:
         return tuple(each.line for each in description.outputs.values())
     changer = description.tool_changer
     gripping = tuple(actuator.line for _, actuator in description.ordered)
-    return (*gripping, *([changer.line] if changer else ()), *description.blow_off_lines.values())
+    blown = tuple(each.line for each in description.blow_offs.values())
+    return (*gripping, *([changer.line] if changer else ()), *blown)
