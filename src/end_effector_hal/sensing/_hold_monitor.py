@@ -29,16 +29,13 @@ class HoldMonitor:
         description: the tool.
         senses: its detectors, which must have processed a sample before this monitor does.
         carrier: carries its channels.
-        devices: whether this monitor keeps the alarms of devices.
     """
 
     MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
 
-    def __init__(
-        self, description: Description, senses: SensorSet, carrier: Carrier, *, devices: bool = True
-    ) -> None:
+    def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
-        self._devices = senses.now.faults.channels if devices else ()
+        self._devices = senses.now.faults.channels
         self._names = description.sequence
         self._log = AlarmLog()
         watches = (

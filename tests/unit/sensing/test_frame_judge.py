@@ -38,13 +38,10 @@ class Process:
 
     def __init__(self, description: Description, network: Network, judge: FrameJudge | None) -> None:
         self.predicates = Predicates(description, codec_of(description), judge)
-        self.programs = [
-            Controller(description, network, name, judge=judge) for name in ("grip", "tool_change")
-        ]
+        self.controller = Controller(description, network, judge=judge)
         self.at, self.number = 1_000_000, 0
         self.seen: list[dict[str, bool] | Status] = []
-        for program in self.programs:
-            program.start({}, self.at)
+        self.controller.start({}, self.at)
 
     def frame(self, after_us: int = PERIOD, **values: Value) -> None:
         self.at, self.number = self.at + after_us, self.number + 1
@@ -52,8 +49,7 @@ class Process:
         shown |= {name: value + noise for name in PRESSURES if (value := shown[name]) is not None}
         frame = Frame(self.at, self.number, self.number * 20, shown)
         self.seen.append(self.predicates.frame(frame))
-        for program in self.programs:
-            self.seen += program.frame(frame)
+        self.seen += self.controller.frame(frame)
 
     def frames(self, count: int, **values: Value) -> None:
         for _ in range(count):
@@ -82,7 +78,7 @@ def test_a_frame_is_judged_once_in_a_process(
     judged.clear()
     process.frames(100)
     assert len(judged) == 100
-    answer, _ = process.programs[0].command("grip", process.at)
+    answer, _ = process.controller.command("grip", process.at)
     assert answer.accepted
     judged.clear()
     process.frames(20, bottom=-40_000)
@@ -94,7 +90,7 @@ def test_each_for_itself_judges_every_frame(
     description: Description, network: Network, judged: list[int]
 ) -> None:
     Process(description, network, None).frames(10)
-    assert len(judged) == 30
+    assert len(judged) == 20
 
 
 def test_who_has_looked_at_another_time_joins_the_others_with_the_next_frame(
@@ -102,36 +98,34 @@ def test_who_has_looked_at_another_time_joins_the_others_with_the_next_frame(
 ) -> None:
     process = Process(description, network, FrameJudge())
     process.frames(60)
-    grip, change = process.programs
-    grip.command("grip", process.at)
+    controller, others = process.controller, process.predicates._senses
+    controller.command("grip", process.at)
     process.frames(249, bottom=-20_000)  # up to the time-out of the first attempt
-    grip.advance(process.at + PERIOD)
-    own = grip._senses.now
-    assert own is not change._senses.now
+    controller.advance(process.at + PERIOD)
+    own = controller._senses.now
+    assert own is not others.now
     judged.clear()
     process.frame(bottom=-20_000)
     assert len(judged) <= 2
-    assert grip._senses.now is change._senses.now is not own
+    assert controller._senses.now is others.now is not own
     process.frames(10, bottom=-20_000)
     assert len(judged) <= 12
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_shared_or_not_all_is_decided_the_same(description: Description, network: Network, seed: int) -> None:
-    """With silences, reboots, invalid values and time-outs of one program between the frames."""
+    """With silences, reboots, invalid values and time-outs of the controller between the frames."""
 
     def run(judge: FrameJudge | None) -> list[dict[str, bool] | Status]:
         random, process = Random(seed), Process(description, network, judge)
         process.frames(60)
         for _ in range(150):
-            grip, change = process.programs
             match random.randrange(12):
                 case 0:
-                    process.seen += grip.command(random.choice(("grip", "drop", "cancel")), process.at)[1]
+                    word = random.choice(("grip", "drop", "cancel"))
+                    process.seen += process.controller.command(word, process.at)[1]
                 case 1:
-                    process.seen += random.choice((grip, change)).advance(
-                        process.at + random.randrange(PERIOD)
-                    )
+                    process.seen += process.controller.advance(process.at + random.randrange(PERIOD))
                 case 2:
                     process.frame(random.choice((PERIOD, 149_000, 150_000, 151_000, 2_000_000)))
                 case 3:
@@ -166,8 +160,7 @@ def test_after_a_silence_all_still_share_what_they_judge(
     judged.clear()
     process.frames(50)
     assert len(judged) == 50
-    grip, change = process.programs
-    assert grip._senses.now is change._senses.now is process.predicates._senses.now
+    assert process.controller._senses.now is process.predicates._senses.now
 
 
 def test_after_a_silence_nothing_is_proven_by_what_was_so_before_it(

@@ -108,12 +108,6 @@ def test_a_weak_grip_that_is_over_stays_told_until_a_drop(description: Descripti
     assert tool.status.ee == STAND_BY
 
 
-def test_the_program_of_the_tool_changer_watches_nothing(description: Description) -> None:
-    tool = gripped(description, "leak:top_vacuum,supply:430", 6.0)
-    assert len(tool.status.alarm_texts) == 2
-    assert tool.change.status().alarm_texts == ()
-
-
 def test_acknowledged_is_what_is_over_and_nothing_else(description: Description) -> None:
     tool = gripped(description, "leak:bottom_vacuum", 6.0)
     choose(tool, "leak:bottom_vacuum,leak:top_vacuum:8")
@@ -121,7 +115,7 @@ def test_acknowledged_is_what_is_over_and_nothing_else(description: Description)
     choose(tool, "leak:bottom_vacuum")
     tool.run(5.0)
     assert len([alarm for alarm in tool.status.alarm_texts if "secure" in alarm or "Weak" in alarm]) == 2
-    tool.grip.acknowledge(tool.at)
+    tool.controller.acknowledge(tool.at)
     assert [alarm.split(" (")[0] for alarm in tool.status.alarm_texts] == [
         "Weak grip: Bottom vacuum did not reach 75 kPa within 2 s",
     ]

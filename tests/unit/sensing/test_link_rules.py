@@ -140,7 +140,7 @@ def test_two_senders_on_one_link_are_one_alarm_and_prove_nothing(
         tool.run(0.02)
         shown = {"bottom": -70_000, "cylinder": 500_000, "top": -70_000, "supply": 600_000, "locked": True}
         other = Frame(tool.at, 9000 + n, 500_000 + 20 * n, {**shown, "unlocked": False})
-        tool._gripper(tool.grip.frame(other))
+        tool._told(tool.controller.frame(other))
     assert [alarms for alarms in tool.status.alarm_texts if alarms.startswith("Two senders on one link")]
     assert tool.status.evidence == (0, 0, 0)
     assert (tool.status.held, tool.status.lift_allowed) == (held, False)

@@ -33,7 +33,7 @@ def tool_that(also: str, *, held: bool = False) -> VirtualTool:
     if held:
         assert tool.command("grip").accepted
         feed(tool, 1.0, also, -80_000)
-        assert tool.grip.status().held
+        assert tool.status.held
     return tool
 
 
@@ -41,17 +41,16 @@ def feed(tool: VirtualTool, seconds: float, also: str, value: Value = None, *, l
     for _ in range(round(seconds * 50)):
         tool.run(0.02)
         if link:
-            for program in (tool.grip, tool.change):
-                program.frame(Frame(tool.at, None, None, {"cup": value}), tool.at)
+            tool.controller.frame(Frame(tool.at, None, None, {"cup": value}), tool.at)
         if also == "board":
-            tool.grip.frame(Frame(tool.at, None, None, {"door": False}), tool.at)
+            tool.controller.frame(Frame(tool.at, None, None, {"door": False}), tool.at)
 
 
 @pytest.mark.parametrize("also", ALSO)
 def test_the_link_is_up_and_the_alarm_names_the_reading(also: str) -> None:
     tool = tool_that(also)
     feed(tool, 3.0, also)
-    status = tool.grip.status()
+    status = tool.status
     assert (status.link_up, status.stale, status.evidence) == (True, ("cup",), (Evidence.UNKNOWN,))
     assert status.alarm_texts == (f"No valid reading of cup: {SAYS}.",)
     assert not tool.command("grip").accepted
@@ -62,7 +61,7 @@ def test_a_link_that_then_falls_silent_is_down(also: str) -> None:
     tool = tool_that(also)
     feed(tool, 3.0, also)
     feed(tool, 2.0, also, link=False)
-    status = tool.grip.status()
+    status = tool.status
     assert not status.link_up
     assert [each.endswith("down.") for each in status.alarm_texts] == [True]
 
@@ -72,7 +71,7 @@ def test_what_is_held_is_held_and_the_alarm_says_that_the_device_sends(also: str
     tool = tool_that(also, held=True)
     edges = tool.edges.copy()
     feed(tool, 3.0, also)
-    status = tool.grip.status()
+    status = tool.status
     assert (status.held, status.evidence, tool.edges) == (True, (Evidence.UNKNOWN,), edges)
     assert f"No valid reading of Cup while it holds a part ({SAYS}); outputs" in status.alarm_texts[0]
 
@@ -80,6 +79,6 @@ def test_what_is_held_is_held_and_the_alarm_says_that_the_device_sends(also: str
 def test_a_sensor_that_is_doubted_is_told_in_the_words_of_the_doubt_only() -> None:
     tool = tool_that("alone")
     feed(tool, 3.0, "alone", 900_000)  # no vacuum has such a pressure
-    alarms = " ".join(tool.grip.status().alarm_texts)
+    alarms = " ".join(tool.status.alarm_texts)
     assert "it counts as invalid" in alarms
     assert SAYS not in alarms

@@ -143,9 +143,8 @@ def script(tool: VirtualTool, wrong: object = None) -> list[Status]:
             stamp: Any = tool.at + wrong if type(wrong) is int and wrong < 0 else wrong
             kinds = tool.codec.channels
             values: dict[str, Value] = dict.fromkeys(kinds)
-            for program in (tool.grip, tool.change):
-                told = program.frame(Frame(stamp, None, None, values), tool.at)
-                assert all("are refused" in str(status.alarm_texts) for status in told)
+            told = tool.controller.frame(Frame(stamp, None, None, values), tool.at)
+            assert all("are refused" in str(status.alarm_texts) for status in told)
         if command:
             assert tool.command(command).accepted
         tool.run(seconds)
@@ -173,7 +172,7 @@ def test_a_wrong_frame_moves_nothing_in_any_state(description: Description, wron
     tool = VirtualTool(description)
     assert moves(script(tool, wrong)) == expected  # to the microsecond
     assert tool.edges == good.edges
-    status = tool.grip.status()
+    status = tool.status
     assert status.refused_frames == 4
     assert all("are refused" in each for each in status.alarm_texts)
 
@@ -184,9 +183,9 @@ def test_a_grip_ends_although_every_second_frame_comes_from_the_future(descripti
     tool.run(1.0)
     assert tool.command("grip").accepted
     for _ in range(30):
-        tool.grip.frame(Frame(YEAR_2038, None, None, {"bottom": -80_000}), tool.at)
+        tool.controller.frame(Frame(YEAR_2038, None, None, {"bottom": -80_000}), tool.at)
         tool.run(1.0)
-    status = tool.grip.status()
+    status = tool.status
     assert (status.ee, status.at) == (STAND_BY, tool.at)
     assert status.refused_frames == 30
     assert "Sensor frames are refused" in status.alarm_texts[0]
@@ -199,16 +198,16 @@ def test_while_held_nothing_is_let_go_and_the_alarm_ends(description: Descriptio
     tool.command("grip")
     tool.run(4.0)
     edges = tool.edges.copy()
-    told = tool.grip.frame(Frame(YEAR_2038, None, None, {"bottom": 0, "top": 0}), tool.at)
+    told = tool.controller.frame(Frame(YEAR_2038, None, None, {"bottom": 0, "top": 0}), tool.at)
     assert [(status.ee, status.lift_allowed) for status in told] == [(GRIPPED, True)]
     (alarm,) = told[0].alarm_texts
     assert alarm.startswith("Sensor frames are refused and count for nothing: one is stamped ")
-    assert tool.grip.frame(Frame(YEAR_2038, None, None, {"bottom": 0}), tool.at) == []  # said already
+    assert tool.controller.frame(Frame(YEAR_2038, None, None, {"bottom": 0}), tool.at) == []  # said already
     tool.run(9.9)
-    assert tool.grip.status().alarm_texts == (alarm,)
+    assert tool.status.alarm_texts == (alarm,)
     tool.run(0.2)
-    assert tool.grip.status().alarm_texts == ()
-    assert (tool.grip.status().ee, tool.edges) == (GRIPPED, edges)
+    assert tool.status.alarm_texts == ()
+    assert (tool.status.ee, tool.edges) == (GRIPPED, edges)
 
 
 def test_only_wrong_frames_are_a_silence(description: Description) -> None:
@@ -217,8 +216,8 @@ def test_only_wrong_frames_are_a_silence(description: Description) -> None:
     tool.link = False
     for _ in range(100):
         tool.run(0.02)
-        tool.grip.frame(Frame(tool.at + 60_000_000, None, None, tool.bench.sample(tool.at)), tool.at)
-    status = tool.grip.status()
+        tool.controller.frame(Frame(tool.at + 60_000_000, None, None, tool.bench.sample(tool.at)), tool.at)
+    status = tool.status
     assert (status.link_up, set(status.evidence)) == (False, {0})
     assert "The sensor link /dev/verdin-uart1 is down." in status.alarm_texts
     assert not tool.command("grip").accepted
