@@ -15,7 +15,7 @@ from .words import left_active
 
 
 class GripLastWill:
-    """Computes the last will of the grip program: the end of a blow-off, then deactivations in release order.
+    """Computes the last will of gripping: the end of a blow-off, then deactivations in release order.
 
     It deactivates active outputs that the description declares to be released; an empty will means hold. The end of a
     blow-off drops nothing, because a part that is blown off is no longer held by its suction; no last will begins a

@@ -14,7 +14,7 @@ _KEPT = 8
 
 
 def network_of(description: Description) -> Network:
-    """Return the network that both programs of a tool execute.
+    """Return the network that the HAL of a tool executes.
 
     It is cached by the content of the file and its constants: compiling takes half a second, and several seconds on a
     robot's computer. A changed file or constant gives another network.

@@ -104,10 +104,7 @@ def _unlock_refusal(
     if status.changer is not ChangerState.LOCKED and not _vacant(status.changer, senses):
         return f"An unlock is accepted when the tool changer is LOCKED; it is {status.changer.name}."
     found = unlock_blocking(description, changer, status, senses)
-    untold = (
-        "An unlock is not accepted now: the gripping program has not reported yet that nothing is gripped."
-    )
-    return found["IL-01"] or found["IL-02"] or untold
+    return found["IL-01"] or found["IL-02"] or "An unlock is not accepted now."
 
 
 def unlock_blocking(

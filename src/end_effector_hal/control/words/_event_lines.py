@@ -15,7 +15,7 @@ from ._changer_reasons import explain_changer
 _QUIET = (EndEffectorState.GRIPPING, EndEffectorState.GRIPPED)
 """States in which the reason of an earlier end is no longer of interest."""
 _OF_THE_CHANGER = (Command.LOCK, Command.UNLOCK)
-"""Commands that the tool changer's program executes; they do not cause transitions of the grip program."""
+"""Commands of the tool changer; they cause no transition of the end-effector."""
 
 
 def transition(old: str, new: str, command: int, reason: str) -> str:

@@ -1,4 +1,4 @@
-"""Decide whether a tool is ready: its lines adopted, its sensors read, and no reason to refuse a first status."""
+"""Decide whether a tool is ready: its lines adopted, its sensors read, and no reason to refuse a first grip."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def grips_as_fig5(network: Network, templates: tuple[str, ...], fig5: Network) -
 
     Args:
         network: the network of the tool's automata.
-        templates: the templates of it that the grip program executes.
+        templates: its templates that correspond to Fig. 5.
         fig5: the network of Fig. 5 with the same times.
     """
     interface = Interface(
