@@ -1,13 +1,11 @@
-"""The shipped tool with a blow-off at its vacuums, and its controllers in virtual time."""
+"""The shipped tool with a blow-off at its vacuums."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.kinds.stanza import BlowOff
-from tests.support.virtual_tool import VirtualTool
 
 BOTTOM_AIR, TOP_AIR = "SODIMM_214", "SODIMM_216"
 
@@ -21,16 +19,3 @@ def blown(description: Description | None = None, **keys: Any) -> Description:
         parts[name] = parts[name].model_copy(update={"blow_off": blow_off})
     bounds = description.bounds.model_copy(update={"grip_s": None, "release_s": None, "cancel_s": None})
     return description.model_copy(update={"actuators": parts, "bounds": bounds})
-
-
-class BlownTool(VirtualTool):
-    """With the blow-off lines written as the statuses ask for them."""
-
-    def _gripper(self, statuses: list[Status]) -> None:
-        places = [
-            (each.line, self.description.sequence.index(n)) for n, each in self.description.blow_offs.items()
-        ]
-        for status in statuses:
-            super()._gripper([status])
-            if status.ee:
-                self._write({line: index in status.blowing for line, index in places}, status.at)

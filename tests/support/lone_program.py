@@ -1,14 +1,15 @@
-"""A gripping unit alone: a line arbiter and sensors that do what a test says."""
+"""A program alone: a line arbiter and sensors that do what a test says."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime import GripProgram
+from end_effector_hal.runtime import Program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.vocabulary import LastWillStep
@@ -16,11 +17,12 @@ from end_effector_hal.wires import now_us
 from tests.support.patience import PATIENCE_S
 
 BOTTOM, CYLINDER, TOP = LINES = ("SODIMM_208", "SODIMM_210", "SODIMM_212")
+UNLOCK = "SODIMM_206"
 OFF, ON = False, True
 
 
 class Arbiter:
-    """A line arbiter that does what a test says."""
+    """A line arbiter that does what a test says; ``active`` are the lines of the actuators, nobody unlocks the tool."""
 
     def __init__(self) -> None:
         self.active = dict.fromkeys(LINES, OFF)
@@ -36,7 +38,16 @@ class Arbiter:
     def levels(self) -> Mapping[str, bool]:
         if self.error:
             raise self.error
-        return dict(self.active)
+        return {**self.active, UNLOCK: OFF}
+
+    def status(self) -> dict[str, Any]:
+        return {"faults": {}}
+
+    def latch(self, fault: str, why: str) -> None:
+        raise AssertionError(why)
+
+    def clear(self, fault: str) -> None:
+        raise AssertionError(fault)
 
     def ask(
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
@@ -44,7 +55,7 @@ class Arbiter:
         def wait() -> int:
             if self.error:
                 raise self.error
-            self.active |= levels
+            self.active |= {line: level for line, level in levels.items() if line != UNLOCK}
             self.will = tuple(will)
             return 0
 
@@ -55,11 +66,11 @@ class Arbiter:
 
 
 class Tool:
-    """A gripping unit, and what its sensors show."""
+    """A program, and what its sensors show."""
 
     def __init__(self, description: Description | None = None) -> None:
         self.arbiter, self.told = Arbiter(), list[Status]()
-        self.program = GripProgram(description or load(profile_path()), self.arbiter, self.told.append)
+        self.program = Program(description or load(profile_path()), self.arbiter, self.told.append)
         self.confirmed = dict.fromkeys(LINES, OFF)
         self._seq = 0
 

@@ -8,7 +8,7 @@ from typing import Any
 from unittest.mock import patch
 
 from end_effector_hal.control import Status, network_of
-from end_effector_hal.runtime.outputs import GripOutputs, Maintenance, Outputs
+from end_effector_hal.runtime.outputs import Maintenance, OutputMapping, Outputs
 from end_effector_hal.vocabulary import LastWill, LastWillStep
 from tests.support.recorded_tool import RecordedTool
 
@@ -41,7 +41,7 @@ class Arbiter:
 
 
 class RecordedLinesTool(RecordedTool):
-    """The gripping program with its lines."""
+    """The program with its lines."""
 
     outputs: Outputs | None = None
 
@@ -52,17 +52,17 @@ class RecordedLinesTool(RecordedTool):
         self.arbiter = Arbiter()
         self._early: list[Status] = []
         super().__init__(folder, scenario, **options)
-        self.lines = self.recorders[0].lines(self.arbiter)
+        self.lines = self.recorder.lines(self.arbiter)
         self._begin()
 
     def _begin(self) -> None:
         self.maintenance = Maintenance(self.description)
-        self.outputs = Outputs(self.lines, GripOutputs(self.description, self.maintenance))
+        self.outputs = Outputs(self.lines, OutputMapping(self.description, self.maintenance))
         early, self._early = self._early, []
         self._ask(early)
 
-    def _gripper(self, statuses: list[Status]) -> None:
-        super()._gripper(statuses)
+    def _told(self, statuses: list[Status]) -> None:
+        super()._told(statuses)
         self._ask(statuses)
 
     def _ask(self, statuses: list[Status]) -> None:
@@ -76,21 +76,21 @@ class RecordedLinesTool(RecordedTool):
         for step in self.arbiter.will:
             self.arbiter.active[step.line] = step.level
             self._write({step.line: step.level}, self.at)
-        self.grip = self.recorders[0].controller(self.description, network_of(self.description), "grip")
+        self.controller = self.recorder.controller(self.description, network_of(self.description))
         self._begin()
-        self._gripper(self.grip.start(self.lines.levels(), self.at))
-        self._gripper(self.grip.update_peer({"unlock_valve": 0}, self.at))
+        self._told(self.controller.start(self.lines.levels(), self.at))
 
     def drive(self, line: str, *, active: bool) -> None:
         """In maintenance."""
         assert self.outputs is not None
-        self.outputs.drive(line, active, self.maintenance.will_with(line, active))
+        will = self.outputs.mapping.maintenance_will(self.status, line, active=active)
+        self.outputs.drive(line, active, will)
         self.maintenance.drove(line, active, self.at)
         self._write({line: active}, self.at)
 
     def close(self) -> None:
         if self.outputs is not None:
-            self.lines.close(self.outputs.mapping.last_will(self.grip.status(), "sigterm"))
+            self.lines.close(self.outputs.mapping.last_will(self.status, "sigterm"))
             self.outputs = None
         super().close()
         self._clock.stop()

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from end_effector_hal.control import Answer, Controller
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.recording import RecordingLimits, TraceWriter
-from end_effector_hal.runtime.boundary import Recorder, open_recorder
+from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.verification.replay import ProgramTrace, load_trace
 from tests.support.patience import wait_until
 from tests.support.virtual_tool import VirtualTool
-from timed_automata import Network
 
 PIECE_S = 0.5
 
@@ -22,7 +21,7 @@ def drained(writer: TraceWriter) -> None:
 
 
 class RecordedTool(VirtualTool):
-    """Both programs in virtual time, each with its trace in ``folder``."""
+    """A program in virtual time, with its trace in ``folder``."""
 
     def __init__(
         self,
@@ -32,14 +31,9 @@ class RecordedTool(VirtualTool):
         limits: RecordingLimits | None = None,
         description: Description | None = None,
     ) -> None:
-        self.recorders: list[Recorder] = []
-        self.folder = folder
-
-        def recorded(description: Description, network: Network, program: str) -> Controller:
-            self.recorders.append(open_recorder(folder, description, program, at=0, limits=limits))
-            return self.recorders[-1].controller(description, network, program)
-
-        super().__init__(description or load(profile_path()), scenario, levels=levels, controller=recorded)
+        self.folder, description = folder, description or load(profile_path())
+        self.recorder = open_recorder(folder, description, at=0, limits=limits)
+        super().__init__(description, scenario, levels=levels, controller=self.recorder.controller)
 
     def run(self, seconds: float) -> None:
         until = self.at + round(seconds * 1e6)
@@ -53,20 +47,18 @@ class RecordedTool(VirtualTool):
         return answer
 
     def flush(self) -> None:
-        """As a unit does after each job; virtual time waits until all of it is written."""
-        for recorder in self.recorders:
-            recorder.flush()
-            assert recorder._writer is not None
-            drained(recorder._writer)
+        """As a program does after each job; virtual time waits until all of it is written."""
+        self.recorder.flush()
+        assert self.recorder._writer is not None
+        drained(self.recorder._writer)
 
     def close(self) -> None:
-        for recorder in self.recorders:
-            recorder.close()
+        self.recorder.close()
 
-    def trace(self, program: str = "grip") -> ProgramTrace:
+    def trace(self) -> ProgramTrace:
         """What was recorded; the run is over."""
         self.close()
-        return load_trace(self.folder / f"{program}.mcap")
+        return load_trace(self.folder / "hal.mcap")
 
 
 def recorded(folder: Path, scenario: str, *plan: str | float) -> Path:

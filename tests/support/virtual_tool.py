@@ -1,4 +1,4 @@
-"""A tool in virtual time: its controllers and its decoder, and the testbench's device and physics behind the wires."""
+"""A tool in virtual time: its controller and its decoder, and the testbench's device and physics behind the wires."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.control import Answer, Controller, Status, network_of
 from end_effector_hal.description import Description
+from end_effector_hal.runtime.outputs import Maintenance, OutputMapping
 from end_effector_hal.signals import Frame
 from end_effector_lab.testbench import Bench, SensorBoard, Sent
 from timed_automata import Network
@@ -24,13 +25,11 @@ class VirtualTool:
         found: Mapping[str, bool] | None = None,
         network: Network | None = None,
         seed: int = 0,
-        controller: Callable[[Description, Network, str], Controller] = Controller,
+        controller: Callable[[Description, Network], Controller] = Controller,
     ) -> None:
         self.description = description
         self.codec = get_codec(description.link.codec)
-        network = network or network_of(description)
-        self.grip = controller(description, network, "grip")
-        self.change = controller(description, network, "tool_change")
+        self.controller = controller(description, network or network_of(description))
         self.at = 0
         self.levels = dict(levels or {})
         self.bench = Bench(description, scenario, seed, levels=self.levels)
@@ -39,39 +38,31 @@ class VirtualTool:
         self.statuses: list[Status] = []
         self.edges: list[tuple[int, str, bool]] = []
         self.link = True
-        self._lines = {part.line: name for name, part in description.ordered}
+        self._mapping = OutputMapping(description, Maintenance(description))
         told = self.levels if found is None else dict(found)  # what the line arbiter says of them
-        self._gripper(self.grip.start(told, 0))
-        self._changer(self.change.start(told, 0))
+        self._told(self.controller.start(told, 0))
 
     @property
     def status(self) -> Status:
-        return self.grip.status()
+        return self.controller.status()
 
     def command(self, name: str) -> Answer:
-        if name in ("lock", "unlock"):
-            answer, statuses = self.change.command(name, self.at)
-            self._changer(statuses)
-        else:
-            answer, statuses = self.grip.command(name, self.at)
-            self._gripper(statuses)
+        answer, statuses = self.controller.command(name, self.at)
+        self._told(statuses)
         return answer
 
     def run(self, seconds: float) -> None:
         until = self.at + round(seconds * 1e6)
         while self.at < until:
             frame_at = (self.at // self.codec.period_us + 1) * self.codec.period_us
-            due = [time for time in (self.grip.deadline, self.change.deadline) if time is not None]
-            self.at = max(self.at, min([*due, frame_at, until]))
+            self.at = max(self.at, min(self.controller.deadline or until, frame_at, until))
             if self.at == frame_at and self.link:
                 sent = self.board.frame(self.at)
                 frames = self.decoder.feed(sent.data, self.at)
                 self._heard(sent, frames)
                 for frame in frames:
-                    self._gripper(self.grip.frame(frame))
-                    self._changer(self.change.frame(frame))
-            self._gripper(self.grip.advance(self.at))
-            self._changer(self.change.advance(self.at))
+                    self._told(self.controller.frame(frame))
+            self._told(self.controller.advance(self.at))
 
     def states(self) -> list[tuple[int, int, tuple[int, ...]]]:
         """Changes of (end-effector, command, actuators), as states.csv has them."""
@@ -81,19 +72,11 @@ class VirtualTool:
     def _heard(self, sent: Sent, frames: list[Frame]) -> None:
         """What was sent, and what the decoder has made of it; for those who watch."""
 
-    def _gripper(self, statuses: list[Status]) -> None:
+    def _told(self, statuses: list[Status]) -> None:
         for status in statuses:
             self.statuses.append(status)
-            self.change.update_peer({"ee": status.ee}, status.at)
-            if status.ee:
-                self._write(dict(zip(self._lines, status.outputs, strict=True)), status.at)
-
-    def _changer(self, statuses: list[Status]) -> None:
-        changer = self.description.tool_changer
-        for status in statuses:
-            self.grip.update_peer({"unlock_valve": int(status.unlock_output)}, status.at)
-            if status.changer and changer:
-                self._write({changer.line: status.unlock_output}, status.at)
+            if status.adopted:
+                self._write(self._mapping.levels(status), status.at)
 
     def _write(self, wanted: Mapping[str, bool], at: int) -> None:
         for line, level in wanted.items():
