@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.arbiter import LineArbiter, arbiter_policy
-from end_effector_hal.arbiter._tool_policy import written_lines
+from end_effector_hal.arbiter import HAL, OUTPUTS, LineArbiter, arbiter_policy, client_lines
 from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_message, read_request, write_message
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli.check import _check
@@ -31,19 +30,19 @@ def through_the_protocol(message: dict[str, object]) -> object:
 
 
 def greeted(path: Path) -> None:
-    """The arbiter of a tool takes the hello of each program, a set of all its lines and its last will."""
+    """The arbiter of a tool takes the hello of each client, a set of all its lines and its last will."""
     tool = load_tool(path)
     policy = arbiter_policy(tool)
     chip = path.parent / "chip"
     VirtualChip.create(chip, policy.lines)
     arbiter = LineArbiter(VirtualLines(chip), policy, 0)
-    for program in ("grip", "outputs"):
-        if lines := written_lines(tool, program):
+    for client in (HAL, OUTPUTS):
+        if lines := client_lines(tool, client):
             will = [LastWillStep(line).as_json() for line in lines]
-            hello = {"op": "hello", "client": program, "token": make_token(), "lines": lines, "will": will}
+            hello = {"op": "hello", "client": client, "token": make_token(), "lines": lines, "will": will}
             through_the_protocol({"id": 1, "op": "set", "levels": dict.fromkeys(lines, False), "will": will})
             request = through_the_protocol(hello)
-            arbiter.hello(program, request.token, request.lines, request.will, 0)
+            arbiter.hello(client, request.token, request.lines, request.will, 0)
     needed = {need.predicate: False for needs in policy.needs.values() for need in needs}
     if needed:
         through_the_protocol({"op": "tell", "predicates": needed, "at_us": 10**17})

@@ -11,9 +11,10 @@ from end_effector_hal.control import GripLastWill, ending_in_words, event_lines,
 from end_effector_hal.description import Description
 from end_effector_hal.verification.proof import prove
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
-from tests.support.blown import BOTTOM_AIR, TOP_AIR, BlownTool, blown
+from tests.support.blown import BOTTOM_AIR, TOP_AIR, blown
 from tests.support.declared import declared
 from tests.support.nightly import first_of
+from tests.support.virtual_tool import VirtualTool
 
 BOTTOM, CYLINDER, TOP = "SODIMM_208", "SODIMM_210", "SODIMM_212"
 MS = 1000
@@ -24,8 +25,8 @@ STAND_BY, RELEASING, RELEASE_ERROR = (
 )
 
 
-def gripped(description: Description, scenario: str = "nominal") -> BlownTool:
-    tool = BlownTool(description, scenario)
+def gripped(description: Description, scenario: str = "nominal") -> VirtualTool:
+    tool = VirtualTool(description, scenario)
     tool.run(1.0)
     assert tool.command("grip").accepted
     tool.run(4.0)
@@ -34,7 +35,7 @@ def gripped(description: Description, scenario: str = "nominal") -> BlownTool:
     return tool
 
 
-def dropped(tool: BlownTool, seconds: float = 10.0) -> list[tuple[int, str, bool]]:
+def dropped(tool: VirtualTool, seconds: float = 10.0) -> list[tuple[int, str, bool]]:
     """What the lines do after a Drop: ms, line, level."""
     since, before = tool.at, len(tool.edges)
     assert tool.command("drop").accepted
@@ -63,7 +64,7 @@ def test_until_gone_it_ends_with_the_feedback() -> None:
 
 
 def test_what_is_gone_already_is_not_blown_off_where_the_feedback_ends_it() -> None:
-    tool = BlownTool(blown(until_gone=True), "never-confirms:bottom_vacuum")
+    tool = VirtualTool(blown(until_gone=True), "never-confirms:bottom_vacuum")
     tool.run(1.0)
     assert tool.command("grip").accepted
     tool.run(0.5)
@@ -75,7 +76,7 @@ def test_what_is_gone_already_is_not_blown_off_where_the_feedback_ends_it() -> N
 
 def test_nothing_is_blown_off_between_two_attempts() -> None:
     """The cups before it hold the part."""
-    tool = BlownTool(blown(), "fails-once:top_vacuum")
+    tool = VirtualTool(blown(), "fails-once:top_vacuum")
     tool.run(1.0)
     assert tool.command("grip").accepted
     tool.run(9.0)
@@ -85,7 +86,7 @@ def test_nothing_is_blown_off_between_two_attempts() -> None:
 
 
 def test_nothing_is_blown_off_while_an_output_stays_active_as_declared() -> None:
-    tool = BlownTool(blown(declared(bottom_vacuum={"gripping": {"cancel": "hold"}})))
+    tool = VirtualTool(blown(declared(bottom_vacuum={"gripping": {"cancel": "hold"}})))
     tool.run(1.0)
     assert tool.command("grip").accepted
     tool.run(1.1)
@@ -145,7 +146,7 @@ def test_a_refusal_of_the_line_arbiter_goes_on_without_it() -> None:
     assert tool.command("drop").accepted
     tool.run(0.16)
     assert tool.status.blowing == (2,)
-    tool._gripper(tool.grip.refused(tool.at))
+    tool._told(tool.controller.refused(tool.at))
     assert tool.status.blowing == ()
     assert tool.status.ee == RELEASING
     tool.run(8.0)

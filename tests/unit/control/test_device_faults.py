@@ -46,7 +46,7 @@ class Cup:
     """A controller that sees a cup with a part, and a pump that says what the test lets it say."""
 
     def __init__(self, description: Description) -> None:
-        self.controller = Controller(description, network_of(description), "grip")
+        self.controller = Controller(description, network_of(description))
         self.predicates = Predicates(description, carrier_of(description))
         self.needed: dict[str, bool] = {}
         self.at, self.pump, self.door = 0, 0, False
@@ -217,7 +217,7 @@ def test_another_controller_that_goes_on_from_a_snapshot_knows_the_latched_fault
     cup.run(0.02)
     snapshot = cup.controller.snapshot()
     assert snapshot is not None
-    again = Controller(description, network_of(description), "grip")
+    again = Controller(description, network_of(description))
     again.resume(snapshot)
     assert again.status().alarm_texts == ("Over: Pump: it is too hot.",)
     assert again.refusal("grip") == "IL-07: Over: Pump: it is too hot. Reset it first."

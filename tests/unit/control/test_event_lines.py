@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.control import EventKind, ToolEvent, event_lines
-from end_effector_hal.control.goals import tool_status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from tests.support.virtual_tool import VirtualTool
@@ -24,6 +23,10 @@ def played(description: Description, scenario: str, *commands: str, each_s: floa
     for command in commands:
         assert tool.command(command).accepted
         tool.run(each_s)
+    return [line for line in lines_of(tool) if not line.startswith("tool changer: ")]
+
+
+def lines_of(tool: VirtualTool) -> list[str]:
     return [line for status in tool.statuses for line in event_lines(tool.description, status)]
 
 
@@ -75,18 +78,18 @@ def test_only_a_status_of_a_step_has_lines(description: Description) -> None:
     tool = VirtualTool(description)
     tool.run(1.0)
     assert tool.status.ee == EndEffectorState.STAND_BY
-    assert [line for status in tool.statuses for line in event_lines(description, status)] == [
-        "OFF -> STAND_BY"
-    ]
+    assert lines_of(tool) == ["OFF -> STAND_BY", "tool changer: UNKNOWN -> LOCKED"]
     assert not list(event_lines(description, tool.status))
 
 
 def test_the_tool_changer_has_its_own(description: Description) -> None:
     tool = VirtualTool(description)
     tool.run(1.0)
-    _, statuses = tool.change.command("unlock", tool.at)
-    assert [line for status in statuses for line in event_lines(description, status)] == [
-        "tool changer: LOCKED -> UNLOCKING (UNLOCK)"
+    assert tool.command("unlock").accepted
+    assert lines_of(tool) == [
+        "OFF -> STAND_BY",
+        "tool changer: UNKNOWN -> LOCKED",
+        "tool changer: LOCKED -> UNLOCKING (UNLOCK)",
     ]
 
 
@@ -97,9 +100,8 @@ def test_a_lock_that_is_unknown_says_why_and_names_no_command_of_the_gripping(
     tool.run(1.0)
     assert tool.command("grip").accepted
     tool.run(0.1)
-    grip = tool.status  # of a moment at which everything was still read
     unknown = ToolEvent(tool.at, EventKind.CHANGER_CHANGED, old=ChangerState.LOCKED, new=ChangerState.UNKNOWN)
-    change = replace(tool.change.status(), changer=ChangerState.UNKNOWN, stale=("bottom", "locked"))
-    assert list(event_lines(description, tool_status(grip, change, tool.at, events=(unknown,)))) == [
+    told = replace(tool.status, changer=ChangerState.UNKNOWN, stale=("bottom", "locked"), events=(unknown,))
+    assert list(event_lines(description, told)) == [
         "tool changer: LOCKED -> UNKNOWN: no valid reading of locked",
     ]

@@ -102,8 +102,8 @@ def test_what_is_lost_names_its_actuator(description: Description) -> None:
 def test_the_tool_changer_has_its_own(description: Description) -> None:
     tool = VirtualTool(description)
     tool.run(1.0)
-    _, statuses = tool.change.command("unlock", tool.at)
-    assert [event for status in statuses for event in status.events] == [
+    assert tool.command("unlock").accepted
+    assert [event for status in tool.statuses for event in status.events][-2:] == [
         ToolEvent(tool.at, K.COMMAND_ACCEPTED, command="unlock"),
         ToolEvent(tool.at, K.CHANGER_CHANGED, old=1, new=3),
     ]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.control.goals import (
     ANSWER_US,
     NOT_BEGUN,
@@ -20,7 +19,6 @@ from end_effector_hal.control.goals import (
     Phase,
     judge,
     reset_answer,
-    tool_status,
 )
 from end_effector_hal.vocabulary import (
     ARBITER_LOST,
@@ -29,13 +27,12 @@ from end_effector_hal.vocabulary import (
     ChangerState,
     Command,
     Evidence,
-    received_alarms,
 )
 from end_effector_hal.vocabulary import EndEffectorState as State
 
 YES = Answer(True, count=7)
 NO = Answer(False, "Nothing is held.")
-SILENT = Answer(False, "The node Grip does not answer.", decided=False)
+SILENT = Answer(False, "The program does not answer.", decided=False)
 
 
 def status(**fields: Any) -> Status:
@@ -54,7 +51,7 @@ class Room:
     """The goals of a tool, and what was to be done."""
 
     def __init__(self) -> None:
-        self.goals: Goals[Goal] = Goals({"grip": "The node Grip", "tool_change": "The node ToolChange"})
+        self.goals: Goals[Goal] = Goals("The program")
         self.at = 1_000_000
         self.done: list[tuple[Effect, str]] = []
 
@@ -69,8 +66,8 @@ class Room:
     def answer(self, goal: Goal, answer: Answer = YES) -> None:
         self.do(self.goals.answer(goal, answer, self.at))
 
-    def see(self, program: str = "grip", count: int = 8, session: int = 5, **fields: Any) -> None:
-        self.do(self.goals.see(program, status(**fields), self.at, session=session, count=count))
+    def see(self, count: int = 8, session: int = 5, **fields: Any) -> None:
+        self.do(self.goals.see(status(**fields), self.at, session=session, count=count))
 
     def begun(self, command: Command = Command.GRIP, name: str = "a") -> Goal:
         goal = self.come(command, name)
@@ -166,11 +163,13 @@ def test_rule_8_who_does_not_answer_proves_nothing(room: Room) -> None:
     assert end(goal) == (Outcome.UNREACHABLE, SILENT.reason)
 
 
-def test_rule_3_who_waited_for_a_program_that_did_not_answer_gets_the_same_answer(room: Room) -> None:
-    first, other, same = room.come(), room.come(Command.LOCK, "other"), room.come(Command.RELEASE, "same")
+def test_rule_3_who_waited_while_the_program_did_not_answer_gets_the_same_answer(room: Room) -> None:
+    first, lock, drop = room.come(), room.come(Command.LOCK, "lock"), room.come(Command.RELEASE, "drop")
+    given_up = room.come(name="given up")
+    room.do(room.goals.cancel(given_up))
     room.answer(first, SILENT)
-    assert end(first) == end(same) == (Outcome.UNREACHABLE, SILENT.reason)
-    assert other.phase is Phase.ASKED
+    assert end(first) == end(lock) == end(drop) == (Outcome.UNREACHABLE, SILENT.reason)
+    assert end(given_up) == (Outcome.NOT_EXECUTED, NOT_BEGUN)
 
 
 def test_rule_3_no_answer_in_time_and_one_that_comes_later_changes_nothing(room: Room) -> None:
@@ -179,7 +178,7 @@ def test_rule_3_no_answer_in_time_and_one_that_comes_later_changes_nothing(room:
     room.do(room.goals.tick(room.at))
     assert goal.phase is Phase.ASKED
     room.do(room.goals.tick(room.at + 1))
-    assert end(goal) == (Outcome.UNREACHABLE, "The node Grip does not answer.")
+    assert end(goal) == (Outcome.UNREACHABLE, "The program does not answer.")
     assert room.done[1:] == [(Effect.GIVE_UP, "a"), (Effect.REPORT_END, "a")]
     room.answer(goal)
     assert end(goal)[0] is Outcome.UNREACHABLE
@@ -190,7 +189,6 @@ def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> No
     room.see(count=6, ee=State.GRIPPED)
     goal = room.begun()
     room.see(count=6, ee=State.GRIPPED)
-    room.see("tool_change", count=9)
     assert room.done == []
     room.see(count=7, ee=State.GRIPPING, command=Command.GRIP)
     assert room.done == [(Effect.REPORT_PROGRESS, "a")]
@@ -226,16 +224,16 @@ def test_rule_4_an_end_that_was_seen_before_the_answer_counts(room: Room) -> Non
         (Command.UNLOCK, {"changer": ChangerState.UNLOCKED}, "SUCCEEDED", ""),
         (
             Command.UNLOCK,
-            {"changer": ChangerState.LOCKING},
+            {"changer": ChangerState.LOCKING, "reason": "old", "changer_reason": "why"},
             "FAILED",
-            "The tool changer is LOCKING: its sensors do not prove UNLOCKED.",
+            "The tool changer is LOCKING: its sensors do not prove UNLOCKED. why",
         ),
         (Command.RELEASE, {"ee": State.OFF, "reason": "why", "alarms": LOST}, "UNREACHABLE", "why"),
         (Command.RELEASE, {"ee": State.RELEASE_ERROR, "reason": "why", "alarms": LOST}, "UNREACHABLE", "why"),
         (Command.RELEASE, {"alarms": LOST}, "SUCCEEDED", ""),
         (
             Command.LOCK,
-            {"changer": ChangerState.UNKNOWN, "reason": "why", "alarms": LOST},
+            {"changer": ChangerState.UNKNOWN, "reason": "old", "changer_reason": "why", "alarms": LOST},
             "UNREACHABLE",
             "why",
         ),
@@ -250,16 +248,16 @@ def test_rule_4_the_outcome_is_read_from_the_status(
 
 def test_rule_5_a_program_that_has_gone_or_was_started_again(room: Room) -> None:
     goal = room.begun()
-    room.do(room.goals.tick(room.at, ("tool_change",)))
+    room.do(room.goals.tick(room.at))
     assert goal.phase is Phase.RUNNING
-    room.do(room.goals.tick(room.at, ("grip",)))
+    room.do(room.goals.tick(room.at, gone=True))
     assert end(goal)[0] is Outcome.UNREACHABLE
-    assert end(goal)[1].startswith("The node Grip has gone: it is unknown whether the command was executed.")
+    assert end(goal)[1].startswith("The program has gone: it is unknown whether the command was executed.")
     room.see(session=5, count=6)
     again = room.begun()
     room.see(session=6, count=9)
     assert end(again)[0] is Outcome.UNREACHABLE
-    assert end(again)[1].startswith("The node Grip was started again: ")
+    assert end(again)[1].startswith("The program was started again: ")
 
 
 def test_rule_6_a_cancel_before_the_decision(room: Room) -> None:
@@ -297,7 +295,7 @@ def test_rule_7_at_our_end_every_goal_gets_its_ending(room: Room, phase: Phase) 
         Phase.WAITING: (Outcome.REJECTED, "HALMain is ending: the goal was not begun."),
         Phase.ASKED: (
             Outcome.UNREACHABLE,
-            "HALMain is ending. The node Grip has not answered yet: whether the goal was begun is unknown.",
+            "HALMain is ending. The program has not answered yet: whether the goal was begun is unknown.",
         ),
         Phase.RUNNING: (
             Outcome.UNREACHABLE,
@@ -310,25 +308,10 @@ def test_rule_7_at_our_end_every_goal_gets_its_ending(room: Room, phase: Phase) 
     assert room.goals.open == ()
 
 
-def alarms(*texts: str) -> tuple[Alarm, ...]:
-    return received_alarms(texts)
-
-
-def test_the_tool_from_two_programs() -> None:
-    grip = status(ee=State.GRIPPED, held=True, evidence=(Evidence.CONFIRMED,), lift_allowed=True, missed=1)
-    change = status(changer=ChangerState.LOCKED, command=Command.LOCK, missed=2, alarms=alarms("b", "c"))
-    tool = tool_status(replace(grip, alarms=alarms("a", "b")), change, 9, notices=alarms("n"))
-    assert (tool.at, tool.ee, tool.changer, tool.command) == (
-        9,
-        State.GRIPPED,
-        ChangerState.LOCKED,
-        Command.LOCK,
-    )
-    assert (tool.missed, tool.alarm_texts) == (3, ("n", "a", "b", "c"))
-    assert tool_status(replace(grip, command=Command.GRIP), change, 9).command == Command.GRIP
-    lost = tool_status(grip, change, 9, gone=("grip", "tool_change"))
-    assert (lost.ee, lost.changer, lost.command) == (State.OFF, ChangerState.UNKNOWN, Command.NONE)
-    assert (lost.held, lost.lift_allowed, lost.evidence) == (True, False, (Evidence.UNKNOWN,))
+def test_of_a_program_that_does_not_run_the_part_stays_held_and_the_rest_is_unknown() -> None:
+    held = {"held": True, "outputs": (True,), "evidence": (Evidence.CONFIRMED,), "unlock_output": True}
+    known = status(ee=State.GRIPPED, changer=ChangerState.LOCKED, lift_allowed=True, secure=True, **held)
+    assert unknown_now(known) == status(ee=State.OFF, **held | {"evidence": (Evidence.UNKNOWN,)})
 
 
 def test_a_reset_says_all_that_stays() -> None:

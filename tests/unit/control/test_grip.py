@@ -356,7 +356,7 @@ def test_unlock_excludes_grip_and_relocks_by_itself(description: Description) ->
     assert tool.command("unlock").accepted
     assert not tool.command("grip").accepted
     tool.run(1.0)
-    assert tool.change.status().changer == 2
+    assert tool.status.changer == 2
     assert "IL-05" in tool.command("grip").reason
     tool.run(4.0)
     line = description.tool_changer.line if description.tool_changer else ""
@@ -364,7 +364,7 @@ def test_unlock_excludes_grip_and_relocks_by_itself(description: Description) ->
     assert off - on == pytest.approx(
         2.95
     )  # IL-03: at most 3 s, also when it is taken late by the reaction bound
-    assert tool.change.status().changer == 1
+    assert tool.status.changer == 1
     assert tool.command("grip").accepted
     assert not tool.command("unlock").accepted
 

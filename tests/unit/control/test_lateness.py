@@ -27,15 +27,15 @@ def confirm(tool: VirtualTool, stamp: int, at: int) -> list[Status]:
     """The third confirming frame comes at ``stamp`` and is taken at ``at``."""
     gripped = {**tool.bench.sample(tool.at), "bottom": -60_000}
     for earlier in (DUE - 40_000, DUE - 20_000):
-        tool.grip.frame(Frame(earlier, None, None, gripped), earlier)
-    return tool.grip.frame(Frame(stamp, None, None, gripped), at)
+        tool.controller.frame(Frame(earlier, None, None, gripped), earlier)
+    return tool.controller.frame(Frame(stamp, None, None, gripped), at)
 
 
 @pytest.mark.parametrize(("late_us", "missed"), [(0, 0), (50_000, 0), (50_001, 1)])
 def test_a_late_time_out(tool: VirtualTool, late_us: int, missed: int) -> None:
-    tool.grip.advance(DUE - 1)
-    assert tool.grip.status().outputs[0]
-    statuses = tool.grip.advance(DUE + late_us)
+    tool.controller.advance(DUE - 1)
+    assert tool.status.outputs[0]
+    statuses = tool.controller.advance(DUE + late_us)
     assert not statuses[-1].outputs[0]
     assert statuses[-1].at == DUE + late_us
     assert tool.status.worst_late_us == late_us

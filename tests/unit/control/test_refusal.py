@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.control import Controller, network_of
+from end_effector_hal.control import COMMANDS, Controller, network_of
 from end_effector_hal.description import Description
 from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
-
-WORDS = {"grip": ("grip", "drop", "cancel"), "tool_change": ("lock", "unlock", "arm", "reset")}
 
 
 @pytest.mark.parametrize(
@@ -37,15 +35,14 @@ def test_it_says_beforehand_what_it_answers(verdin: Description, scenario: str) 
         if moment in (40, 44):
             tool.command("unlock" if moment == 40 else "lock")
         tool.run(0.3)
-        for program, controller in (("grip", tool.grip), ("tool_change", tool.change)):
-            before = controller.snapshot()
-            assert before is not None
-            for word in WORDS[program]:
-                refusal = controller.refusal(word)
-                copy = Controller(verdin, network, program)
-                copy.resume(before)
-                answer, _ = copy.command(word, tool.at)
-                assert (answer.accepted, answer.reason) == (not refusal, refusal), (moment, word)
-                said.add(refusal)
-            assert controller.snapshot() == before
+        before = tool.controller.snapshot()
+        assert before is not None
+        for word in COMMANDS:
+            refusal = tool.controller.refusal(word)
+            copy = Controller(verdin, network)
+            copy.resume(before)
+            answer, _ = copy.command(word, tool.at)
+            assert (answer.accepted, answer.reason) == (not refusal, refusal), (moment, word)
+            said.add(refusal)
+        assert tool.controller.snapshot() == before
     assert len(said) > 5

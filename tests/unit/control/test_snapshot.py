@@ -38,23 +38,22 @@ def written(controller: Controller) -> bytes:
     return to_json(controller.snapshot(), fallback=dict)
 
 
-def resumed(controller: Controller, program: str) -> Controller:
+def resumed(controller: Controller) -> Controller:
     """Another one, from what stands in a file."""
-    other = Controller(DESCRIPTION, network(), program)
+    other = Controller(DESCRIPTION, network())
     other.resume(READ(written(controller)))
     assert written(other) == written(controller)
     return other
 
 
 class Cut(VirtualTool):
-    """Its controllers are replaced all the time."""
+    """Its controller is replaced all the time."""
 
     def run(self, seconds: float) -> None:
         until = self.at + round(seconds * 1e6)
         while self.at < until:
             super().run(min(PIECE_S, (until - self.at) / 1e6))
-            self.grip = resumed(self.grip, "grip")
-            self.change = resumed(self.change, "tool_change")
+            self.controller = resumed(self.controller)
 
 
 def play(tool: VirtualTool) -> VirtualTool:
@@ -118,17 +117,17 @@ def rest(controller: Controller) -> dict[str, str]:
 
 def test_what_stands_in_no_memory_never_changes() -> None:
     tool = VirtualTool(DESCRIPTION, "fails-once:cylinder")
-    before = rest(tool.grip), rest(tool.change)
-    assert len(before[0]) > 50
+    before = rest(tool.controller)
+    assert len(before) > 50
     play(tool)
-    assert (rest(tool.grip), rest(tool.change)) == before
+    assert rest(tool.controller) == before
 
 
 def test_a_snapshot_changes_nothing_and_there_is_none_before_the_start() -> None:
-    assert Controller(DESCRIPTION, network(), "grip").snapshot() is None
+    assert Controller(DESCRIPTION, network()).snapshot() is None
     tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
-    assert written(tool.grip) == written(tool.grip)
+    assert written(tool.controller) == written(tool.controller)
 
 
 def broken(content: Any, *path: str | int) -> Any:
@@ -158,8 +157,8 @@ def broken(content: Any, *path: str | int) -> Any:
 def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) -> None:
     tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
-    content = json.loads(written(tool.grip))
-    other = Controller(DESCRIPTION, network(), "grip")
+    content = json.loads(written(tool.controller))
+    other = Controller(DESCRIPTION, network())
     with pytest.raises(UsageError, match="A recorded state "):
         other.resume(READ(json.dumps(broken(content, *path))))
 
@@ -176,8 +175,8 @@ def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) ->
 def test_a_state_that_the_network_cannot_have_is_refused(name: str, change: Any) -> None:
     tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)
-    content = json.loads(written(tool.grip))
+    content = json.loads(written(tool.controller))
     before = content["execution"][name]
     content["execution"][name] = before | change if isinstance(change, dict) else change
     with pytest.raises(UsageError, match="A recorded state "):
-        Controller(DESCRIPTION, network(), "grip").resume(READ(json.dumps(content)))
+        Controller(DESCRIPTION, network()).resume(READ(json.dumps(content)))

@@ -23,10 +23,10 @@ def description() -> Description:
 
 
 class Tool:
-    """Its gripping program, at rest with readings of both links; the one of the first link is the last one of it."""
+    """Its controller, at rest with readings of both links; the one of the first link is the last one of it."""
 
     def __init__(self, description: Description) -> None:
-        self.controller = Controller(description, network_of(description), "grip")
+        self.controller = Controller(description, network_of(description))
         self.controller.start({"A": False, "B": False}, 0)
         for number in range(1, 40):
             for channel in ("one", "two"):
@@ -40,7 +40,7 @@ class Tool:
 
 
 INPUTS: dict[str, Callable[[Controller, int], list[Status]]] = {
-    "a peer": lambda controller, at: controller.update_peer({"unlock_valve": 0}, at),
+    "a refusal": lambda controller, at: controller.refused(at),
     "a command": lambda controller, at: controller.command("cancel", at)[1],
     "an acknowledgement": lambda controller, at: controller.acknowledge(at),
 }

@@ -40,7 +40,7 @@ def frozen(values: dict[str, Value], channel: str) -> None:
 
 
 class Changed:
-    """A decoder between the wire and the controllers: one channel of each frame is changed."""
+    """A decoder between the wire and the controller: one channel of each frame is changed."""
 
     def __init__(self, decoder: Decoder) -> None:
         self._decoder = decoder
@@ -110,16 +110,13 @@ def test_what_is_stale_is_an_alarm_and_the_other_way_round(
         if wanted == GRIPPED:
             assert tool.command("grip").accepted
             tool.run(4.0)
-        assert [tool.grip.status().ee, tool.grip.status().stale] == [wanted, ()]
+        assert [tool.status.ee, tool.status.stale] == [wanted, ()]
         changed.channel, changed.change = channel, change
         tool.run(2.3)
-        for program in (tool.grip, tool.change):
-            status = program.status()
-            assert (set(status.stale), named(status, description)) == ({channel}, {channel})
+        assert (set(tool.status.stale), named(tool.status, description)) == ({channel}, {channel})
         changed.channel = ""
         tool.run(0.5)
-        for program in (tool.grip, tool.change):
-            assert (program.status().stale, named(program.status(), description)) == ((), set())
+        assert (tool.status.stale, named(tool.status, description)) == ((), set())
 
 
 @pytest.mark.parametrize("description", tools(), ids=lambda tool: tool.name)
@@ -128,6 +125,4 @@ def test_a_silence_makes_every_channel_stale_and_tells_each(description: Descrip
     tool.run(1.0)
     tool.link = False
     tool.run(0.2)
-    for program in (tool.grip, tool.change):
-        status = program.status()
-        assert set(status.stale) == named(status, description) == set(used_channels(description))
+    assert set(tool.status.stale) == named(tool.status, description) == set(used_channels(description))

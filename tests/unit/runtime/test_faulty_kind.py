@@ -18,7 +18,7 @@ from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.unit.kinds.faulty_kind import broken, described
-from tests.unit.runtime.test_program import Tool
+from tests.unit.runtime.test_program import Tool, gripping
 
 
 def fail() -> Any:
@@ -54,7 +54,7 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def tool(tmp_path: Path) -> Iterator[Tool]:
     """Recorded, and its frames are judged once for several, as on a robot."""
     description, judge = described(), FrameJudge()
-    tool = Tool(description, open_recorder(tmp_path, description, "grip", at=1_000_000), judge)
+    tool = Tool(description, open_recorder(tmp_path, description, at=1_000_000), judge)
     others = Predicates(description, codec_of(description), judge)
     frame = tool.frame
 
@@ -104,7 +104,7 @@ def test_what_fails_while_a_part_is_held_lets_nothing_go(
     tool.run(20)
     status = tool.program.status
     assert (status.ee, status.held) == (EndEffectorState.GRIPPED, True)
-    assert all(tool.lines.active.values())
+    assert all(gripping(tool))
     (alarm,) = told(tool, why)
     assert f"{method} failed with {why}" in alarm
     if "Detector" in method:

@@ -36,23 +36,19 @@ class Ended:
 def tool() -> Any:
     tool: Any = object.__new__(EndEffector)
     tool._audience = Audience(lambda: None)
-    status = Tool().program.status
-    tool._grip = Ended(replace(status, ee=State.RELEASING, command=Command.RELEASE))
-    tool._change = Ended(replace(status, changer=ChangerState.LOCKED, command=Command.LOCK))
-    tool._goals = GoalRunner({"grip": tool._grip, "tool_change": tool._change}, lambda: tool.status)
+    status = replace(Tool().program.status, ee=State.RELEASING, command=Command.RELEASE)
+    tool._program = Ended(replace(status, changer=ChangerState.LOCKED))
+    tool._goals = GoalRunner(tool._program, lambda: tool.status)
     return tool
 
 
 @pytest.mark.parametrize("name", ["grip", "drop", "lock", "unlock"])
 def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str) -> None:
     outcome = getattr(tool, name)()
-    program = "grip" if name in ("grip", "drop") else "tool_change"
     assert not outcome.succeeded
     assert outcome.state == State.RELEASING
     assert outcome.outcome is Outcome.UNREACHABLE
-    assert outcome.reason.startswith(
-        f"The {program} program has gone: it is unknown whether the command was executed"
-    )
+    assert outcome.reason.startswith("The HAL has gone: it is unknown whether the command was executed")
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,4 +57,4 @@ def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pyte
     )
     answer = Tool().program.command("drop")
     assert (answer.accepted, answer.decided) == (False, False)
-    assert answer.reason == "The grip program does not answer."
+    assert answer.reason == "The HAL does not answer."

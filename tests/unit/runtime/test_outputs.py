@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import pytest
 
 from end_effector_hal.control import Status
+from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
-from end_effector_hal.runtime.outputs._outputs import RETRY_US, Outputs
-from end_effector_hal.vocabulary import LastWillStep
+from end_effector_hal.runtime.outputs import RETRY_US, Maintenance, OutputMapping, Outputs
+from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
 
-A, B = "SODIMM_208", "SODIMM_210"
+A, B, TOP, UNLOCK = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
 UNWIND_A, UNWIND = (LastWillStep(A),), (LastWillStep(B), LastWillStep(A))
 
 
@@ -49,20 +51,22 @@ class Lines:
         del will
 
 
-def status(at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0) -> Status:
+def status(
+    at: int, a: bool, b: bool, *, held: bool = False, attempt: int = 0, unlock: bool = False
+) -> Status:
     return Status(
-        at=at, ee=0, command=0, actuators=(), outputs=(a, b), evidence=(), held=held, attempt=attempt
-    )
+        at=at, ee=0, command=0, actuators=(), outputs=(a, b), evidence=(), held=held, attempt=attempt,
+        adopted=True, unlock_output=unlock,
+    )  # fmt: skip
 
 
 class TwoLines:
-    """Two lines that are adopted, and their unwinding as a will."""
+    """Two lines of actuators and the unlock line, and the unwinding of the two as a will."""
 
-    def adopted(self, _: Status) -> bool:
-        return True
+    unlock_line = UNLOCK
 
     def levels(self, status: Status) -> dict[str, bool]:
-        return dict(zip((A, B), status.outputs, strict=True))
+        return dict(zip((A, B, UNLOCK), (*status.outputs, status.unlock_output), strict=True))
 
     def dropped(self, status: Status) -> str:
         return ""
@@ -91,7 +95,7 @@ def test_what_is_begun_is_not_waited_for() -> None:
     lines = Lines()
     outputs = outputs_of(lines)
     rest = outputs.begin([status(1, True, False), status(1, True, True)])
-    assert lines.asked == [({A: True, B: False}, UNWIND_A)]
+    assert lines.asked == [({A: True, B: False, UNLOCK: False}, UNWIND_A)]
     assert (lines.waited, [each.outputs for each in rest]) == (0, [(True, True)])
     outputs.finish()
     assert lines.waited == 1
@@ -117,7 +121,7 @@ def test_what_changes_neither_line_nor_will_is_not_written() -> None:
 def test_a_drop_is_one_write_the_will_goes_with_the_line() -> None:
     held = status(1, True, True, held=True)
     both = written(Lines(), held, status(2, True, True), status(2, True, False))
-    assert both == [({A: True, B: True}, ()), ({B: False}, UNWIND_A)]
+    assert both == [({A: True, B: True, UNLOCK: False}, ()), ({B: False}, UNWIND_A)]
 
 
 def test_a_will_is_written_by_itself_where_the_line_follows_later_or_is_activated() -> None:
@@ -137,21 +141,30 @@ def test_after_a_refusal_the_same_reaction_activates_nothing_more() -> None:
     outputs.finish()
     lines.error = None
     outputs.complete(rest)
-    assert lines.active == {A: False, B: False}
-    outputs.objected = False  # the automata have been told
+    assert lines.active == {A: False, B: False, UNLOCK: False}
+    outputs.objected.clear()  # the automata have been told
     outputs.complete([status(2, True, True)])
     assert lines.asked[-1][0] == {A: True}  # B was wanted before: it is not activated later by itself (IL-11)
 
 
-def test_a_refusal_is_known_once_it_was_waited_for() -> None:
+@pytest.mark.parametrize("unlock", [False, True])
+def test_a_refusal_is_known_of_its_line_once_it_was_waited_for_and_until_the_next_activation(
+    unlock: bool,
+) -> None:
     lines = Lines()
     lines.error = LineRefusedError("IL-05: no.")
     outputs = outputs_of(lines)
-    outputs.begin([status(1, True, False)])
+    outputs.begin([status(1, not unlock, False, unlock=unlock)])
     assert not outputs.objected
     outputs.finish()
-    assert outputs.objected
-    assert outputs.refused == "IL-05: no."
+    assert outputs.objected == {unlock}
+    assert outputs.refused == {unlock: "IL-05: no.", not unlock: ""}
+    outputs.objected.clear()
+    lines.error = None
+    outputs.complete([status(2, False, False), status(3, unlock, False, unlock=not unlock)])
+    assert outputs.refused == {unlock: "IL-05: no.", not unlock: ""}, "the other line was accepted"
+    outputs.complete([status(4, False, False), status(5, not unlock, False, unlock=unlock)])
+    assert outputs.refused == {False: "", True: ""}
 
 
 def activation_that_found_no_arbiter(lines: Lines) -> Outputs:
@@ -216,6 +229,30 @@ def test_why_the_lines_do_not_agree_is_what_was_found(found: dict[str, bool], de
     outputs = outputs_of(lines)
     outputs.begin([status(1, True, False, attempt=1)])
     outputs.finish()
-    lines.active, lines.dead = found, dead
+    lines.active, lines.dead = {UNLOCK: False, **found}, dead
     assert outputs.agree(3) is (not why)
     assert outputs.disagreement == (f"{why}the program has restarted." if why else "")
+
+
+def test_the_tool_changer_is_locked_first_also_while_maintenance_drives_lines() -> None:
+    description = load(profile_path())
+    maintenance = Maintenance(description)
+    mapping = OutputMapping(description, maintenance)
+    releasing = Status(
+        at=0, ee=EndEffectorState.RELEASING, command=Command.RELEASE, actuators=(), outputs=(True, True, False),
+        evidence=(), unlock_output=True,
+    )  # fmt: skip
+
+    def lines(will: Sequence[LastWillStep]) -> list[str]:
+        assert not any(step.level for step in will)
+        return [step.line for step in will]
+
+    assert lines(mapping.last_will(releasing)) == [UNLOCK, B, A]
+    assert lines(mapping.maintenance_will(releasing, TOP, active=True)) == [UNLOCK, TOP]
+    maintenance.drove(TOP, True, 0)
+    for ending in ("process_death", "sigterm"):
+        assert lines(mapping.last_will(releasing, ending)) == [UNLOCK, TOP]
+    assert lines(mapping.maintenance_will(releasing, A, active=True)) == [UNLOCK, TOP, A]
+    assert lines(mapping.maintenance_will(releasing, TOP, active=False)) == [UNLOCK]
+    locked = replace(releasing, unlock_output=False)
+    assert lines(mapping.last_will(locked)) == [TOP]

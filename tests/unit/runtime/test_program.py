@@ -7,27 +7,31 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import pytest
 
+from end_effector_hal.arbiter import HAL, SENSOR_FAULT, client_lines
 from end_effector_hal.control import Answer, EventKind, Status, ToolEvent
 from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.control.goals import Outcome, judge
 from end_effector_hal.description import Description, EStop, load, profile_path
-from end_effector_hal.errors import ArbiterError
-from end_effector_hal.runtime import GripProgram
+from end_effector_hal.errors import ArbiterError, LineRefusedError
+from end_effector_hal.runtime import Program
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
 from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import Cause, Command, EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, LastWill, LastWillStep
 from tests.support.declared import declared
 from tests.support.patience import wait_until
 
 PERIOD = 20_000
+REFUSED = "IL-05: not now."
 QUIET: dict[str, Value] = {
     "bottom": 0, "cylinder": 0, "top": 0, "supply": 600_000, "cylinder_extended": False, "cylinder_retracted": True,
     "locked": True, "unlocked": False, "tool_present": True, "in_stand": True, "estop_ok": True,
@@ -35,12 +39,17 @@ QUIET: dict[str, Value] = {
 
 
 class Lines:
-    """Lines in memory; ``count`` counts calls up to a write, ``away``: nobody answers."""
+    """Lines in memory, with the latched faults; ``count`` counts calls up to a write, ``away``: nobody answers,
+    ``refused``: the line whose activation is refused, and ``will``: the last one.
+    """
 
     def __init__(self, description: Description) -> None:
-        self.active = {part.line: False for _, part in description.ordered}
+        self.active = dict.fromkeys(client_lines(description, HAL), False)
+        self.faults: dict[str, str] = {}
         self.count: Count | None = None
         self.away = False
+        self.refused = ""
+        self.will: LastWill = ()
 
     def levels(self) -> Mapping[str, bool]:
         self._answer()
@@ -52,19 +61,31 @@ class Lines:
     def ask(
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
-        del will
         if self.count is not None and levels:
             self.count.stop()
 
         def wait() -> int:
             self._answer()
+            if levels.get(self.refused):
+                raise LineRefusedError(REFUSED)
             self.active |= levels
+            self.will = tuple(will)
             return 0
 
         return wait
 
     def close(self, will: Sequence[LastWillStep]) -> None:
         del will
+
+    def status(self) -> dict[str, Any]:
+        self._answer()
+        return {"faults": self.faults}
+
+    def latch(self, fault: str, why: str) -> None:
+        self.faults[fault] = why
+
+    def clear(self, fault: str) -> None:
+        del self.faults[fault]
 
     def _answer(self) -> None:
         if self.away:
@@ -95,7 +116,7 @@ class Count:
 
 
 class Tool:
-    """The gripping program of the shipped tool, its sensors as its lines are."""
+    """The program of the shipped tool, its sensors as its lines are."""
 
     def __init__(
         self,
@@ -106,7 +127,7 @@ class Tool:
         self.description = description or load(profile_path())
         self.lines, self.at, self._number = Lines(self.description), 1_000_000, 0
         self.statuses: list[Status] = []
-        self.program = GripProgram(
+        self.program = Program(
             self.description,
             self.lines,
             self.statuses.append,
@@ -125,6 +146,8 @@ class Tool:
                 shown[part.channel] = -80_000 if name.endswith("vacuum") else 600_000
                 if name == "cylinder":
                     shown |= {"cylinder_extended": True, "cylinder_retracted": False}
+        if self.description.tool_changer and self.lines.active[self.description.tool_changer.line]:
+            shown |= {"locked": False, "unlocked": True}
         noise = self._number % 4
         shown |= {name: (shown[name] or 0) + noise for name in ("bottom", "cylinder", "top", "supply")}
         return Frame(self.at, self._number, self._number * 20, shown)
@@ -165,6 +188,11 @@ class Tool:
         return answers[0]
 
 
+def gripping(tool: Tool) -> list[bool]:
+    """The lines of the actuators."""
+    return [tool.lines.active[part.line] for _, part in tool.description.ordered]
+
+
 @pytest.fixture
 def tool() -> Iterator[Tool]:
     """A tool in STAND_BY; whatever happens to it, the events of its statuses lead from each state to the next."""
@@ -202,13 +230,13 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
         assert not [name for name in calls if name.startswith(("_semantics.py", "_trace.py", "_network"))]
 
 
-GOAL_CALLS, FRAME_CALLS = 204, 350
+GOAL_CALLS, FRAME_CALLS = 236, 350
 """From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
 
 
 def test_a_trace_and_a_stream_are_handed_nothing_before_the_line_is_asked_for(tmp_path: Path) -> None:
     description = load(profile_path())
-    recorder = open_recorder(tmp_path, description, "grip", stream=open_stream(description, "grip"))
+    recorder = open_recorder(tmp_path, description, stream=open_stream(description))
     tool = Tool(description, recorder)
     tool.run(60)
     goal = tool.lines.count = Count()
@@ -325,7 +353,7 @@ def test_a_drop_without_the_line_arbiter_ends_unreachable_and_is_not_carried_out
     assert all(status.outputs)
     tool.lines.away = False
     tool.run(400)
-    assert all(tool.lines.active.values())
+    assert all(gripping(tool))
     assert (tool.program.status.ee, tool.program.status.arbiter_lost) == (EndEffectorState.GRIPPED, False)
     assert tool.command("drop").accepted
     tool.run(200)
@@ -338,7 +366,7 @@ def test_an_unwinding_that_ends_without_the_line_arbiter_is_given_up(tool: Tool)
     tool.run(100)
     assert tool.command("drop").accepted
     left = dict(tool.lines.active)
-    assert list(left.values()) == [True, True, False]
+    assert list(left.values()) == [True, True, False, False]
     tool.lines.away = True
     tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
     tool.run(10)
@@ -372,7 +400,7 @@ def test_maintenance_is_not_ended_by_a_command_that_the_line_arbiter_does_not_ge
 def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(tool: Tool) -> None:
     """Until then the arbiter would unwind it, should the program die."""
     assert tool.command("grip").accepted
-    while not all(tool.lines.active.values()):
+    while not all(gripping(tool)):
         tool.run(1)
     tool.lines.away = True
     tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
@@ -390,7 +418,7 @@ def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(
 
 def test_the_events_of_what_was_withheld_come_with_what_is_published_next(tool: Tool) -> None:
     assert tool.command("grip").accepted
-    while not all(tool.lines.active.values()):
+    while not all(gripping(tool)):
         tool.run(1)
     tool.lines.away = True
     tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
@@ -410,7 +438,7 @@ def test_the_events_of_what_was_withheld_come_with_what_is_published_next(tool: 
 def test_what_went_inactive_before_it_was_adopted_is_not_activated_again(tool: Tool) -> None:
     """The line arbiter was lost between the start and the first frames, and has executed a last will."""
     other = Tool(tool.description)
-    other.lines.active = dict.fromkeys(other.lines.active, True)
+    other.lines.active |= {part.line: True for _, part in tool.description.ordered}
     other.program._act(other.program._restart("another restart"))  # finds them active
     other.program.arbiter_lost(ArbiterError("the line arbiter is away."))
     other.lines.active = dict.fromkeys(other.lines.active, False)
@@ -540,3 +568,44 @@ def test_an_open_e_stop_refuses_a_grip_at_once_until_a_reset_and_cancels_nothing
     tool.program.faults_changed({"e_stop_closed": opened})
     tool.idle()
     assert tool.program.status.ee is EndEffectorState.GRIPPING, "only the next activation is refused"
+
+
+@pytest.mark.parametrize(
+    ("command", "line", "channel"),
+    [("grip", "SODIMM_208", "grip_refused"), ("unlock", "SODIMM_206", "unlock_refused")],
+)
+def test_a_refused_write_reaches_the_channel_and_the_reason_of_its_line(
+    command: str, line: str, channel: str
+) -> None:
+    events: list[Any] = []
+    tool = Tool(
+        recorder=Recorder(observe=lambda kind, _, what: events.append(what) if kind == "event" else None)
+    )
+    tool.run(60)
+    tool.lines.refused = line
+    assert tool.command(command).accepted
+    tool.run(60)
+    assert [event.channel for event in events if event.channel.endswith("_refused")] == [channel]
+    status = tool.program.status
+    assert (status.ee, status.changer) == (EndEffectorState.STAND_BY, ChangerState.LOCKED)
+    told = REFUSED in status.reason, REFUSED in status.changer_reason
+    assert told == (command == "grip", command == "unlock")
+    tool.lines.refused = ""
+    assert tool.command("unlock" if command == "grip" else "grip").accepted
+    status = tool.program.status
+    assert told == (REFUSED in status.reason, REFUSED in status.changer_reason), "of another command"
+
+
+def test_the_sensor_fault_is_latched_with_its_reason_and_cleared_by_a_reset(tool: Tool) -> None:
+    frame = tool.frame
+    both = {"locked": True, "unlocked": True}
+    tool.frame = lambda: replace(told := frame(), values={**told.values, **both})  # type: ignore[method-assign]
+    tool.run(40)
+    assert tool.program.status.changer is ChangerState.FAULT
+    assert tool.lines.faults == {SENSOR_FAULT: tool.program.status.changer_reason}
+    assert tool.lines.faults[SENSOR_FAULT].startswith("IL-04: ")
+    tool.frame = frame  # type: ignore[method-assign]
+    tool.run(10)
+    assert tool.command("reset").accepted
+    tool.run(10)
+    assert tool.lines.faults == {}

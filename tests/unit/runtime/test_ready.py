@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime.tool._ready import gripper_ready, missing
+from end_effector_hal.runtime.tool._ready import is_ready, missing
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from end_effector_hal.wires.sensors import SensorHealth
 from tests.support.virtual_tool import VirtualTool
@@ -40,19 +40,19 @@ def test_by_state_and_evidence(
     tool: VirtualTool, state: EndEffectorState, evidence: Sequence[Evidence], ready: bool
 ) -> None:
     status = replace(tool.status, ee=state, evidence=tuple(evidence))
-    assert gripper_ready(tool.description, status) is ready
-    assert not gripper_ready(tool.description, replace(status, link_up=False))
+    assert is_ready(tool.description, status) is ready
+    assert not is_ready(tool.description, replace(status, link_up=False))
 
 
 def test_without_il_07_feedback_is_not_in_the_way(tool: VirtualTool) -> None:
     locks = tool.description.interlocks.model_copy(update={"il_07": False})
     free: Description = tool.description.model_copy(update={"interlocks": locks})
-    assert gripper_ready(free, replace(tool.status, evidence=(GONE, PARTIAL, GONE)))
+    assert is_ready(free, replace(tool.status, evidence=(GONE, PARTIAL, GONE)))
 
 
 def test_what_is_in_the_way_is_named(tool: VirtualTool) -> None:
     status = replace(tool.status, evidence=(PARTIAL, GONE, CONFIRMED))
-    told = list(missing(tool.description, status, tool.change.status(), SensorHealth({}, None)))
+    told = list(missing(tool.description, status, SensorHealth({}, None)))
     assert told == [
         "a grip would be refused, since Bottom vacuum, Top vacuum are not proven to be gone "
         "(IL-07): a Drop releases once more"
@@ -71,11 +71,11 @@ def test_a_tool_that_is_ready_grips_also_after_the_link_was_silent(tool: Virtual
     seen = set()
     for _ in range(40):
         played.run(0.01)
-        ready = gripper_ready(played.description, played.status)
+        ready = is_ready(played.description, played.status)
         if ready:
-            assert played.grip.refusal("grip") == ""
+            assert played.controller.refusal("grip") == ""
         elif Evidence.UNKNOWN not in played.status.evidence:
-            assert played.grip.refusal("grip").startswith("IL-07")
+            assert played.controller.refusal("grip").startswith("IL-07")
             seen.add("partial")
         seen.add(ready)
     assert seen == {False, "partial", True}

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime.programs._changer_program import FALL_S, LAG_S, await_release
+from end_effector_hal.runtime.programs._release_proof import FALL_S, LAG_S, await_release
 from end_effector_hal.vocabulary import EndEffectorState
 
 STAND_BY, RELEASING, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.RELEASING, EndEffectorState.GRIPPED

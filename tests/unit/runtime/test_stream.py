@@ -29,12 +29,12 @@ class Served:
     def __init__(self, folder: Path) -> None:
         arbiter = folder / "a.sock"
         arbiter.touch()
-        self.path = folder / "a.sock.grip"
+        self.path = folder / "a.sock.hal"
         self.asked: list[str] = []
         self.works = True
         self.hold = threading.Event()
         self.hold.set()
-        self.stream = RecordStream(self.path, arbiter, lambda at: {"program": "grip"}, ("grip", "cancel"))
+        self.stream = RecordStream(self.path, arbiter, lambda at: {"run": "7"}, ("grip", "cancel"))
         self.stream.serve(self.command, lambda: self.works, self.nudge)
         self.state = 0
 
@@ -280,7 +280,7 @@ def test_the_socket_has_the_rights_of_the_line_arbiter(served: Served) -> None:
 
 def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
     nowhere = Path("/nowhere/a.sock")
-    stream = RecordStream(nowhere.with_name("a.sock.grip"), nowhere, lambda at: {}, ("grip",))
+    stream = RecordStream(nowhere.with_name("a.sock.hal"), nowhere, lambda at: {}, ("grip",))
     stream.serve(lambda word: Answer(True), lambda: True, lambda: None)
     stream.put([("frame", 0, {})])
     stream.close()

@@ -1,4 +1,4 @@
-"""The line arbiter with its disk, its client and the gripping program: any of them dies or fails at any time."""
+"""The line arbiter with its disk, its client and the program: any of them dies or fails at any time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One virtual time for the arbiter with its disk, the gripping program with its client, and who reads the sensors."""
+"""One virtual time for the arbiter with its disk, the program with its client, and who reads the sensors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from end_effector_hal.arbiter import ArbiterClient, Policy, Role, arbiter_policy, program_lines
+from end_effector_hal import runtime
+from end_effector_hal.arbiter import HAL, ArbiterClient, Policy, Role, arbiter_policy, client_lines
 from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.protocol._message import write_message
 from end_effector_hal.arbiter.rules import FORMER
@@ -19,7 +20,6 @@ from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import LineBusyError, ReportedError, UsageError
-from end_effector_hal.runtime import GripProgram
 from end_effector_hal.runtime.programs import _program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Command, EndEffectorState
@@ -31,7 +31,7 @@ from tests.unit.arbiter.simulation.wire import NearEnd
 
 TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
-GRIP_LINES = program_lines(TOOL, "grip")
+GRIP_LINES = tuple(part.line for _, part in TOOL.ordered)
 POLICY = arbiter_policy(TOOL)
 CHANGES = "description changed"
 CHANGED = [
@@ -470,14 +470,14 @@ class World:
 
 
 class Program:
-    """The gripping program: the program and the client of the product, without their threads."""
+    """The program and the client of the product, without their threads."""
 
     def __init__(self, world: World) -> None:
         self._world, self._renew_at = world, world.now + RENEW_US
         self.told: Status | None = None
         self._known = set(world.ends)
-        self._client = ArbiterClient("simulated", "grip", GRIP_LINES, patience_s=0)
-        self._program = GripProgram(TOOL, self._client, self._tell, clock=lambda: world.now)
+        self._client = ArbiterClient("simulated", HAL, client_lines(TOOL, HAL), patience_s=0)
+        self._program = runtime.Program(TOOL, self._client, self._tell, clock=lambda: world.now)
         self._client.attend(on_lost=self._program_loses, on_faults=self._program_knows)
 
     @property
