@@ -110,14 +110,15 @@ def test_what_nobody_knows_at_a_start_was_not_changed_by_anybody() -> None:
 def test_no_unlock_before_a_release_is_acknowledged() -> None:
     far = Far(True)
     rules = arbiter(far)
-    grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
-    changer = rules.hello("tool_change", TOKEN, (UNLOCK,), (), 0)
-    rules.write(grip, {FINGERS: False}, None, 100 * MS)
+    hal = rules.hello("hal", TOKEN, (FINGERS, UNLOCK), (), 0)
+    with pytest.raises(LineRefusedError, match="IL-01: unlock is not activated while"):
+        rules.write(hal, {FINGERS: False, UNLOCK: True}, None, 50 * MS)
+    rules.write(hal, {FINGERS: False}, None, 100 * MS)
     assert far.written == [{FINGERS: False}]
     with pytest.raises(LineRefusedError, match="IL-01: unlock is not activated while"):
-        rules.write(changer, {UNLOCK: True}, None, 200 * MS)
+        rules.write(hal, {UNLOCK: True}, None, 200 * MS)
     far.known = False
-    rules.write(changer, {UNLOCK: True}, None, 300 * MS)
+    rules.write(hal, {UNLOCK: True}, None, 300 * MS)
     assert rules.levels[UNLOCK]
 
 

@@ -186,12 +186,15 @@ def test_ids_of_an_exclusion_can_be_named():
     assert arbiter.written == []
 
 
-def test_a_swap_in_one_write_is_no_violation():
+def test_one_write_does_not_end_one_and_begin_the_other():
     arbiter = Arbiter(Policy(LINES, [(BOTTOM, TOP)]))
     arbiter.set(arbiter.grip, bottom=True)
-    assert arbiter.set(arbiter.grip, bottom=False, top=True) == 50 * MS
     arbiter.to(2 * S)
-    assert arbiter.rules.levels == {UNLOCK: False, BOTTOM: False, CYLINDER: False, TOP: True}
+    with pytest.raises(LineRefusedError, match="IL-05"):
+        arbiter.set(arbiter.grip, bottom=False, top=True)
+    assert arbiter.rules.levels[BOTTOM]
+    arbiter.set(arbiter.grip, bottom=False)
+    assert arbiter.set(arbiter.grip, top=True) == 0
 
 
 def test_a_waiting_activation_excludes_already():

@@ -209,8 +209,8 @@ def test_the_command(nominal: Path) -> None:
 def test_one_of_many_that_cannot_be_read_is_left_out(nominal: Path, tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / "runs" / name).mkdir(parents=True)
-    (tmp_path / "runs" / "a" / "grip.mcap").write_bytes(b"nothing")
-    shutil.copy(nominal / "grip.mcap", tmp_path / "runs" / "b")
+    (tmp_path / "runs" / "a" / "hal.mcap").write_bytes(b"nothing")
+    shutil.copy(nominal / "hal.mcap", tmp_path / "runs" / "b")
     content = json.loads(command(tmp_path / "runs", "--json").stdout)
     assert content["grips"] == 1
     (note,) = [each for each in content["notes"] if "left out" in each]

@@ -47,9 +47,8 @@ class LineInterlocks:
         """
         called = self._policy.called(line)
         for other, interlock, gap_us in self._partners[line]:
-            # with a pause between the two, the same write cannot end one and begin the other
-            active = self._may_be_active(other, sessions)
-            if (active or levels.get(other, False)) if gap_us else levels.get(other, active):
+            # the same write cannot end one and begin the other: a device may be slower than a line
+            if self._may_be_active(other, sessions) or levels.get(other, False):
                 raise LineRefusedError(
                     f"{interlock}: {called} is not activated while {self._policy.called(other)} is active."
                 )

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.wall
     ids=["list", "number", "empty", "broken", "no text", "half an answer", "endless", "nothing"],
 )
 def test_what_is_no_answer_is_a_sentence(tmp_path: Path, sent: bytes) -> None:
-    path = tmp_path / "tool.grip"
+    path = tmp_path / "tool.hal"
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
         listening.bind(str(path))
         listening.listen()
@@ -44,25 +44,25 @@ def test_what_is_no_answer_is_a_sentence(tmp_path: Path, sent: bytes) -> None:
 
         served = Thread(target=serve)
         served.start()
-        reply = ask(path, "The grip program", command="reload")
+        reply = ask(path, "The HAL", command="reload")
         served.join()
     assert not reply.accepted
     assert not reply.decided
-    assert reply.reason.startswith("The grip program cannot be asked (")
+    assert reply.reason.startswith("The HAL cannot be asked (")
 
 
 def test_nobody_listens(tmp_path: Path) -> None:
-    path = tmp_path / "tool.grip"
-    reply = ask(path, "The grip program", command="reload")
+    path = tmp_path / "tool.hal"
+    reply = ask(path, "The HAL", command="reload")
     assert (reply.accepted, reply.decided) == (False, False)
-    assert reply.reason == f"The grip program does not run: no process listens at {path}."
+    assert reply.reason == f"The HAL does not run: no process listens at {path}."
 
 
 def test_a_server_that_is_silent_or_sends_other_things_is_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("end_effector_hal.wires.rpc._client.ANSWER_S", 0.3)
-    path = tmp_path / "tool.grip"
+    path = tmp_path / "tool.hal"
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
         listening.bind(str(path))
         listening.listen()
