@@ -40,7 +40,7 @@ QUIET: dict[str, Value] = {
 
 class Lines:
     """Lines in memory, with the latched faults; ``count`` counts calls up to a write, ``away``: nobody answers,
-    ``refused``: the line whose activation is refused, and ``will``: the last one.
+    ``refused``: the line whose activation is refused, ``will``: the last one, ``delay_us``: how long writes wait.
     """
 
     def __init__(self, description: Description) -> None:
@@ -50,6 +50,7 @@ class Lines:
         self.away = False
         self.refused = ""
         self.will: LastWill = ()
+        self.delay_us = 0
 
     def levels(self) -> Mapping[str, bool]:
         self._answer()
@@ -70,7 +71,7 @@ class Lines:
                 raise LineRefusedError(REFUSED)
             self.active |= levels
             self.will = tuple(will)
-            return 0
+            return self.delay_us
 
         return wait
 
@@ -609,3 +610,28 @@ def test_the_sensor_fault_is_latched_with_its_reason_and_cleared_by_a_reset(tool
     assert tool.command("reset").accepted
     tool.run(10)
     assert tool.lines.faults == {}
+
+
+def test_a_lock_that_waits_for_its_line_is_told_at_once(tool: Tool) -> None:
+    """A line may have to settle (IL-10), a coil to rest: what is at rest meanwhile is not withheld, for it is known."""
+    assert tool.command("unlock").accepted
+    tool.run(20)
+    assert tool.program.status.changer is ChangerState.UNLOCKED
+    tool.lines.delay_us = 100_000
+    assert tool.command("lock").accepted
+    status = tool.program.status
+    assert (status.ee, status.changer) == (EndEffectorState.STAND_BY, ChangerState.LOCKING)
+    assert status.command is Command.LOCK
+
+
+def test_a_release_is_told_when_its_line_has_settled(tool: Tool) -> None:
+    assert tool.command("grip").accepted
+    tool.run(100)
+    tool.lines.delay_us = 100_000
+    assert tool.command("drop").accepted
+    tool.run(200)
+    assert tool.program._adoption.controller.status().ee is EndEffectorState.STAND_BY
+    assert tool.program.status.ee is EndEffectorState.RELEASING
+    tool.lines.delay_us = 0
+    tool.run(20)
+    assert tool.program.status.ee is EndEffectorState.STAND_BY

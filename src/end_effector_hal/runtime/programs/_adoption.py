@@ -141,17 +141,21 @@ class Adoption:
         """Return the statuses that may be published after the arbiter's reply; ``published``: the last published one.
 
         A requested deactivation may have to wait after the last change of its line (IL-10). Until it is over, no
-        status with a held part is published, because the line that would hold it is going inactive, and no STAND_BY,
-        because the line is still active.
+        status with a held part is published, because the line that would hold it is going inactive, and no end of a
+        release, because the line is still active.
         """
         if self.outputs.settles_at is None:
             if self.withholds:
                 self.withholds = False
                 return self._filtered([*statuses, self.now(at)])
             return statuses
+        # in STAND_BY all the time: then it is the line of the tool changer that settles
+        rests = all(status.ee is EndEffectorState.STAND_BY for status in (published, *statuses))
         told = self._filtered(
             statuses,
-            lambda status: (published.held or not status.held) and status.ee is not EndEffectorState.STAND_BY,
+            lambda status: (
+                (published.held or not status.held) and (rests or status.ee is not EndEffectorState.STAND_BY)
+            ),
         )
         self.withholds = self.withholds or len(told) < len(statuses)
         return told
