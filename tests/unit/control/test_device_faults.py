@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.arbiter import arbiter_policy
-from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Controller, Status, network_of
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.sensing import Predicates
@@ -47,7 +46,7 @@ class Cup:
 
     def __init__(self, description: Description) -> None:
         self.controller = Controller(description, network_of(description))
-        self.predicates = Predicates(description, carrier_of(description))
+        self.predicates = Predicates(description)
         self.needed: dict[str, bool] = {}
         self.at, self.pump, self.door = 0, 0, False
         self.statuses = self.controller.start({"GPIO5": False}, 0)

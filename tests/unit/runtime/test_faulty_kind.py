@@ -10,12 +10,10 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.codecs import codec_of
 from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.kinds import get_kind
 from end_effector_hal.nodes.hal_main._aggregate import Margins
 from end_effector_hal.runtime.boundary import open_recorder
-from end_effector_hal.sensing import FrameJudge, Predicates
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.unit.kinds.faulty_kind import broken, described
 from tests.unit.runtime.test_program import Tool, gripping
@@ -52,17 +50,9 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.fixture
 def tool(tmp_path: Path) -> Iterator[Tool]:
-    """Recorded, and its frames are judged once for several, as on a robot."""
-    description, judge = described(), FrameJudge()
-    tool = Tool(description, open_recorder(tmp_path, description, at=1_000_000), judge)
-    others = Predicates(description, codec_of(description), judge)
-    frame = tool.frame
-
-    def seen_by_others() -> Any:
-        others.frame(one := frame())
-        return one
-
-    tool.frame = seen_by_others  # type: ignore[method-assign]
+    """Recorded, as on a robot."""
+    description = described()
+    tool = Tool(description, open_recorder(tmp_path, description, at=1_000_000))
     tool.run(60)
     yield tool
     tool.program._recorder.close()

@@ -24,7 +24,6 @@ from end_effector_hal.runtime import Program
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
 from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
-from end_effector_hal.sensing import FrameJudge
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, LastWill, LastWillStep
 from tests.support.declared import declared
@@ -123,7 +122,6 @@ class Tool:
         self,
         description: Description | None = None,
         recorder: Recorder = NULL_RECORDER,
-        judge: FrameJudge | None = None,
     ) -> None:
         self.description = description or load(profile_path())
         self.lines, self.at, self._number = Lines(self.description), 1_000_000, 0
@@ -133,7 +131,6 @@ class Tool:
             self.lines,
             self.statuses.append,
             recorder,
-            judge=judge,
             clock=lambda: self.at,  # type: ignore[arg-type]
         )
         self.worker = self.program._worker
@@ -231,7 +228,7 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
         assert not [name for name in calls if name.startswith(("_semantics.py", "_trace.py", "_network"))]
 
 
-GOAL_CALLS, FRAME_CALLS = 236, 350
+GOAL_CALLS, FRAME_CALLS = 208, 350
 """From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
 
 

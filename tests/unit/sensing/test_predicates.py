@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 
 from end_effector_hal.codecs import get_codec
+from end_effector_hal.control import Controller, network_of
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.sensing import Predicates, predicates_fitted
 from end_effector_hal.signals import Frame
@@ -87,6 +90,36 @@ def test_an_absent_tool_is_as_good_as_one_in_its_stand(feed: Feed) -> None:
 def test_what_is_stale_proves_nothing(feed: Feed) -> None:
     assert feed.predicates.advance(feed.at + 149 * MS) == ALL
     assert feed.predicates.advance(feed.at + 150 * MS) == dict.fromkeys(ALL.keys() - {"e_stop_closed"}, False)
+
+
+def test_after_a_silence_nothing_is_proven_by_what_was_so_before_it(feed: Feed) -> None:
+    feed.at += 2_000 * MS
+    assert feed() == ALL | {"locked": False, "nothing_gripped": False}
+    assert feed(30) == ALL
+
+
+def test_the_sensors_of_a_program_prove_the_same_as_sensors_of_its_own() -> None:
+    """With silences and invalid values, and while the program also looks at its own time-outs."""
+    description, random = load(profile_path()), Random(7)
+    controller, own = Controller(description, network_of(description)), Predicates(description)
+    shared, at, said = Predicates(description, senses=controller.senses), 1_000_000, list[dict[str, bool]]()
+    controller.start({}, at)
+    for number in range(1_000):
+        at += (
+            random.choice((PERIOD, PERIOD, PERIOD, 149_000, 150_000, 2_000_000))
+            if number % 9 == 0
+            else PERIOD
+        )
+        changed: dict[str, int | bool | None] = {}
+        if number % 7 == 0:
+            changed = {random.choice(list(QUIET)): random.choice((None, False, True, -80_000))}
+        shown = {name: living(value, number) for name, value in (QUIET | changed).items()}
+        frame = Frame(at, None, None, shown)
+        said.append(own.frame(frame))
+        controller.frame(frame)
+        assert shared.holding == said[-1]
+        controller.advance(at + random.randrange(PERIOD))
+    assert len({tuple(each.items()) for each in said}) > 4
 
 
 def test_an_e_stop_that_was_not_read_is_not_said_to_be_open(feed: Feed) -> None:

@@ -7,7 +7,7 @@ import pytest
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.sensing import SensorSet
-from end_effector_hal.signals import Frame, clone, memory_of, recall, same_memory
+from end_effector_hal.signals import Frame, clone, memory_of, recall
 from end_effector_hal.vocabulary import Evidence
 
 TOOL = """\
@@ -94,9 +94,8 @@ def test_a_recording_that_begins_in_the_middle_goes_on_alike(tool: Description) 
     at = fed(senses, 0, one=1000, two=40_000)
     senses.frame(Frame(at + 10 * MS, 0, 0, {"one": -70_000}))
     recall(first, memory_of(senses.now))
-    assert same_memory(first, senses.now)
-    assert same_memory(clone(senses.now), senses.now)
-    assert not same_memory(second, senses.now)
+    assert memory_of(first) == memory_of(senses.now) == memory_of(clone(senses.now))
+    assert memory_of(second) != memory_of(senses.now)
     assert first.doubts(at + 20 * MS) == senses.now.doubts(at + 20 * MS) != ()
 
 
