@@ -110,7 +110,7 @@ class GripCollector:
         before = len(self.grips)
         one = _OneRecording(self._description, self._carrier.channels, recording)
         for entry in entries:
-            if entry.program != "grip" or entry.record is None:
+            if entry.record is None:
                 continue
             if entry.kind == "start":
                 one.restart(entry.at)
