@@ -41,7 +41,7 @@ def test_automata_without_a_constant_of_the_description(check: Check, tmp_path: 
 
 
 def test_a_process_that_the_automata_do_not_have_is_found(check: Check) -> None:
-    result = check(replace={"bounds:": "automata: {grip: [Griper, Actuator]}\nbounds:"})
+    result = check(replace={"bounds:": "automata: {executed: [Griper, Actuator]}\nbounds:"})
     assert result.exit_code == 2
     line = SHIPPED[: SHIPPED.index("bounds:")].count("\n") + 1
     assert result.stderr.startswith(f"tool.yaml:{line}:11: ")
