@@ -41,6 +41,8 @@ _SCALARS = (
 )  # fmt: skip
 
 
+_OF_CHANGER = ("Changer", "Arming")
+"""Templates whose deadlines concern no grip and no release."""
 Condition = Callable[[tuple[int, ...], tuple[int, ...]], Any]
 
 
@@ -94,6 +96,9 @@ class StatusBuilder:
         self._used = used_channels(description)
         self._fastened = _condition(execution.network, "fastened")
         self._liftable = _condition(execution.network, "liftable")
+        self._of_changer = frozenset(
+            each.index for each in execution.network.processes if each.template in _OF_CHANGER
+        )
         self._allowed = [part.attempts for _, part in description.ordered]
         self.values = {
             name: execution.value(name)
@@ -198,7 +203,7 @@ class StatusBuilder:
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
             attempts_allowed=self._allowed[step] if step >= 0 else 0,
-            deadline=None if gripping == Command.NONE else self._execution.deadline,
+            deadline=None if gripping == Command.NONE else self._time_out,
             cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
@@ -224,6 +229,14 @@ class StatusBuilder:
             steps=steps.steps,
             events=events,
         )
+
+    @property
+    def _time_out(self) -> int | None:
+        """The time of the next time-out of the gripping, µs; the tool changer may have others."""
+        values = self.values
+        if values["armed"] or values["unlock_valve"] or values["changer"] == ChangerState.LOCKING:
+            return self._execution.deadline_without(self._of_changer)
+        return self._execution.deadline
 
     def _look(self, at: int) -> None:
         """Read the sensors' state once for all steps that follow from it."""
