@@ -90,18 +90,17 @@ class PredicatePublisher:
                 self._send(needed, at)
             return
         proven = self._needed_of(self._predicates.holding) if self._needed else {}
-        if proven != self._sent:
+        if proven and proven != self._sent:
             self._send(proven, at)
 
     def repeat(self, at: int | None = None) -> None:
         """Send the predicates again if that is due: as they are at ``at`` µs; default: after the newest frame."""
         seen_at = self._predicates.at if at is None else at
-        if (
-            self._needed
-            and seen_at >= self._due
-            and (proven := self._needed_of(self._predicates.said(seen_at)))
-        ):
-            self._send(proven, seen_at)
+        if self._needed and seen_at >= self._due:
+            # even if nothing was read yet: else it would be due at once
+            self._due = seen_at + REPEAT_US * 4 // 5
+            if proven := self._needed_of(self._predicates.said(seen_at)):
+                self._send(proven, seen_at)
 
     @property
     def repeats_at(self) -> int | None:

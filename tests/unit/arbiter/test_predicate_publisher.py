@@ -52,3 +52,13 @@ def test_it_repeats_what_is_proven_and_never_nothing(read: bool, monkeypatch: py
     publisher._repeat()
     assert all(told for _, told in arbiter.told), "an empty message ends the connection to the arbiter"
     assert [at for at, told in arbiter.told if told.get(FAULT)] == ([0, 50_000, 100_000] if read else [])
+
+
+def test_what_was_not_read_yet_is_not_due_again_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    arbiter = Arbiter()
+    monkeypatch.setattr(_predicate_publisher, "PredicateSender", lambda path: arbiter)
+    publisher = PredicatePublisher(load_tool(Path("examples/tools/epick_commanded/end_effector.yaml")))
+    assert publisher.repeats_at == 0
+    publisher.repeat(0)
+    assert publisher.repeats_at == 40_000
+    assert arbiter.told == []
