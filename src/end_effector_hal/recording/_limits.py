@@ -17,10 +17,10 @@ from end_effector_hal.recording._files import is_written
 _log = logging.getLogger("end_effector_hal.recording")
 MEGABYTE = 1_000_000
 REMOVED = "removed.csv"
-LEAST_SEGMENTS = 8
-"""Seven files, two traces and five tables, are written at once, and one older segment must remain."""
+LEAST_SEGMENTS = 7
+"""Six files, a trace and five tables, are written at once, and one older segment must remain."""
 _SEGMENT = re.compile(
-    r"(?:grip|tool_change)(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|events|pressures|switches|alarms)(?P<closed>-\d{1,9})?\.csv",
+    r"hal(?:-(?P<number>\d{1,9}))?\.mcap|(?:states|events|pressures|switches|alarms)(?P<closed>-\d{1,9})?\.csv",
     re.ASCII,
 )
 
@@ -35,7 +35,7 @@ class RecordingLimits:
             removed.
 
     Raises:
-        UsageError: a limit is not positive, or the total has no room for eight segments.
+        UsageError: a limit is not positive, or the total has no room for seven segments.
     """
 
     segment_bytes: int = 64 * MEGABYTE

@@ -1,4 +1,4 @@
-"""The demo replays what it recorded: a run without its traces, or with others, is not ok."""
+"""The demo replays what it recorded: a run without its trace, or with another, is not ok."""
 
 from __future__ import annotations
 
@@ -7,26 +7,13 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import Description
-from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_lab.demo._agreement import answered, replayed
-from tests.support.virtual_tool import VirtualTool
+from tests.support.recorded_tool import RecordedTool, recorded
 
 
 @pytest.fixture
-def folder(verdin: Description, tmp_path: Path) -> Path:
-    recorders = []
-
-    def recorded(description, network, program):  # type: ignore[no-untyped-def]
-        recorders.append(open_recorder(tmp_path, description, program, at=0))
-        return recorders[-1].controller(description, network, program)
-
-    tool = VirtualTool(verdin, controller=recorded)
-    tool.run(1.0)
-    tool.command("grip")
-    tool.run(2.0)
-    for recorder in recorders:
-        recorder.close()
-    return tmp_path
+def folder(tmp_path: Path) -> Path:
+    return recorded(tmp_path, "nominal", 1.0, "grip", 2.0)
 
 
 def test_a_run_that_decides_the_same_is_ok(folder: Path) -> None:
@@ -34,14 +21,14 @@ def test_a_run_that_decides_the_same_is_ok(folder: Path) -> None:
 
 
 def test_another_decision_is_a_fault_with_its_time(folder: Path) -> None:
-    path = folder / "grip.mcap"
+    path = folder / "hal.mcap"
     data = path.read_bytes()
     changed = data.replace(b'"name":"grip"', b'"name":"drop"', 1)
     assert changed != data
     path.write_bytes(changed)
     finding = replayed(folder)
     assert not finding.ok
-    assert finding.found.startswith("grip.mcap at 1.000 s: ")
+    assert finding.found.startswith("hal.mcap at 1.000 s: ")
 
 
 @pytest.mark.parametrize("codec", ["ees1-ascii", "legacy-nibble"])
@@ -49,17 +36,10 @@ def test_a_command_that_was_refused_is_told_with_its_reason(
     verdin: Description, tmp_path: Path, codec: str
 ) -> None:
     link = verdin.link.model_copy(update={"codec": codec})
-    recorders = []
-
-    def recorded(description, network, program):  # type: ignore[no-untyped-def]
-        recorders.append(open_recorder(tmp_path, description, program, at=0))
-        return recorders[-1].controller(description, network, program)
-
-    tool = VirtualTool(verdin.model_copy(update={"link": link}), controller=recorded)
+    tool = RecordedTool(tmp_path, description=verdin.model_copy(update={"link": link}))
     tool.run(8.0)
     tool.command("unlock")
-    for recorder in recorders:
-        recorder.close()
+    tool.close()
     refused = (
         "unlock was refused: IL-02: no sensor shows where the tool is: arm first, then unlock within 10 s."
     )

@@ -19,7 +19,7 @@ TIMES = [30, 10, 20, 20, 5, 20, 40]
 
 def write(folder: Path) -> Path:
     """A trace whose times go back."""
-    writer = TraceWriter(folder, "grip", KINDS, now=0, attachments=FILES)
+    writer = TraceWriter(folder, KINDS, now=0, attachments=FILES)
     for number, at in enumerate(TIMES * 300):
         writer.put([("seen", at, Seen(at, number, "x" * 50))])
     path = wait_until("its file", lambda: writer.path)

@@ -34,7 +34,7 @@ FILES = {"tool.json": b"{}", "model.xml": b"<nta/>"}
 
 
 def written(folder: Path, count: int) -> TraceWriter:
-    writer = TraceWriter(folder, "grip", KINDS, now=0, attachments=FILES)
+    writer = TraceWriter(folder, KINDS, now=0, attachments=FILES)
     for number in range(count):
         writer.put([("seen", number, Seen(number, number, "é" * (number % 7)))])
     writer.close()
@@ -43,7 +43,7 @@ def written(folder: Path, count: int) -> TraceWriter:
 
 def test_what_was_written_is_read(tmp_path: Path) -> None:
     found = read_trace(written(tmp_path / "new" / "folder", 5).path)
-    assert (found.program, found.complete, found.note) == ("grip", True, "")
+    assert (found.complete, found.note) == (True, "")
     assert [record.kind for record in found.records] == ["seen"] * 5
     assert [record.content["number"] for record in found.records] == [0, 1, 2, 3, 4]
     assert found.attachments == FILES
@@ -52,13 +52,13 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
 def test_a_second_trace_does_not_touch_the_first(tmp_path: Path) -> None:
     first = written(tmp_path, 3).path
     content = first.read_bytes()
-    assert [written(tmp_path, 1).path.name for _ in range(2)] == ["grip-2.mcap", "grip-3.mcap"]
+    assert [written(tmp_path, 1).path.name for _ in range(2)] == ["hal-2.mcap", "hal-3.mcap"]
     assert first.read_bytes() == content
 
 
 def test_cut_at_every_byte_it_is_read_up_to_there(tmp_path: Path) -> None:
     data = written(tmp_path, 5).path.read_bytes()
-    whole = [record.data for record in read_trace(tmp_path / "grip.mcap").records]
+    whole = [record.data for record in read_trace(tmp_path / "hal.mcap").records]
     path = tmp_path / "cut.mcap"
     counts = set()
     for length in [*range(9), *range(data.index(b'{"at":0'), len(data))]:
@@ -120,7 +120,7 @@ import sys, time
 from pathlib import Path
 from tests.unit.recording.test_trace_file import FILES, KINDS, Seen
 from end_effector_hal.recording import TraceWriter
-writer = TraceWriter(Path(sys.argv[1]), "grip", KINDS, now=0, attachments=FILES)
+writer = TraceWriter(Path(sys.argv[1]), KINDS, now=0, attachments=FILES)
 for number in range(1_000_000):
     writer.put([("seen", number, Seen(number, number))])
     time.sleep(0.0005)
@@ -128,7 +128,7 @@ for number in range(1_000_000):
 
 
 def test_after_a_kill_everything_is_there_to_the_last_moments(tmp_path: Path) -> None:
-    path = tmp_path / "grip.mcap"
+    path = tmp_path / "hal.mcap"
     child = subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)], cwd=ROOT)
     try:
         end = time.monotonic() + 60
@@ -187,13 +187,13 @@ def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:
 
     from end_effector_hal.runtime.boundary import KINDS as ALL
 
-    writer = TraceWriter(tmp_path, "grip", ALL, now=0, attachments={})
+    writer = TraceWriter(tmp_path, ALL, now=0, attachments={})
     writer.close()
     with writer.path.open("rb") as file:
         summary = make_reader(file).get_summary()
     assert summary is not None
     topics = {channel.topic: summary.schemas[channel.schema_id] for channel in summary.channels.values()}
-    assert {f"/grip/{kind}" for kind in ALL} == topics.keys()
+    assert {f"/hal/{kind}" for kind in ALL} == topics.keys()
     for schema in topics.values():
         assert schema.encoding == "jsonschema"
         text = schema.data.decode()
@@ -217,12 +217,12 @@ def _with_chunk(path: Path, compression: bytes, data: bytes, size: int) -> Path:
 @pytest.mark.parametrize("compression", [b"lz4", b"zstd"])
 def test_compressed_records_are_refused_and_not_unpacked(tmp_path: Path, compression: bytes) -> None:
     """A page opens what it is given: 100 kB may become 4 GB."""
-    found = read_trace(_with_chunk(tmp_path / "grip.mcap", compression, b"garbage", 1 << 40))
+    found = read_trace(_with_chunk(tmp_path / "hal.mcap", compression, b"garbage", 1 << 40))
     assert (found.records, found.damaged) == ((), True)
     assert "records are compressed, as in no trace" in found.note
 
 
 def test_a_chunk_without_compression_is_read_and_its_damage_told(tmp_path: Path) -> None:
-    found = read_trace(_with_chunk(tmp_path / "grip.mcap", b"", b"\x05\xff\xff\xff\xff\0\0\0\0", 9))
+    found = read_trace(_with_chunk(tmp_path / "hal.mcap", b"", b"\x05\xff\xff\xff\xff\0\0\0\0", 9))
     assert (found.records, found.damaged) == ((), True)
     assert "near byte" in found.note

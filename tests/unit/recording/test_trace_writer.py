@@ -90,7 +90,7 @@ class Recording:
     def __init__(self, folder: Path, limits: RecordingLimits | None = None) -> None:
         self.told: list[str] = []
         self.writer = TraceWriter(
-            folder, "grip", KINDS, now=0, attachments={}, header=header, limits=limits,
+            folder, KINDS, now=0, attachments={}, header=header, limits=limits,
             on_trouble=lambda: self.told.append(self.writer.trouble),
         )  # fmt: skip
         self.number = 0
@@ -127,7 +127,7 @@ def test_a_full_disk_loses_what_it_cannot_take_and_says_how_much(
         recording.say()
         wait_until("trouble", lambda: recording.told)
         recording.say(6)
-    trouble = f"The trace of grip is not recorded: No space left on device ({tmp_path})."
+    trouble = f"The trace is not recorded: No space left on device ({tmp_path})."
     assert recording.told == [trouble]
     assert caplog.text.count(trouble) == 1
     disk.error = 0
@@ -137,25 +137,25 @@ def test_a_full_disk_loses_what_it_cannot_take_and_says_how_much(
     recording.say(2)
     recording.writer.close()
     assert recording.told == [trouble, ""]
-    assert contents(tmp_path / "grip.mcap") == (Head(0, 1, False, None), [1, 2, 3])
+    assert contents(tmp_path / "hal.mcap") == (Head(0, 1, False, None), [1, 2, 3])
     gap = Gap(4, 8, "No space left on device")
     # number 11 brought the state of the new segment
-    assert contents(tmp_path / "grip-2.mcap") == (Head(11, 2, False, gap), [11, 12, 13, 14, 15])
-    assert read_trace(tmp_path / "grip-2.mcap").complete
+    assert contents(tmp_path / "hal-2.mcap") == (Head(11, 2, False, gap), [11, 12, 13, 14, 15])
+    assert read_trace(tmp_path / "hal-2.mcap").complete
 
 
 def test_what_is_written_in_part_leaves_no_torn_record(tmp_path: Path, disk: Disk) -> None:
     recording = Recording(tmp_path)
     recording.say(3)
     recording.drain()
-    size = (tmp_path / "grip.mcap").stat().st_size
+    size = (tmp_path / "hal.mcap").stat().st_size
     disk.torn = 20
     recording.say()
     wait_until("trouble", lambda: recording.writer.trouble)
     recording.writer.close()
-    assert (tmp_path / "grip.mcap").stat().st_size == size
-    assert contents(tmp_path / "grip.mcap")[1] == [1, 2, 3]
-    assert "its disk was full" in read_trace(tmp_path / "grip.mcap").note
+    assert (tmp_path / "hal.mcap").stat().st_size == size
+    assert contents(tmp_path / "hal.mcap")[1] == [1, 2, 3]
+    assert "its disk was full" in read_trace(tmp_path / "hal.mcap").note
 
 
 def test_a_disk_that_hangs_delays_nobody(tmp_path: Path, disk: Disk, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,11 +178,11 @@ def test_a_disk_that_hangs_delays_nobody(tmp_path: Path, disk: Disk, monkeypatch
     recording.writer.close()  # returns all the same
     disk.works.set()
     recording.writer._thread.join(60)
-    first = contents(tmp_path / "grip.mcap")[1]
+    first = contents(tmp_path / "hal.mcap")[1]
     assert first == list(range(1, len(first) + 1))
     assert 12 <= len(first) <= 13  # the batch that hung, and what had room
-    assert read_trace(tmp_path / "grip.mcap").complete
-    gap = contents(tmp_path / "grip-2.mcap")[0].gap
+    assert read_trace(tmp_path / "hal.mcap").complete
+    gap = contents(tmp_path / "hal-2.mcap")[0].gap
     assert gap is not None
     assert (gap.since, len(first) + gap.records) == (len(first) + 1, 34)
 
@@ -196,8 +196,8 @@ def test_a_record_that_cannot_be_written_is_a_gap(tmp_path: Path, disk: Disk) ->
     recording.say()
     wait_until("it is recorded again", lambda: not recording.writer.trouble)
     recording.writer.close()
-    assert contents(tmp_path / "grip.mcap")[1] == [1, 2]
-    assert contents(tmp_path / "grip-2.mcap")[0].gap is not None
+    assert contents(tmp_path / "hal.mcap")[1] == [1, 2]
+    assert contents(tmp_path / "hal-2.mcap")[0].gap is not None
 
 
 def test_a_full_disk_at_the_beginning_is_tried_again(tmp_path: Path, disk: Disk) -> None:
@@ -210,7 +210,7 @@ def test_a_full_disk_at_the_beginning_is_tried_again(tmp_path: Path, disk: Disk)
     wait_until("the disk", lambda: recording.writer.wants_state)
     recording.say(2)
     recording.writer.close()
-    assert contents(tmp_path / "grip.mcap") == (
+    assert contents(tmp_path / "hal.mcap") == (
         Head(6, 1, False, Gap(0, 6, "No space left on device")),
         [6, 7],
     )
@@ -225,7 +225,7 @@ def test_a_file_that_was_made_in_vain_is_removed(tmp_path: Path, disk: Disk) -> 
     disk.error = 0
     wait_until("the disk", lambda: recording.writer.wants_state)
     recording.writer.close()  # before anybody has given a state
-    assert [path.name for path in tmp_path.glob("*.mcap")] == ["grip.mcap"]
+    assert [path.name for path in tmp_path.glob("*.mcap")] == ["hal.mcap"]
 
 
 def test_a_folder_that_goes_is_trouble_and_is_made_again(tmp_path: Path, disk: Disk) -> None:
@@ -239,7 +239,7 @@ def test_a_folder_that_goes_is_trouble_and_is_made_again(tmp_path: Path, disk: D
     recording.say(2)
     recording.writer.close()
     assert "No such file or directory" in recording.told[0]
-    assert contents(folder / "grip.mcap") == (
+    assert contents(folder / "hal.mcap") == (
         Head(5, 2, False, Gap(4, 2, "No such file or directory")),
         [5, 6],
     )
@@ -247,9 +247,9 @@ def test_a_folder_that_goes_is_trouble_and_is_made_again(tmp_path: Path, disk: D
 
 @pytest.mark.timeout(20)
 def test_a_pipe_in_the_place_of_a_trace_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "grip.mcap")
+    os.mkfifo(tmp_path / "hal.mcap")
     with pytest.raises(UsageError, match="this is no file"):
-        read_trace(tmp_path / "grip.mcap")
+        read_trace(tmp_path / "hal.mcap")
 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
@@ -291,22 +291,20 @@ def test_the_oldest_segments_go_first_and_never_the_one_being_written(
     tmp_path: Path, small: Callable[[], list[str]]
 ) -> None:
     limits = RecordingLimits(1_000, 9_000)
-    for age, name in enumerate(
-        ["grip.mcap", "states-1.csv", "tool_change.mcap", "grip-2.mcap", "notes.mcap"]
-    ):
+    for age, name in enumerate(["hal.mcap", "states-1.csv", "alarms-2.csv", "hal-2.mcap", "notes.mcap"]):
         path = tmp_path / name
         path.write_bytes(b"x" * 3_000)
         os.utime(path, ns=(age, age))
-    open_one = os.open(tmp_path / "grip.mcap", os.O_RDWR)
+    open_one = os.open(tmp_path / "hal.mcap", os.O_RDWR)
     try:
         assert lock(open_one)
-        assert make_room(tmp_path, limits) == ("states-1.csv", "tool_change.mcap")
+        assert make_room(tmp_path, limits) == ("states-1.csv", "alarms-2.csv")
     finally:
         os.close(open_one)
-    assert small() == ["grip-2.mcap", "grip.mcap", "notes.mcap", "removed.csv"]
+    assert small() == ["hal-2.mcap", "hal.mcap", "notes.mcap", "removed.csv"]
     rows = (tmp_path / "removed.csv").read_text().splitlines()
     assert rows[0] == "time,file,bytes"
-    assert [row.partition(",")[2] for row in rows[1:]] == ["states-1.csv,3000", "tool_change.mcap,3000"]
+    assert [row.partition(",")[2] for row in rows[1:]] == ["states-1.csv,3000", "alarms-2.csv,3000"]
     assert make_room(tmp_path, limits) == ()
 
 
@@ -326,7 +324,7 @@ def test_a_folder_stays_within_its_limit(tmp_path: Path) -> None:
     assert min(heads) == len(removed) + 1
 
 
-@pytest.mark.parametrize(("segment", "total"), [(0, 100), (-1, 100), (100, 700), (100, 0)])
+@pytest.mark.parametrize(("segment", "total"), [(0, 100), (-1, 100), (100, 600), (100, 0)])
 def test_limits_that_cannot_be_kept_are_refused(segment: int, total: int) -> None:
     with pytest.raises(UsageError, match="A recording cannot be kept"):
         RecordingLimits(segment, total)

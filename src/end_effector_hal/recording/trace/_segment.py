@@ -28,7 +28,8 @@ does not install it, because it depends on 29 MB of compression libraries.
 """
 _MESSAGE = struct.Struct("<HIQQ")
 """Head of a message: channel, number, time of the record, time of publication."""
-SUFFIX = ".mcap"
+NAME, SUFFIX = "hal", ".mcap"
+"""Name of the files, and first part of their topics."""
 LEAST_ROOM = MEGABYTE // 2
 """Free disk space needed to begin a file, bytes; a file begun with less would soon fill the disk."""
 
@@ -37,8 +38,7 @@ class SegmentFile:
     """Writes one MCAP file; every record can be read alone, and only whole batches reach the file.
 
     Args:
-        folder: created if it is missing; the file gets the next free number of its program.
-        program: the program whose trace it is; topics are ``program/kind``.
+        folder: created if it is missing; the file gets the next free number.
         kinds: name of each kind of record, and the dataclass of its content.
         attachments: name and content of files that belong to the run.
         day_us: offset from a record's time to the time of day, µs.
@@ -51,13 +51,12 @@ class SegmentFile:
     def __init__(
         self,
         folder: Path,
-        program: str,
         kinds: Mapping[str, type],
         *,
         attachments: Mapping[str, bytes],
         day_us: int,
     ) -> None:
-        self.path, self._fd = _create(folder, program)
+        self.path, self._fd = _create(folder)
         self.size = 0
         """Number of bytes written."""
         self._day_us, self._count = day_us, 0
@@ -66,7 +65,7 @@ class SegmentFile:
         try:
             lock(self._fd)
             _ask_room(self._fd)
-            self._append(_beginning(program, kinds, attachments))
+            self._append(_beginning(kinds, attachments))
             self.write()
         except BaseException:
             self.discard()
@@ -115,7 +114,7 @@ class SegmentFile:
         self.leave()
 
 
-def _beginning(program: str, kinds: Mapping[str, type], attachments: Mapping[str, bytes]) -> bytes:
+def _beginning(kinds: Mapping[str, type], attachments: Mapping[str, bytes]) -> bytes:
     """Return the start of the file: the files of the run, and a schema and a channel for each kind of record."""
     records = [MAGIC, _record(HEADER, _counted(""), _counted("end-effector-hal"))]
     for name, content in attachments.items():
@@ -127,7 +126,7 @@ def _beginning(program: str, kinds: Mapping[str, type], attachments: Mapping[str
         name = f"end_effector_hal.{type_.__name__}"
         schema = (_counted(name), _counted("jsonschema"), _counted(_schema(type_)))
         records.append(_record(SCHEMA, struct.pack("<H", number), *schema))
-        channel = (_counted(f"/{program}/{kind}"), _counted("json"), _counted(""))
+        channel = (_counted(f"/{NAME}/{kind}"), _counted("json"), _counted(""))
         records.append(_record(CHANNEL, struct.pack("<HH", number, number), *channel))
     return b"".join(records)
 
@@ -157,15 +156,15 @@ def _plain(value: object) -> object:
     return dict(value) if isinstance(value, Mapping) else str(value)
 
 
-def _create(folder: Path, program: str) -> tuple[Path, int]:
+def _create(folder: Path) -> tuple[Path, int]:
     if folder.exists() and not folder.is_dir():
         raise UsageError("This is not a folder.", where=str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
-    first = folder / f"{program}{SUFFIX}"
+    first = folder / f"{NAME}{SUFFIX}"
     number = next_number(first)
     while True:
-        path = first if number == 1 else first.with_stem(f"{program}-{number}")
+        path = first if number == 1 else first.with_stem(f"{NAME}-{number}")
         try:
             return path, os.open(path, flags, 0o644)
         except FileExistsError:

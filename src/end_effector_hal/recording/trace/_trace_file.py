@@ -63,7 +63,6 @@ class TraceFile:
 
     Attributes:
         path: path of the file.
-        program: the program whose trace it is.
         records: all records.
         attachments: files that belong to the run.
         complete: whether the file was closed normally; if not, ``note`` states where it ends.
@@ -73,7 +72,6 @@ class TraceFile:
     """
 
     path: Path
-    program: str
     records: tuple[Record, ...]
     attachments: Mapping[str, bytes]
     complete: bool
@@ -115,11 +113,10 @@ def read_trace(path: str | Path) -> TraceFile:
             complete, note = True, ""
             begin = record.summary_start or reading.place - FOOTER_BYTES
             changed = changed or reading.changed(begin, CHECKSUM_BYTES, record.summary_crc)
-    program = next(iter(topics.values()), "").strip("/").partition("/")[0]
     changed = complete and changed
     note = reading.note or ("bytes in it were changed since it was written" if changed else note)
     damaged = changed or bool(reading.note)
-    return TraceFile(path, program, _in_order(numbered), attachments, complete, note, damaged, len(data))
+    return TraceFile(path, _in_order(numbered), attachments, complete, note, damaged, len(data))
 
 
 def _in_order(numbered: list[tuple[int, Record]]) -> tuple[Record, ...]:

@@ -87,9 +87,8 @@ class TraceWriter:
     again. Then `begin` starts the next segment, with the records that make it readable without the previous one.
 
     Args:
-        folder: created if it is missing; files are named after the program: ``grip.mcap``, ``grip-2.mcap``, …
-        program: the program whose trace it is; topics are ``program/kind``.
-        kinds: name of each kind of record, and the dataclass of its content.
+        folder: created if it is missing; its files are ``hal.mcap``, ``hal-2.mcap``, …
+        kinds: name of each kind of record, which is in its topic ``/hal/kind``, and the dataclass of its content.
         now: current time on the monotonic clock of the run, µs, to convert times to the time of day, as in other
             recordings.
         attachments: name and content of files that belong to the run; every segment contains them.
@@ -101,7 +100,6 @@ class TraceWriter:
     def __init__(
         self,
         folder: str | Path,
-        program: str,
         kinds: Mapping[str, type],
         *,
         now: int,
@@ -115,12 +113,7 @@ class TraceWriter:
         """A sentence why nothing is recorded now; empty: recording works."""
         self.wants_state = False
         """Whether the next segment can begin."""
-        self._folder, self._program, self._kinds, self._attachments = (
-            Path(folder),
-            program,
-            kinds,
-            attachments,
-        )
+        self._folder, self._kinds, self._attachments = Path(folder), kinds, attachments
         self._header, self._limits = header, limits or RecordingLimits()
         self._day_us = time_ns() // 1000 - now
         self._queue: queue.SimpleQueue[Sequence[Entry] | _Begin | None] = queue.SimpleQueue()
@@ -133,7 +126,7 @@ class TraceWriter:
         self._full_at = 0
         self._ordered = True  # a segment that is not begun yet
         self._queue.put(_Begin(now, (), None))
-        self._thread = threading.Thread(target=self._run, name=f"trace-{program}", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="trace", daemon=True)
         self._thread.start()
 
     @property
@@ -169,7 +162,7 @@ class TraceWriter:
         with self._lock:
             gap = self._gap or Gap(at, 0, why)
             self._gap = Gap(gap.since, gap.records + records, gap.why)
-        self._say(f"The trace of {self._program} is not recorded: {why} ({self._folder}).")
+        self._say(f"The trace is not recorded: {why} ({self._folder}).")
 
     def _say(self, trouble: str) -> None:
         before, self.trouble = self.trouble, trouble
@@ -179,7 +172,7 @@ class TraceWriter:
         if trouble:
             _log.warning("%s", trouble)
         else:
-            _log.warning("The trace of %s is recorded again: %s", self._program, self.path)
+            _log.warning("The trace is recorded again: %s", self.path)
         if self.on_trouble is None:
             return
         try:
@@ -270,9 +263,7 @@ class TraceWriter:
         if self._folder.is_dir():
             remove_leftovers(self._folder)
             make_room(self._folder, self._limits)
-        return SegmentFile(
-            self._folder, self._program, self._kinds, attachments=self._attachments, day_us=self._day_us
-        )
+        return SegmentFile(self._folder, self._kinds, attachments=self._attachments, day_us=self._day_us)
 
     def _end(self) -> None:
         if self._segment is not None:

@@ -9,7 +9,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from secrets import token_hex
 
-from end_effector_hal.arbiter import HAL
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
@@ -57,7 +56,7 @@ def open_recorder(
         )
 
     return Recorder(
-        TraceWriter(folder, HAL, KINDS, now=at, attachments=attachments, header=header, limits=limits),
+        TraceWriter(folder, KINDS, now=at, attachments=attachments, header=header, limits=limits),
         stream,
         observe,
     )

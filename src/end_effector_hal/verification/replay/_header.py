@@ -26,7 +26,7 @@ def header_objections(trace: ProgramTrace, tool: Description) -> Iterator[Object
     """Yield objections where the description, the automata or the other records contradict a header.
 
     Args:
-        trace: the trace of a program.
+        trace: one segment.
         tool: the description in the trace.
 
     Raises:
@@ -53,7 +53,7 @@ def _hash(description: bytes, model: bytes) -> str:
     try:
         return hash_of(json.loads(description), model)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        return "not as a program writes them"
+        return "not as the program writes them"
 
 
 def _of_constants(trace: ProgramTrace, tool: Description) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Read the trace of a program with typed records."""
+"""Read a trace with typed records."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class ProgramTrace:
 
 
 def load_trace(path: str | Path) -> ProgramTrace:
-    """Read the trace of a program.
+    """Read a trace.
 
     Raises:
         UsageError: it cannot be read, or is no trace of this product.
@@ -132,12 +132,12 @@ def _without_header(file: TraceFile) -> UsageError:
         what = f"Before its header the trace is damaged: {file.note}."
         return UsageError(what, where=str(file.path), todo="There is nothing to replay.")
     what = f"The trace ends after {file.size} bytes, before its header: there is nothing to replay."
-    why = "Its program was killed as it began, or the file was cut off."
+    why = "The program was killed as it began, or the file was cut off."
     return UsageError(what, where=str(file.path), todo=why)
 
 
 def traces_of(path: str | Path) -> tuple[Path, ...]:
-    """Return the traces in a folder, or the named one; those of a program are in the order of writing.
+    """Return the traces in a folder, or the named one, in the order of writing.
 
     Raises:
         UsageError: there is none, or the folder cannot be read.

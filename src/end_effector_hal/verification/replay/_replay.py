@@ -42,7 +42,7 @@ def replay(
     """Feed the inputs of a trace to a controller until a decision differs from the recorded one.
 
     Args:
-        trace: one segment of a program's trace.
+        trace: one segment.
         description: the tool to replay with.
         network: its automata with its constants.
         before: the ``end`` of the previous segment, if nothing is missing between the two; None: unknown.

@@ -61,7 +61,7 @@ class Review:
     """The results of the check of a trace.
 
     Attributes:
-        trace: the trace of a program.
+        trace: one segment.
         hash: hash of the description it was replayed with.
         replay: the result of the replay.
         steps: number of steps of the automata that the monitor followed.
@@ -125,10 +125,10 @@ def review(
     """Replay a trace and judge it.
 
     Args:
-        trace: one segment of a program's trace.
+        trace: one segment.
         description: another tool than the recorded one; None: the recorded one.
-        before: the end of the previous trace in the folder; a segment that follows it
-            must begin there. None: the segment is judged alone, from the state it begins with.
+        before: the end of the previous trace in the folder; a segment that follows it must begin there. None: the
+            segment is judged alone, from the state it begins with.
 
     Raises:
         UsageError: a record cannot be read.

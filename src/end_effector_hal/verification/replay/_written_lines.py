@@ -35,7 +35,7 @@ class _Decision(NamedTuple):
 
 
 class WrittenLines:
-    """Compares the recorded writes of a program with its recorded statuses.
+    """Compares the recorded writes of the program with its recorded statuses.
 
     A write changes the lines from one status to a later one, and sets the last will of that status. In addition it may
     contain only changes that an earlier write owed, because it failed or the line arbiter was lost, and lines that

@@ -25,7 +25,7 @@ def folder(tool: Callable[..., RecordedTool]) -> Path:
     played.run(1.0)
     played.command("grip")
     played.run(4.9)
-    played.grip.advance(6_063_000)
+    played.controller.advance(6_063_000)
     played.at = 6_063_000
     played.run(3.0)
     played.close()

@@ -50,22 +50,20 @@ def test_each_scenario_of_the_demo_decides_the_same(tool: Callable[..., Recorded
     for order in scenario.orders:
         assert played.command(WORDS[order.command]).accepted
         played.run(order.wait_s)
-        while not order.background and -1 not in (played.status.command, played.change.status().command):
+        while not order.background and played.status.command != Command.NONE:
             played.run(0.5)
         if not order.background:
             played.run(25.0)
-    for program in ("grip", "tool_change"):
-        found = review(played.trace(program))
-        assert found.ok, found.as_json()
-        assert found.replay.inputs > 100
-        assert found.replay.compared == sum(
-            len(numbers(found.trace, kind))
-            for kind in ("begin", "write", "event", "step", "answer", "status")
-        )
-        assert found.objections == ()
-        assert found.steps == len(numbers(found.trace, "step")) > 0
-        assert found.requirements > 0
-        assert found.notes == ()
+    found = review(played.trace())
+    assert found.ok, found.as_json()
+    assert found.replay.inputs > 100
+    assert found.replay.compared == sum(
+        len(numbers(found.trace, kind)) for kind in ("begin", "write", "event", "step", "answer", "status")
+    )
+    assert found.objections == ()
+    assert found.steps == len(numbers(found.trace, "step")) > 0
+    assert found.requirements > 0
+    assert found.notes == ()
 
 
 def test_lines_that_were_found_active_and_a_refused_command(tool: Callable[..., RecordedTool]) -> None:
@@ -166,7 +164,7 @@ def test_a_missed_bound_stands_in_the_trace_and_is_no_difference(tool: Callable[
     played.run(1.0)
     played.command("grip")
     played.run(4.9)
-    played.grip.advance(6_000_000 + 63_000)
+    played.controller.advance(6_000_000 + 63_000)
     played.at = 6_063_000
     played.run(1.0)
     found = review(played.trace())
@@ -179,15 +177,14 @@ def test_a_missed_bound_stands_in_the_trace_and_is_no_difference(tool: Callable[
 
 
 def test_a_controller_that_begins_anew_is_replayed_anew(tool: Callable[..., RecordedTool]) -> None:
-    """As a unit does that the line arbiter took for dead."""
+    """As a program does that the line arbiter took for dead."""
     played = tool()
     played.run(1.0)
     played.command("grip")
     played.run(2.0)
-    played.grip = played.recorders[0].controller(
-        played.description, played.grip._controller._execution.network, "grip"
-    )
-    played.grip.start(dict(played.levels), played.at)
+    network = played.controller._controller._execution.network
+    played.controller = played.recorder.controller(played.description, network)
+    played.controller.start(dict(played.levels), played.at)
     played.run(1.0)
     found = review(played.trace())
     assert found.ok, found.as_json()

@@ -50,8 +50,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def segments(folder: Path) -> tuple[ProgramTrace, ...]:
-    """Those of the gripping, in order."""
-    return tuple(load_trace(path) for path in traces_of(folder) if path.name.startswith("grip"))
+    """In order."""
+    return tuple(map(load_trace, traces_of(folder)))
 
 
 def in_a_row(traces: Iterator[ProgramTrace] | tuple[ProgramTrace, ...]) -> list[Review]:
@@ -204,19 +204,18 @@ def test_segments_that_changed_places_are_found(segments: tuple[ProgramTrace, ..
 
 def test_a_segment_that_was_cut_off_afterwards_is_found(folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder, tmp_path / "cut")
-    path = tmp_path / "cut" / "grip-3.mcap"
+    path = tmp_path / "cut" / "hal-3.mcap"
     path.write_bytes(path.read_bytes()[:-20_000])
-    traces = tuple(load_trace(each) for each in traces_of(tmp_path / "cut") if each.name.startswith("grip"))
-    found = in_a_row(traces)
+    found = in_a_row(map(load_trace, traces_of(tmp_path / "cut")))
     assert faulty(found) == [4]
     assert "Segment 3 was closed in good order, but its end is missing now" in found[3].objections[0].what
     assert any("not whole" in note for note in found[2].notes)
 
 
 def test_a_changed_byte_in_a_later_segment_is_found(folder: Path, tmp_path: Path) -> None:
-    data = (folder / "grip-4.mcap").read_bytes()
+    data = (folder / "hal-4.mcap").read_bytes()
     place = data.index(b'"late_us":') - 3
-    path = tmp_path / "grip-4.mcap"
+    path = tmp_path / "hal-4.mcap"
     path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
     assert load_trace(path).file.damaged
 

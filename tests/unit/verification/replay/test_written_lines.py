@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from end_effector_hal.arbiter import HAL, client_lines
 from end_effector_hal.control import GripLastWill, Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime.boundary import LinesWritten, Start
@@ -13,7 +14,7 @@ from end_effector_hal.verification.replay._written_lines import WrittenLines
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 
 DESCRIPTION = load(profile_path())
-BOTTOM, CYLINDER, TOP = (part.line for _, part in DESCRIPTION.ordered)
+BOTTOM, CYLINDER, TOP, UNLOCK = client_lines(DESCRIPTION, HAL)
 Will = tuple[dict[str, object], ...]
 OFF = (False, False, False)
 FAILED = "the line arbiter cannot be reached."
@@ -23,12 +24,12 @@ class Run:
     """A program that has adopted inactive lines."""
 
     def __init__(self) -> None:
-        self.judge = WrittenLines(DESCRIPTION, "grip")
+        self.judge = WrittenLines(DESCRIPTION)
         assert list(self.judge.begin(Start(0, {}))) == []
         self.at = 0
         self.statuses: list[Status] = []
         self.decide(EndEffectorState.STAND_BY, OFF)
-        assert self.write({BOTTOM: False, CYLINDER: False, TOP: False}) == []
+        assert self.write(dict.fromkeys((BOTTOM, CYLINDER, TOP, UNLOCK), False)) == []
 
     def decide(self, ee: EndEffectorState, outputs: tuple[bool, ...]) -> None:
         self.at += 1
@@ -58,14 +59,14 @@ def will_of(status: Status, on: str = "process_death") -> Will:
 
 
 def off(*lines: str) -> Will:
-    """The last will of maintenance."""
+    """The last will that deactivates lines at once, as of maintenance."""
     return tuple({"line": line, "level": False, "after_us": 0} for line in lines)
 
 
 def status(
     ee: EndEffectorState = EndEffectorState.STAND_BY, outputs: tuple[bool, ...] = OFF, at: int = 0
 ) -> Status:
-    return Status(at, ee, Command.NONE, (2, 2, 2), outputs, (Evidence.GONE,) * 3)
+    return Status(at, ee, Command.NONE, (2, 2, 2), outputs, (Evidence.GONE,) * 3, adopted=True)
 
 
 def test_each_write_is_what_a_decision_changes() -> None:
@@ -131,6 +132,17 @@ def test_the_end_of_maintenance_is_written_with_its_last_will() -> None:
     assert run.write({}) == ["The last will"]
     assert run.write({TOP: False}, will=off(TOP)) == []
     assert run.write({}) == []
+
+
+def test_the_unlock_output_is_written_with_a_last_will_that_locks() -> None:
+    for will, found in ((off(UNLOCK), []), ((), ["The last will"])):
+        run = Run()
+        run.statuses.append(replace(status(at=run.at), unlock_output=True))
+        run.judge.status(run.statuses[-1])
+        assert run.write({UNLOCK: True}, will=will) == found
+        run.decide(EndEffectorState.STAND_BY, OFF)
+        assert run.write({UNLOCK: False}) == []
+        assert run.write({UNLOCK: True}) == [UNLOCK]
 
 
 def test_a_last_will_that_was_not_left_leaves_the_one_before() -> None:
@@ -228,7 +240,7 @@ def test_what_was_written_when_the_arbiter_was_lost_may_be_there_or_not() -> Non
 
 
 def test_a_segment_that_begins_in_the_middle_is_judged_from_its_first_change_on() -> None:
-    judge = WrittenLines(DESCRIPTION, "grip")
+    judge = WrittenLines(DESCRIPTION)
     assert list(judge.lines(LinesWritten(1, 1, {TOP: True}, ()))) == []
     judge.status(status(EndEffectorState.GRIPPED, (True, True, True)))
     assert list(judge.lines(LinesWritten(2, 1, {TOP: True}, ()))) == []
