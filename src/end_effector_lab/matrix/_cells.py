@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import count
+from itertools import count, islice
 from math import ceil, gcd, sqrt
 
 from end_effector_hal.description import Description
@@ -19,12 +19,8 @@ from ._script import Moment
 
 GOLDEN = (1 + sqrt(5)) / 2
 NO_FAULT, NOTHING, BOTH = "nominal", "none", "kill both"
-COMMANDS = (
-    NOTHING, "cancel", "drop", "lock", "unlock", "kill hal", "kill arbiter", BOTH,
-)  # fmt: skip
-"""Commands of the cells. `hal` is the program with the sensor reader; a killed process is restarted a
-second later.
-"""
+COMMANDS = (NOTHING, "cancel", "drop", "lock", "unlock", "kill hal", "kill arbiter", BOTH)
+"""Commands of the cells. `hal` is the program with the sensor reader; a killed process is restarted a second later."""
 AT_ONCE = ", at once"
 """Suffix of a kill: the process is restarted at the same instant."""
 WORDS = (*COMMANDS, *(f"{command}{AT_ONCE}" for command in COMMANDS if command.startswith("kill")))
@@ -120,12 +116,14 @@ def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]
 def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
     """Return one cell of every ``every``, spread evenly over faults, moments and commands, in the order of the matrix.
 
-    A plain stride has factors in common with the ten commands and would meet only one of them. The step of the golden
-    ratio, coprime to the number of cells, meets each of them once in any ten (Kronecker's sequence).
+    A plain stride has factors in common with the number of commands and would meet few of them. The step of the golden
+    ratio, coprime to the number of cells, rounded up to whole rows of commands, meets each of them once in as many
+    cells as there are commands (Kronecker's sequence).
     """
-    total = len(cells)
+    total = len(cells) + -len(cells) % (len({cell.command for cell in cells}) or 1)
     step = next(step for step in count(round(total / GOLDEN) or 1) if gcd(step, total) == 1)
-    return [cells[at] for at in sorted(number * step % total for number in range(ceil(total / every)))]
+    spread = (at for number in range(total) if (at := number * step % total) < len(cells))
+    return [cells[at] for at in sorted(islice(spread, ceil(len(cells) / every)))]
 
 
 def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:

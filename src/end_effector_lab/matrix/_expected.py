@@ -12,8 +12,8 @@ Rule 4: A held part stays held: a loss is a GRIP_ERROR with unchanged outputs; m
 Rule 5: A cancel is accepted only in a grip, a drop only while a part is held, an error is latched, or an actuator
     is not proven gone at rest; other commands are then refused. Right after the first activation, before its line
     may be deactivated (IL-10), the last reading may still prove that nothing is there.
-Rule 6: The death of the gripping program has the declared ending; the restarted program adopts the state. The
-    deaths of the tool changer's program and of the line arbiter move nothing.
+Rule 6: The death of the program has the declared ending; the restarted program adopts the state. The death of the
+    line arbiter moves nothing.
 Rule 7: A grip is refused while a sensor wrongly shows a part, the link is down, the supply pressure is too low, the
     tool is not proven to be locked and present, or the emergency stop is open.
 Rule 8: An output on a bus moves when its device has acknowledged it. If the bus is silent or damaged, or the line
@@ -264,7 +264,7 @@ class _Rules:
         return found | ({Outcome.STILL_THERE} if any(each != {YES} for each in every) else set())
 
     def _dies(self) -> tuple[set[Outcome], str]:
-        """Return the outcomes when a program dies, by rule 6."""
+        """Return the outcomes when the program dies, by rule 6."""
         if self._phase == RELEASE:
             return {Outcome.UNWOUND, Outcome.RELEASED}, "rule 6: the release is completed"
         of = [self._description.endings_of(name) for name in self._engaged]
@@ -419,7 +419,7 @@ class _Rules:
         return supply and self._description.interlocks.il_06
 
     def _activation_refused(self) -> set[str]:
-        """Return whether the line arbiter refuses activations of the gripping program."""
+        """Return whether the line arbiter refuses activations of a grip."""
         cell, description = self._cell, self._description
         changer = description.tool_changer
         if cell.name == "estop-open" and description.e_stop:

@@ -21,7 +21,7 @@ GRIPPING = Moment("grip cylinder on +1ms", 3_000_000, "grip", ("bottom_vacuum",)
     [
         (Cell("leak:top_vacuum:4", GRIPPING, "none"), {3.0: "leak:top_vacuum:4"}),
         (Cell("leak:top_vacuum:4", GRIPPING, "drop"), {3.0: "leak:top_vacuum:4"}),
-        (Cell("nominal", GRIPPING, "kill grip"), {3.0: "kill grip", 4.0: "started again"}),
+        (Cell("nominal", GRIPPING, "kill hal"), {3.0: "kill hal", 4.0: "started again"}),
         (
             Cell("silent-after:0", GRIPPING, "kill hal"),
             {3.0: "silent-after:0, kill hal", 4.0: "started again"},
@@ -38,11 +38,11 @@ def test_what_is_done_to_the_tool_is_told_with_its_time(cell: Cell, told: dict[f
 
 
 def test_the_figure_has_a_line_and_its_words_at_that_instant(tmp_path: Path) -> None:
-    cell = Cell("leak:bottom_vacuum:40", GRIPPING, "kill grip")
+    cell = Cell("leak:bottom_vacuum:40", GRIPPING, "kill hal")
     record(SHIPPED, cell, tmp_path)
     run = RecordedRun.read(tmp_path / "states.csv")
     lanes = replace(run, missed=disturbances(cell)).figure("timeline").axes[0]
     words = {text.get_text() for text in lanes.texts if text.get_label() == "event"}
-    assert {"leak:bottom_vacuum:40, kill grip", "started again"} <= words
+    assert {"leak:bottom_vacuum:40, kill hal", "started again"} <= words
     for at in (3.0, 4.0):
         assert [at, at] in [list(np.asarray(line.get_xdata())) for line in lanes.lines]
