@@ -153,7 +153,7 @@ ARBITER: Mapping[str, WrongProduct] = {
         _last_will_at_once, "arbiter/rules/_arbiter.py: LineArbiter._end_session", "grip; wait 1.2; kill hal", "order"
     ),
     "an orderly end whose last will is not executed": WrongProduct(
-        _bye_holds, "arbiter/rules/_arbiter.py: LineArbiter.bye", "grip; wait 0.5; end grip", "unwound"
+        _bye_holds, "arbiter/rules/_arbiter.py: LineArbiter.bye", "grip; wait 0.5; end hal", "unwound"
     ),
     "a last will that is left alone, and not kept": WrongProduct(
         _last_will_alone_is_ignored, "arbiter/rules/_arbiter.py: LineArbiter.write", "grip; wait 1.5; kill hal", "held",
@@ -183,7 +183,7 @@ ARBITER: Mapping[str, WrongProduct] = {
     ),
     "a program that begins while a last will is executed": WrongProduct(
         _nobody_waits_for_a_last_will, "arbiter/rules/_arbiter.py: LineArbiter.hello",
-        "grip; wait 0.9; kill grip; start grip", "held",
+        "grip; wait 0.9; kill hal; start hal", "held",
         cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a last step that is lost": WrongProduct(
@@ -208,7 +208,7 @@ ARBITER: Mapping[str, WrongProduct] = {
     "a fault of a client that is not latched": WrongProduct(
         lambda patch: patch.setattr(LineArbiter, "latch", lambda *_: None),
         "arbiter/rules/_arbiter.py: LineArbiter.latch",
-        "scenario locked-shows:tool_changer:0; wait 5; scenario nominal; wait 2; kill tool_change; start tool_change",
+        "scenario locked-shows:tool_changer:0; wait 5; scenario nominal; wait 2; kill hal; start hal",
         "latched",
     ),
     "a refused reset that clears the fault all the same": WrongProduct(

@@ -12,7 +12,7 @@ from end_effector_hal.control import Controller, GripLastWill, _network
 from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.kinds.cylinder._detector import CylinderDetector
 from end_effector_hal.kinds.vacuum._detector import VacuumDetector
-from end_effector_hal.runtime.outputs import GripOutputs, Outputs
+from end_effector_hal.runtime.outputs import OutputMapping, Outputs
 from end_effector_hal.runtime.programs._adoption import Adoption
 from end_effector_hal.runtime.programs._program import Program
 from end_effector_hal.runtime.programs._sensor_fault import SensorFault
@@ -104,7 +104,7 @@ def _lift_whenever_gripped(real: Any, statuses: StatusBuilder, *given: Any) -> A
 # runtime
 
 
-def _releases_at_once(real: Any, outputs: GripOutputs, status: Any) -> dict[str, bool]:
+def _releases_at_once(real: Any, outputs: OutputMapping, status: Any) -> dict[str, bool]:
     found: dict[str, bool] = real(outputs, status)
     return dict.fromkeys(found, False) if status.ee == RELEASING else found
 
@@ -199,7 +199,7 @@ def _share_of_any_air(detector: CylinderDetector, readings: Any, at: int) -> flo
 CONTROLLER: Mapping[str, WrongProduct] = {
     "a last will that drops what is held": WrongProduct(
         _replaced(GripLastWill, "of", _drops), "control/_last_wills.py: GripLastWill.of",
-        "grip; wait 1.5; end grip", "held",
+        "grip; wait 1.5; end hal", "held",
         cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a last will in the wrong order": WrongProduct(
@@ -217,7 +217,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "a restart that adopts nothing": WrongProduct(
         _replaced(Controller, "_adopt", _adopts_nothing), "control/_controller.py: Controller._adopt",
-        "grip; wait 1.5; end grip", "held",
+        "grip; wait 1.5; end hal", "held",
         cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a lost grip that counts as not held": WrongProduct(
@@ -253,13 +253,13 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         cell="nominal @ release top_vacuum off, between + kill hal",
     ),
     "no last will": WrongProduct(
-        lambda patch: patch.setattr(GripOutputs, "last_will", lambda *_, **__: ()),
-        "runtime/outputs/_output_mapping.py: GripOutputs.last_will", "grip; wait 0.5; kill hal", "unwound",
+        lambda patch: patch.setattr(OutputMapping, "last_will", lambda *_, **__: ()),
+        "runtime/outputs/_output_mapping.py: OutputMapping.last_will", "grip; wait 0.5; kill hal", "unwound",
         cell="nominal @ grip top_vacuum on, between + kill hal",
     ),
     "a release of all at once": WrongProduct(
-        _replaced(GripOutputs, "levels", _releases_at_once), "runtime/outputs/_output_mapping.py: GripOutputs.levels",
-        "", "order",
+        _replaced(OutputMapping, "levels", _releases_at_once),
+        "runtime/outputs/_output_mapping.py: OutputMapping.levels", "", "order",
     ),
     "an orderly end that leaves the lines as they are": WrongProduct(
         _replaced(Program, "leave", _leaves_as_it_is), "runtime/programs/_program.py: Program.leave",
@@ -276,7 +276,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     "a sensor fault that a restart forgets": WrongProduct(
         lambda patch: patch.setattr(SensorFault, "found", lambda _: False),
         "runtime/programs/_sensor_fault.py: SensorFault.found",
-        "scenario locked-shows:tool_changer:0; wait 5; scenario nominal; wait 2; kill tool_change; start tool_change",
+        "scenario locked-shows:tool_changer:0; wait 5; scenario nominal; wait 2; kill hal; start hal",
         "latched",
     ),
     "air that does not count": WrongProduct(
@@ -310,7 +310,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "scenario stand-shows:tool_changer:0; wait 2; unlock", "unlock",
     ),
     "locked, unless it is unlocked": WrongProduct(
-        _replaced(Predicates, "_said", _locked_unless_unlocked), "sensing/_predicates.py: Predicates._said",
+        _replaced(Predicates, "said", _locked_unless_unlocked), "sensing/_predicates.py: Predicates.said",
         "locked-shows:tool_changer:0 @ grip bottom_vacuum on + none", "expected",
     ),
     "a frozen sensor that is believed": WrongProduct(
