@@ -19,11 +19,11 @@ Rule 6 (evidence): GRIPPED holds only while every device really grips; a lift is
     younger than the time of a reading may not be known yet.
 Rule 7 (refusals): a grip is refused while a device still grips, the supply pressure is too low, the link is silent,
     or the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
-Rule 8 (unwound): the actuators that a dead gripping program had engaged are deactivated as declared, while the
+Rule 8 (unwound): the actuators that the dead program had engaged are deactivated as declared, while the
     arbiter lives.
 Rule 9 (told): at rest, lines and state agree; a latched error, a loss and missing sensor data have been reported.
 Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of the tool changer, stay until a reset,
-    even if a program or the arbiter dies in between, or the power is lost.
+    even if the program or the arbiter dies in between, or the power is lost.
 Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
     output of the grip becomes inactive because of it; a device on a bus may receive it later.
 
@@ -158,7 +158,7 @@ class Judge:
         self._arbiter.forget()
 
     def power_lost(self) -> None:
-        """Process a loss of power: all programs have died and all lines are inactive; valves with two coils keep their
+        """Process a loss of power: the program has died and all lines are inactive; valves with two coils keep their
         position; the journal keeps the latched faults.
         """
         edges, statuses = self._tool.edges, self._tool.statuses
@@ -312,7 +312,7 @@ class Judge:
                 self._object("order", f"{name} was deactivated before {other}")
 
     def _is_late(self, each: Switching) -> bool:
-        """Return whether no command was active at that time, and no program has just started."""
+        """Return whether no command was active at that time, and the program has not just started."""
         on_bus = self._description.actuators[each.name].line in self._description.register_outputs
         if on_bus or self._tool.statuses[-1].ee == EndEffectorState.OFF:
             return False
@@ -347,7 +347,7 @@ class Judge:
         """Check the outputs after the time of a last will."""
         self._unwound_by = None
         if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
-            self._object("unwound", f"{', '.join(left)} stays active after the death of its program")
+            self._object("unwound", f"{', '.join(left)} stays active after the death of the program")
 
     def _may_be_let_go(self, name: str) -> bool:
         """Return whether any ending is declared that releases the actuator (only without IL-09), or its device

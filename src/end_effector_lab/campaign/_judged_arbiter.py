@@ -12,7 +12,7 @@ from end_effector_lab.virtual import VirtualTool
 from ._reality import Reality
 
 HEARD_US = 1_000_000
-"""Time within which a program reports its wishes to a restarted arbiter, µs."""
+"""Time within which the program reports its wishes to a restarted arbiter, µs."""
 
 
 class JudgedArbiter:

@@ -292,7 +292,7 @@ class _CaseRun:
 
     def _not_usable(self, known_s: float) -> str:
         """Return why the tool cannot be used, as a clause; "" if it can. The check waits ``known_s`` after the tool
-        has come to rest; by then all programs have detected that no fault is left.
+        has come to rest; by then the program has detected that no fault is left.
         """
         tool, durations = self.tool, self._description.durations
         longest = (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US

@@ -1,4 +1,4 @@
-"""The real state of the devices, independent of sensors and programs, and since when it has lasted."""
+"""The real state of the devices, independent of sensors and of the program, and since when it has lasted."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Reality:
                 self._since.setdefault(what, self._tool.at)
 
     def lasts(self, what: str, us: int = SEEN_US) -> bool:
-        """Return whether a fact has been true long enough, by default until every program has detected it."""
+        """Return whether a fact has been true long enough, by default until the program has detected it."""
         return self._tool.at - self._since.get(what, self._tool.at) > us
 
     def lets_go(self, name: str) -> bool:

@@ -64,7 +64,7 @@ def _seen(description: Description, edges: Iterable[LineEdge]) -> list[Switching
 
 
 def answered(folder: Path) -> Finding:
-    """Report every command that its program refused, with the reason that the client got."""
+    """Report every command that was refused, with the reason that the client got."""
     try:
         refused = [each for path in traces_of(folder) for each in _refused(path)]
     except (ReportedError, KeyError) as error:
@@ -82,7 +82,7 @@ def _refused(path: Path) -> Iterator[str]:
 
 
 def replayed(folder: Path) -> Finding:
-    """Replay both programs of a run, and have the monitor judge them."""
+    """Replay the trace of a run, and have the monitor judge it."""
     try:
         faults = list(_all_faults(folder))
     except ReportedError as error:

@@ -34,7 +34,7 @@ class Drive(Protocol):
     def play(self, world: World, script: str, longest_s: float) -> None:
         """Execute the commands of a script, and return when its end is recorded.
 
-        The folder then contains ``states.csv``, ``alarms.csv``, ``pressures.csv`` and the traces of both programs.
+        The folder then contains ``states.csv``, ``alarms.csv``, ``pressures.csv`` and the trace.
 
         Args:
             world: the hardware, with the description that every process reads.

@@ -144,7 +144,7 @@ class _OneRecording:
         self._seen_at = 0
 
     def restart(self, at: int) -> None:
-        """Handle a start or restart of a program, after which active actuators are unknown."""
+        """Handle a start or restart of the program, after which active actuators are unknown."""
         self._open.clear()
         self._grip = self._before = None
         self._sensors, self._last = SensorState(self._description, self._carrier), None

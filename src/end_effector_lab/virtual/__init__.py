@@ -1,4 +1,4 @@
-"""A whole tool in virtual time: programs, line arbiter with its records, sensors and testbench, from one seed.
+"""A whole tool in virtual time: the program, the line arbiter with its records, sensors and testbench, from one seed.
 
 >>> from end_effector_hal.description import load, profile_path
 >>> tool = VirtualTool(load(profile_path()))

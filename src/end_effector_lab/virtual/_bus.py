@@ -105,7 +105,7 @@ class VirtualBus:
         return min(coming, max(self._traffic.due, self._busy_until), self._ends_at)
 
     def frames(self, at: int) -> list[Frame]:
-        """Return the frames for the programs from the cycles that have ended by ``at`` µs."""
+        """Return the frames for the program from the cycles that have ended by ``at`` µs."""
         self._coming.sort()
         cycles = []
         while self._coming and self._coming[0][0] <= at:

@@ -1,4 +1,4 @@
-"""A program's connection to the line arbiter in virtual time; replaces the socket of an `ArbiterClient`."""
+"""The program's connection to the line arbiter in virtual time; replaces the socket of an `ArbiterClient`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class VirtualConnection:
 
     Args:
         arbiter: returns the living arbiter; None: there is none.
-        client: name of the program.
+        client: its name.
         token: identifies the program when it reconnects.
         lines: the lines that it writes.
         clock: returns the time, µs.
@@ -61,8 +61,6 @@ class VirtualConnection:
         self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
     ) -> Callable[[], int]:
         """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
-        if not self._lines:  # such a client has never said hello
-            return _raising(ArbiterError("say hello first"))
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:

@@ -55,7 +55,7 @@ class StreamedLink:
         return self._carried(sample) if self._is_exact else self._as_it_comes(sample)
 
     def pass_by(self, to: int, *, unheard: bool) -> None:
-        """Skip the frames until ``to`` (µs) that no program receives: ``unheard``, or while the link is silent."""
+        """Skip the frames until ``to`` (µs) that nobody receives: ``unheard``, or while the link is silent."""
         while self.due <= to and self._bench.leaves_no_trace(self.due, self._name, unheard=unheard):
             self._board.count(self.due)
             self.due += self.period_us
@@ -189,7 +189,7 @@ class BoardInputSource:
 
 
 def sources_of_bench(description: Description, bench: Bench, start: int) -> Iterator[Source]:
-    """Yield the links that are not commanded, and the board inputs that the programs' process reads."""
+    """Yield the links that are not commanded, and the board inputs that the program's process reads."""
     for name in (name for name in description.links if name not in description.buses):
         kind = PolledLink if is_polled(codec_of(description, name)) else StreamedLink
         yield kind(description, name, bench, start)

@@ -1,4 +1,4 @@
-"""Pass the observations of every controller to a monitor while the programs run."""
+"""Pass the observations of every controller to a monitor while the program runs."""
 
 from __future__ import annotations
 

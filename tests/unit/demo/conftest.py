@@ -25,7 +25,7 @@ MOVING = (EndEffectorState.GRIPPING, EndEffectorState.RELEASING)
 
 
 class RecordedTool(VirtualTool):
-    """Writes each status as a row, the commands of both programs in one column."""
+    """Writes each status as a row."""
 
     def __init__(self, description: Description, bench: str, states: Path) -> None:
         self._writer = StatesWriter(states, description.sequence)
@@ -46,32 +46,15 @@ class RecordedTool(VirtualTool):
     def finish(self) -> None:
         """Until nothing is executed any more."""
         end = self.at + LONGEST_S * 1e6
-        while self.status.ee in MOVING or self.change.status().command != Command.NONE:
+        while self.status.ee in MOVING or self.status.command != Command.NONE:
             assert self.at < end, "it never ends"
             self.run(0.02)
 
-    def _gripper(self, statuses: list[Status]) -> None:
+    def _told(self, statuses: list[Status]) -> None:
+        super()._told(statuses)
         for status in statuses:
-            super()._gripper([status])
-            changing = self.change.status().command
-            self._row(status, status.command if status.command != Command.NONE else changing, status.at)
-            self._write_events(status)
-
-    def _changer(self, statuses: list[Status]) -> None:
-        for status in statuses:
-            super()._changer([status])
-            gripping = self.grip.status()
-            command = gripping.command if gripping.command != Command.NONE else status.command
-            self._row(gripping, command, status.at)
-            self._write_events(status)
-
-    def _write_events(self, status: Status) -> None:
-        self._events.write(
-            [event_row(each, each.at / 1e6, self.description.sequence) for each in status.events]
-        )
-
-    def _row(self, status: Status, command: int, at: int) -> None:
-        self._writer.write(at / 1e6, status.ee, command, status.actuators)
+            self._writer.write(status.at / 1e6, status.ee, status.command, status.actuators)
+            self._events.write([event_row(e, e.at / 1e6, self.description.sequence) for e in status.events])
 
 
 @pytest.fixture(scope="session")

@@ -35,9 +35,9 @@ from end_effector_lab.demo import _world as world_module
 from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 
 FILES = {
-    "alarms.csv", "events.csv", "arbiter.log", "end_effector.yaml", "grip.mcap", "lines.log", "paper.png", "paper.svg",
+    "alarms.csv", "events.csv", "arbiter.log", "end_effector.yaml", "hal.mcap", "lines.log", "paper.png", "paper.svg",
     "plot_run.m", "pressures.csv", "run.csv", "run.json", "states.csv", "switches.csv", "testbench.log", "timeline.png",
-    "timeline.svg", "tool.log", "tool_change.mcap", "tool_changer.csv",
+    "timeline.svg", "tool.log", "tool_changer.csv",
 }  # fmt: skip
 
 

@@ -67,7 +67,7 @@ def test_what_is_kept_is_of_the_shipped_automata(network: Network) -> None:
     """An edge may have been edited since; most are those of the file."""
     record = kept_record()
     tool = load(profile_path())
-    templates = [template_of(network, name) for name in (*tool.automata.grip, *tool.automata.tool_change)]
+    templates = [template_of(network, name) for name in tool.automata.executed]
     known = [each for each in templates for number in range(len(each.edges)) if record.of_edge(each, number)]
     assert len(known) > 0.8 * len(record.edges)
     ids = {each.id for each in requirements_of(network)} | CHECKS.keys()

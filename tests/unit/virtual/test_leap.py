@@ -14,7 +14,7 @@ import pytest
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.sensing import FrameJudge, SensorState
+from end_effector_hal.runtime import Program
 from end_effector_hal.signals import Frame
 from end_effector_lab.campaign import Case, CaseSource, CoverageMap, play_case
 from end_effector_lab.testbench import SensorBoard, Sent
@@ -41,8 +41,7 @@ _SECONDS = re.compile(r"for [0-9.]+ s ")
 
 def story(tool: VirtualTool) -> list[Any]:
     """All that was done and told, with its times."""
-    said = [[_SECONDS.sub("", repr(status)) for status in each] for each in (tool.statuses, tool.changes)]
-    return [tool.edges, *said, tool.at]
+    return [tool.edges, [_SECONDS.sub("", repr(status)) for status in tool.statuses], tool.at]
 
 
 def play(tool: VirtualTool, fault: str, after: float) -> list[Any]:
@@ -97,14 +96,14 @@ def test_most_frames_at_rest_are_left_out(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def played_from_now_on(monkeypatch: pytest.MonkeyPatch) -> set[int]:
-    """Gets µs of each frame that is judged."""
-    played, real = set[int](), FrameJudge.after
+    """Gets µs of each frame that the program receives."""
+    played, real = set[int](), Program.frame
 
-    def after(judge: FrameJudge, state: SensorState, frame: Frame) -> tuple[SensorState, ...]:
+    def receives(program: Program, frame: Frame) -> None:
         played.add(frame.at)
-        return real(judge, state, frame)
+        real(program, frame)
 
-    monkeypatch.setattr(FrameJudge, "after", after)
+    monkeypatch.setattr(Program, "frame", receives)
     return played
 
 
@@ -137,8 +136,8 @@ def test_frames_of_a_silent_link_and_those_that_nobody_gets_are_not_made(
 def test_frames_are_left_out_after_a_program_has_begun_again(monkeypatch: pytest.MonkeyPatch) -> None:
     tool = VirtualTool(SHIPPED)
     tool.run(1.0)
-    tool.kill("grip")
-    tool.start("grip")
+    tool.kill("hal")
+    tool.start("hal")
     tool.run(1.0)
     played = played_from_now_on(monkeypatch)
     tool.run(5.0)

@@ -116,17 +116,6 @@ def test_where_only_the_presence_is_shown_it_counts_alone() -> None:
     assert held(tool) == (True, False, False)
 
 
-def test_a_tool_without_a_changer_writes_nothing_for_it() -> None:
-    """Its program has no line: the line arbiter would refuse the write, and count as lost."""
-    tool = VirtualTool(load_tool(ROOT / "examples/tools/six_cups/end_effector.yaml"))
-    assert tool.description.tool_changer is None
-    tool.run(2.0)
-    assert tool.status.ee == EndEffectorState.STAND_BY
-    assert not any(
-        alarm.id == "arbiter.lost" for each in (*tool.statuses, *tool.changes) for alarm in each.alarms
-    )
-
-
 def test_an_unlock_without_a_tool_that_is_not_proven_ends_by_itself(description: Description) -> None:
     """The changer is UNKNOWN again, as before its adoption; its output must be inactive all the same."""
     changer = description.tool_changer

@@ -1,4 +1,4 @@
-"""Outputs on a bus that cannot be read back: another line arbiter does not know how they stand, their program does."""
+"""Outputs on a bus that cannot be read back: another line arbiter does not know how they stand, the program does."""
 
 from __future__ import annotations
 
