@@ -192,7 +192,11 @@ class StatusBuilder:
             self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
         step, fault = steps.step, values["changer_fault"]
-        gripping = values["command"]
+        gripping, deadline = values["command"], self._execution.deadline
+        if gripping == Command.NONE:
+            deadline = None
+        elif values["armed"] or values["unlock_valve"] or values["changer"] == ChangerState.LOCKING:
+            deadline = self._execution.deadline_without(self._of_changer)
         return Status(
             at=at,
             ee=ee,
@@ -203,7 +207,7 @@ class StatusBuilder:
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
             attempts_allowed=self._allowed[step] if step >= 0 else 0,
-            deadline=None if gripping == Command.NONE else self._time_out,
+            deadline=deadline,
             cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
@@ -229,14 +233,6 @@ class StatusBuilder:
             steps=steps.steps,
             events=events,
         )
-
-    @property
-    def _time_out(self) -> int | None:
-        """The time of the next time-out of the gripping, µs; the tool changer may have others."""
-        values = self.values
-        if values["armed"] or values["unlock_valve"] or values["changer"] == ChangerState.LOCKING:
-            return self._execution.deadline_without(self._of_changer)
-        return self._execution.deadline
 
     def _look(self, at: int) -> None:
         """Read the sensors' state once for all steps that follow from it."""

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import Description
 from end_effector_hal.nodes.transport import Frames, SharedFrames, frame_to_message
-from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame
 
 FRAME = Frame(20_000, 1, 20, {"bottom": -60_000, "humidity": 5})

@@ -98,7 +98,7 @@ def edit(network: Network, element: str, new: str) -> Mutant:
 
 EDITED = {
     "GRIP_ERROR is not told": ("Step -> Abort, assignment", "(GRIP_ERROR + 1)"),
-    "an attempt is not timed": ("Activate -> Step, assignment", "attempt++, early = false"),
+    "an attempt is not timed": ("Activate -> Step, assignment", "attempt++"),
     "an actuator is told to be ON too early": ("Off -> Entered, assignment", "(PENDING + 1)"),
     "the time-out of the pause is not awaited": ("Reset -> Activate, guard", "true"),
     "a Drop homes what is proven gone": ("StandBy -> Unwind, guard", "true"),
