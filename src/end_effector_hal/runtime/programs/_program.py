@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -14,7 +13,6 @@ from typing import Protocol
 from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.control import (
     Answer,
-    EventKind,
     Status,
     held_words,
     network_of,
@@ -42,11 +40,9 @@ from end_effector_hal.runtime.stream import (
     WORDS,
     ProgramCommand,
 )
-from end_effector_hal.sensing import E_STOP_CLOSED, SensorSet
+from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import (
-    E_STOPPED,
-    STOPPED,
     Alarm,
     Command,
     EndEffectorState,
@@ -57,20 +53,19 @@ from end_effector_hal.wires import now_us
 
 from ._adoption import Adoption, DeclaredDeadError
 from ._inline_worker import InlineWorker
+from ._latched_faults import LatchedFaults
 from ._latest_status import LatestStatus, Listener
 from ._maintenance_drive import drive, proof
 from ._release_proof import await_release
 from ._sensor_fault import FaultKeeper, SensorFault
 from ._serial_worker import FollowUp, SerialWorker
+from ._written_status import as_written, with_reasons
 
 _log = logging.getLogger("end_effector_hal.runtime")
 HUNG_US = 3_000_000  # longer than the longest wait for the line arbiter
 STILL_US = 30_000_000
 """Time for which a reload blocks activations, µs; longer than all programs of a tool take to end and to start again."""
 RELOADING = "Another description is about to be taken over: nothing is activated meanwhile."
-UNTIL_RESET = "Nothing is activated until it is closed and the faults are reset."
-_FAULT_IDS = {"stop": STOPPED, E_STOP_CLOSED: E_STOPPED}
-"""Alarm ids by the name of the fault; all other faults use ``arbiter.fault``."""
 ACTIVATING = ("grip", "unlock", "activate")
 """Commands that begin with an activation; all others only deactivate, or change nothing."""
 LOST = "The line arbiter is lost: nothing was written, and nothing will be. Give the command again when it is back."
@@ -134,9 +129,7 @@ class Program:
         self._recorder, self._lines, self._arbiter = recorder, recorder.lines(lines), lines
         self._held = False  # as it was last known, before a restart
         self._commanded = False  # what is being written is the beginning of a command that activates nothing
-        self._faults: tuple[Alarm, ...] = ()
-        self._stopped = ""  # the fault of a stop (IL-13)
-        self._refused = ""  # why nothing is activated: that, or an e-stop, and what to do
+        self._latched = LatchedFaults({})
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
         self._shown_notices: tuple[Alarm, ...] = ()
@@ -193,7 +186,7 @@ class Program:
     @property
     def latched_interlocks(self) -> tuple[str, ...]:
         """Sentences about the faults that the line arbiter has latched for an interlock."""
-        return tuple(fault.text for fault in self._faults if "interlock" in fault.values)
+        return tuple(fault.text for fault in self._latched.alarms if "interlock" in fault.values)
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
@@ -294,13 +287,9 @@ class Program:
 
     def _keep_faults(self, faults: Mapping[str, str]) -> list[Status]:
         """Keep the latched faults; a new stop cancels a running grip, and a sensor fault is looked for again."""
-        before, self._look_at = self._stopped, self._clock()
-        self._faults = _latched_alarms(faults)
-        texts = {fault.id: fault.text for fault in self._faults}
-        self._stopped = texts.get(STOPPED, "")
-        self._refused = self._stopped or (f"{texts[E_STOPPED]} {UNTIL_RESET}" if E_STOPPED in texts else "")
+        before, self._latched, self._look_at = self._latched, LatchedFaults(faults), self._clock()
         adoption = self._adoption
-        if before or not self._stopped or not adoption.begun:
+        if before.stopped or not self._latched.stopped or not adoption.begun:
             return []  # only the notices change
         gripping = adoption.outputs.mapping.gripping(adoption.controller.status())
         return adoption.controller.command("cancel", self._clock())[1] if gripping else []
@@ -342,7 +331,7 @@ class Program:
         if name in ACTIVATING:
             if self._still_until > self._clock():
                 return RELOADING
-            return self._refused or self._unread(name)
+            return self._latched.refuses or self._unread(name)
         return ""
 
     def _unread(self, name: str) -> str:
@@ -392,7 +381,7 @@ class Program:
         listener, recorder = self._latest.trouble, self._recorder.trouble
         active = self._maintenance.notice
         return tuple(filter(None, (
-            self._adoption.alarm, self._adoption.outputs.alarm, *self._faults, *self._link_faults,
+            self._adoption.alarm, self._adoption.outputs.alarm, *self._latched.alarms, *self._link_faults,
             Alarm("listener.failed", "hal", {"text": listener}) if listener else None,
             Alarm("recording.failed", "hal", {"text": recorder}) if recorder else None,
             Alarm("maintenance.active", "", {"text": active}) if active else None,
@@ -400,44 +389,11 @@ class Program:
 
     def _completed(self, status: Status, notices: tuple[Alarm, ...]) -> Status:
         """Return a status of the controller with all that only the program knows."""
-        outputs = self._adoption.outputs
-        reason = f"{status.reason or self._why} {outputs.refused[False]}".strip()
-        changer_reason = f"{status.changer_reason or self._why} {outputs.refused[True]}".strip()
-        if notices or status.alarms or (reason, changer_reason) != (status.reason, status.changer_reason):
+        completed = with_reasons(status, self._why, self._adoption.outputs.refused)
+        if notices or status.alarms:
             alarms = with_since((*status.alarms, *notices), self.status.alarms, status.at)
-            status = replace(status, alarms=alarms, reason=reason, changer_reason=changer_reason)
-        if status.blowing and outputs.refused[False]:
-            status = self._without_air(status, outputs.activated)
-        if self._adoption.lost:
-            status = self._as_last_known(status)
-        if not self._maintenance.active:
-            return status
-        lines = self._maintenance.lines
-        levels = self._levels(status, lambda line, level: level or line in lines)
-        return replace(status, outputs=levels, deadline=self._maintenance.ends_at, maintenance=True)
-
-    def _without_air(self, status: Status, activated: frozenset[str]) -> Status:
-        """Return a status without the blow-offs that the line arbiter has refused."""
-        air, names = self._description.blow_off_lines, self._description.sequence
-        blown = tuple(each for each in status.blowing if air[names[each]] in activated)
-        events = tuple(
-            event
-            for event in status.events
-            if event.kind is not EventKind.BLOWN_OFF or event.actuator in blown
-        )
-        return replace(status, blowing=blown, events=events)
-
-    def _as_last_known(self, status: Status) -> Status:
-        """Return a status with the last known outputs; those that were never known are in doubt active."""
-        known, begun = self._adoption.outputs.known, self._adoption.begun
-        levels = self._levels(status, lambda line, level: known.get(line, level or not begun))
-        unlock = known.get(self._adoption.outputs.mapping.unlock_line, status.unlock_output)
-        held = status.held if begun else self._held
-        return replace(status, outputs=levels, held=held, unlock_output=unlock)
-
-    def _levels(self, status: Status, level_of: Callable[[str, bool], bool]) -> tuple[bool, ...]:
-        pairs = zip(self._description.ordered, status.outputs, strict=True)
-        return tuple(level_of(part.line, level) for (_, part), level in pairs)
+            completed = replace(completed, alarms=alarms)
+        return as_written(completed, self._description, self._adoption, self._maintenance, held=self._held)
 
     def _publish_one(self, status: Status) -> None:
         self._fault.update(status)
@@ -610,14 +566,3 @@ class Program:
             obstacles = {word: why for word in WORDS if (why := self._obstacle(word))}
             self._recorder.published(completed, obstacles)
             self._publish_one(completed)
-
-
-def _latched_alarms(faults: Mapping[str, str]) -> tuple[Alarm, ...]:
-    """Return alarms from sentences by the name of the fault; a sentence about an interlock begins with its id."""
-    return tuple([_latched_alarm(name, text) for name, text in faults.items()])
-
-
-def _latched_alarm(name: str, text: str) -> Alarm:
-    found = re.fullmatch(r"(IL-\d\d): (.*)", text)
-    values = {"interlock": found[1], "why": found[2]} if found else {"text": text}
-    return Alarm(_FAULT_IDS[name], "", values) if name in _FAULT_IDS else Alarm("arbiter.fault", name, values)
