@@ -114,7 +114,7 @@ def command(
     With --free-sensors the automata alone are proven, with sensors that have no memory and no least time between two
     changes. This shows that the ordinary, smaller model of the sensors leaves nothing out. Time need not diverge
     there, since a sensor may change for ever at one instant: the requirement [time] becomes [timelock]. No verdict is
-    kept. With three steps the proof takes about twenty times as long; with all, about a hundred times, and 1.3 GB.
+    kept. With three steps the proof takes about forty times as long, with all several times as long again.
 
     A proof that needs too much memory is stopped: it lists the requirements that are not decided, the exit code is 4,
     and no verdict is kept.
