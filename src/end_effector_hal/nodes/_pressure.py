@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from end_effector_hal.arbiter import PredicatePublisher
+from end_effector_hal.arbiter import REPEAT_US, PredicatePublisher
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame, Value
@@ -52,20 +52,28 @@ class PressureNode:
         """Pressures whose last published value is NaN."""
         self._predicates = PredicatePublisher(description)
         node.on_close(self._predicates.close)
-        self._predicates.start()
+        self._predicates.use(self._senses)
         self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
         publish_health(node, description.name, self._health, hardware=self._reader.where)
         node.on_close(self._reader.close)
         node.every(STATE_HZ, self._tick)
+        if self._predicates.repeats:
+            node.every(1e6 / REPEAT_US, self._repeat)
         node.on_start(self._reader.start, last=True)
 
     def _on_frame(self, frame: Frame) -> None:
-        self._predicates.frame(frame, lambda frame: self._frame(self._frames.message_of(frame)))
         with self._lock:
-            if not self._senses.accepts(frame, now_us()):
+            accepted = self._senses.accepts(frame, now_us())
+            if accepted:
+                self._look(frame.at - 1)
+                self._senses.frame(frame)
+                self._looked_us = self._senses.at
+            self._predicates.publish(None if accepted else frame)
+        self._frame(self._frames.message_of(frame))
+        with self._lock:
+            self._predicates.repeat()
+            if not accepted:
                 return
-            self._senses.frame(frame)
-            self._looked_us = self._senses.at
             readings = self._senses.now.readings
             for channel in self._pressures:
                 if channel in frame.values or channel not in readings.carried:
@@ -75,15 +83,26 @@ class PressureNode:
     def _tick(self) -> None:
         with self._lock:
             at = now_us()
-            due = self._senses.deadline(self._looked_us)
-            if due is not None and due <= at:
-                self._senses.advance(at)
-            self._looked_us = at
+            self._look(at)
             readings = self._senses.now.readings
             stale = readings.stale(at)
             for channel in self._pressures.keys() - self._unknown:
                 if channel in stale or channel not in readings.carried:
                     self._publish_pressure(channel, None, at)
+
+    def _repeat(self) -> None:
+        """Repeat the predicates of a slow link while its readings are fresh."""
+        with self._lock:
+            at = now_us()
+            self._look(at)
+            self._predicates.repeat(at)
+
+    def _look(self, at: int) -> None:
+        """Let readings turn stale that do so until ``at`` µs."""
+        due = self._senses.deadline(self._looked_us)
+        if due is not None and due <= at:
+            self._senses.advance(at)
+        self._looked_us = max(self._looked_us, at)
 
     def _publish_pressure(self, channel: str, value: Value, at_us: int) -> None:
         (self._unknown.add if value is None else self._unknown.discard)(channel)
