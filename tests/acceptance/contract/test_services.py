@@ -119,7 +119,7 @@ def test_a_command_of_a_stranger_moves_nothing(holding: Hal) -> None:
     assert not answer["accepted"]
     words = holding.by(
         Difference.CALLERS,
-        ros1="only /HALMain may send there",
+        ros1="only /HALMain and /ToolChange may send there",
         ros2="A grip is accepted in STAND_BY only; the end-effector is GRIPPED.",
     )
     assert words in answer["reason"]
