@@ -32,7 +32,7 @@ LEVELS = {"gone": 1, "partial": 2, "confirmed": 3}
 LEVELS_ASKED = ("vented", "parked")
 COMMANDS = ("grip", "grip", "drop", "cancel", "lock", "unlock")
 UNLOCKED, UNLOCKING, LOCKING = ChangerState.UNLOCKED, ChangerState.UNLOCKING, ChangerState.LOCKING
-RUNS, INPUTS = 200, 60
+RUNS, INPUTS = 1000, 60
 
 
 def play(network: Network, seed: int, observe: Callable[[Observation], object] | None = None) -> list[object]:
