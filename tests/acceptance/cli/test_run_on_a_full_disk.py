@@ -142,7 +142,7 @@ def eehal(*arguments: object) -> subprocess.CompletedProcess[str]:
 def grips_on_a_full_disk(run: Run, disk: SmallDisk) -> None:
     run.begin_grip()  # the first attempt of the top vacuum fails: there is time
     disk.fill()
-    wait_until("an alarm of the trace", lambda: "The trace of grip is not recorded" in run.alarms(over=False))
+    wait_until("an alarm of the trace", lambda: "The trace is not recorded" in run.alarms(over=False))
     wait_until(
         "an alarm of the rows", lambda: "Rows of the recording cannot be written" in run.alarms(over=False)
     )
@@ -157,14 +157,14 @@ def test_what_fills_while_gripping_and_while_gripped_drops_nothing_and_ends_noth
     grips_on_a_full_disk(run, disk)
     run.told.clear()
     disk.free()
-    wait_until("it is recorded again", lambda: "The trace of grip is not" in run.alarms(over=True))
+    wait_until("it is recorded again", lambda: "The trace is not" in run.alarms(over=True))
     wait_until("rows are, too", lambda: "The listener that records failed" in run.alarms(over=True))
     run.do("drop", "RELEASE")
     run.do("reset", "RESET")
     run.do("grip", "GRIP")
     run.wait("held", event="state", end_effector="GRIPPED")
     disk.fill()
-    wait_until("an alarm of the trace", lambda: "The trace of grip is not recorded" in run.alarms(over=False))
+    wait_until("an alarm of the trace", lambda: "The trace is not recorded" in run.alarms(over=False))
     run.do("drop", "RELEASE")
     run.type("quit")
     assert run.process.wait(PATIENCE_S) == bool(run.refused)
