@@ -49,7 +49,7 @@ def _(rig: Rig) -> str:
 @cell("IL-01", "service", r"^IL-01: Bottom vacuum is not active, but its feedback is not proven to be gone")
 def _(rig: Rig) -> str:
     rig.odd["bottom"] = -30_000
-    rig.until(lambda: rig.change.status.evidence[0] == 2)
+    rig.until(lambda: rig.hal.status.evidence[0] == 2)
     said: list[str] = []  # without a frame for 150 ms the tool changer is UNKNOWN, which is said first
     rig.until(lambda: "IL-01" in (said.append(rig.service("tool_changer", True).reason) or said[-1]))
     return said[-1]
@@ -105,16 +105,16 @@ def _(rig: Rig) -> str:
         lambda: rig.action("unlock") == ""
     )  # the sensors must have proven for a while that nothing is there
     rig.until(lambda: not rig.arbiter.levels()[UNLOCK])
-    rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
-    return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
+    rig.until(lambda: rig.hal.status.changer == ChangerState.LOCKED)
+    return f"the program ended it: {ChangerState(rig.hal.status.changer).name}"
 
 
 @cell("IL-03", "service", r"^the program ended it: LOCKED$")
 def _(rig: Rig) -> str:
     rig.until(lambda: rig.service("tool_changer", True).accepted)
     rig.until(lambda: not rig.arbiter.levels()[UNLOCK])
-    rig.until(lambda: rig.change.status.changer == ChangerState.LOCKED)
-    return f"the program ended it: {ChangerState(rig.change.status.changer).name}"
+    rig.until(lambda: rig.hal.status.changer == ChangerState.LOCKED)
+    return f"the program ended it: {ChangerState(rig.hal.status.changer).name}"
 
 
 @cell("IL-03", "socket", r"^the arbiter ended SODIMM_206 by IL-03$")
@@ -135,12 +135,12 @@ FAULT = r"IL-04: .*sensor fault"
 
 def unlocked_by_itself(rig: Rig) -> None:
     rig.odd |= {"locked": False, "unlocked": True}
-    rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
+    rig.until(lambda: rig.hal.status.changer != ChangerState.LOCKED)
 
 
 def no_bit(rig: Rig) -> None:
     rig.odd |= {"locked": False, "unlocked": False}
-    rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
+    rig.until(lambda: rig.hal.status.changer != ChangerState.LOCKED)
 
 
 @cell("IL-04", "action", UNPROVEN)
@@ -169,14 +169,14 @@ no("IL-04", "socket", "the arbiter tells the levels of its lines and claims no l
 @cell("IL-05", "action", r"^IL-05: the tool is not proven to be locked")
 def _(rig: Rig) -> str:
     rig.odd |= {"locked": False, "unlocked": True}
-    rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
+    rig.until(lambda: rig.hal.status.changer != ChangerState.LOCKED)
     return rig.action("grip")
 
 
 @cell("IL-05", "service", r"^IL-05: the tool is not proven to be locked")
 def _(rig: Rig) -> str:
     rig.odd |= {"locked": False, "unlocked": True}
-    rig.until(lambda: rig.change.status.changer != ChangerState.LOCKED)
+    rig.until(lambda: rig.hal.status.changer != ChangerState.LOCKED)
     return rig.service("cylinder", True).reason
 
 
@@ -210,21 +210,21 @@ no("IL-06", "socket", "refuses a new grip; a line is none")
 @cell("IL-07", "action", r"^IL-07: Top vacuum is not active, but its feedback is not proven to be gone")
 def _(rig: Rig) -> str:
     rig.odd["top"] = -15_000
-    rig.until(lambda: rig.grip.status.evidence[2] == 2)
+    rig.until(lambda: rig.hal.status.evidence[2] == 2)
     return rig.action("grip")
 
 
 @cell("IL-07", "action", r"^IL-07: Top vacuum is not proven to be gone: top has no valid reading")
 def _(rig: Rig) -> str:
     rig.odd["top"] = None
-    rig.until(lambda: rig.grip.status.evidence[2] == 0)
+    rig.until(lambda: rig.hal.status.evidence[2] == 0)
     return rig.action("grip")
 
 
 @cell("IL-07", "action", r"^IL-07: the sensor link none is not up")
 def _(rig: Rig) -> str:
     rig.silent = True
-    rig.until(lambda: not rig.grip.status.link_up)
+    rig.until(lambda: not rig.hal.status.link_up)
     return rig.action("grip")
 
 
@@ -278,7 +278,7 @@ def _(rig: Rig) -> str:
     return rig.service("bottom_vacuum", False).reason
 
 
-@cell("IL-09", "socket", r"^SODIMM_208 belongs to grip \(pid ")
+@cell("IL-09", "socket", r"^SODIMM_208 belongs to hal \(pid ")
 def _(rig: Rig) -> str:
     rig.gripped()
     try:
@@ -299,9 +299,9 @@ def _(rig: Rig) -> str:
 
     edges: list[Edge] = []
     with ChipWatcher(rig.chip, edges.append):
-        assert rig.grip.command("grip").accepted
-        rig.until(lambda: rig.grip.command("cancel").accepted)
-        rig.until(lambda: rig.grip.status.ee == State.STAND_BY and len(edges) >= 2)
+        assert rig.hal.command("grip").accepted
+        rig.until(lambda: rig.hal.command("cancel").accepted)
+        rig.until(lambda: rig.hal.status.ee == State.STAND_BY and len(edges) >= 2)
     pairs = zip(
         [e.at for e in edges if e.line == BOTTOM], [e.at for e in edges if e.line == BOTTOM][1:], strict=False
     )
@@ -327,18 +327,17 @@ def _(rig: Rig) -> str:
 
 @cell("IL-11", "action", r"^0 activations after a restart$")
 def _(rig: Rig) -> str:
-    from end_effector_hal.runtime import GripProgram, open_program
+    from end_effector_hal.runtime import open_program
 
     rig.gripped()
     rig.odd |= {"bottom": 0, "top": 0}
-    rig.until(lambda: rig.grip.status.ee == State.GRIP_ERROR)
+    rig.until(lambda: rig.hal.status.ee == State.GRIP_ERROR)
     before = rig.arbiter.levels()
-    rig.grip.close()
-    again = open_program(GripProgram, rig.description)
-    rig.units[0] = again
-    again.start()
-    rig.until(lambda: again.status.ee != State.OFF)
-    again.close()
+    rig.hal.close()
+    rig.hal = open_program(rig.description)
+    rig.hal.start()
+    rig.until(lambda: rig.hal.status.ee != State.OFF)
+    rig.hal.close()
     after = rig.arbiter.levels()
     return f"{sum(after[line] and not before[line] for line in after)} activations after a restart"
 
@@ -368,7 +367,7 @@ def _(rig: Rig) -> str:
 @cell("IL-12", "service", r"^IL-12: maintenance is possible in STAND_BY only; the end-effector is GRIPPING")
 def _(rig: Rig) -> str:
     rig.odd["bottom"] = 0  # it stays in the first step
-    assert rig.grip.command("grip").accepted
+    assert rig.hal.command("grip").accepted
     return rig.service("cylinder", True).reason
 
 
@@ -378,7 +377,7 @@ def _(rig: Rig) -> str:
     return rig.service("cylinder", False).reason
 
 
-no("IL-12", "socket", "maintenance is a mode of the program Grip; at the socket each line has one writer")
+no("IL-12", "socket", "maintenance is a mode of the program; at the socket each line has one writer")
 
 # IL-13: an open e-stop
 
@@ -387,7 +386,7 @@ def open_e_stop(rig: Rig) -> None:
     rig.odd["estop_ok"] = False
     rig.until(lambda: "e_stop_closed" in rig.faults())
     # at the socket there is no program
-    rig.until(lambda: all("IL-13" in " ".join(each.status.alarm_texts) for each in rig.units))
+    rig.until(lambda: not rig.program or "IL-13" in " ".join(rig.hal.status.alarm_texts))
 
 
 @cell("IL-13", "action", r"^IL-13: the emergency stop was opened\. Nothing is activated")

@@ -1,4 +1,4 @@
-"""One end-effector in this process: real line arbiter on a real socket, real programs, simulated sensors."""
+"""One end-effector in this process: real line arbiter on a real socket, real program, simulated sensors."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from end_effector_hal.arbiter import (
     arbiter_policy,
     output_lines,
 )
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import CHANNELS
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds.stanza import BlowOff
 from end_effector_hal.kinds.vacuum import VacuumActuator
-from end_effector_hal.runtime import ChangerProgram, GoalRunner, GripProgram, Program, open_program
+from end_effector_hal.runtime import GoalRunner, open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_hal.vocabulary import EndEffectorState as State
@@ -33,7 +33,7 @@ UNLOCK, BOTTOM, CYLINDER, TOP = "SODIMM_206", "SODIMM_208", "SODIMM_210", "SODIM
 BLOW_OFF = "SODIMM_214"
 LONGEST_S = 15.0
 LEASE_US = 60_000_000
-"""Programs, arbiter and sensors share one process: on a busy machine a thread may not renew a lease within a second."""
+"""Program, arbiter and sensors share one process: on a busy machine a thread may not renew a lease within a second."""
 COMMANDS = {channel: command for command, channel in CHANNELS.items()}
 
 
@@ -52,16 +52,16 @@ def quick() -> Description:
 class Rig:
     """RequestHandler every line as its device would; ``odd`` are channels that show something else.
 
-    ``silent``: no frame comes. ``programs``: Grip and ToolChange; without them the lines are free for a hand.
+    ``silent``: no frame comes. ``program``: there is the HAL; without it the lines are free for a hand.
     """
 
-    def __init__(self, folder: Path, *, programs: bool = True) -> None:
+    def __init__(self, folder: Path, *, program: bool = True) -> None:
         self.description = quick().with_virtual(folder / "chip", "none", folder / "arbiter.sock")
         self.chip = VirtualChip.create(folder / "chip", output_lines(self.description)).path
         self.socket = folder / "arbiter.sock"
         self.odd: dict[str, int | bool | None] = {}
         self.silent = False
-        self._programs, self._frames = programs, 0
+        self.program, self._frames = program, 0
         self._ended = threading.Event()
         self._stack = ExitStack()
 
@@ -76,17 +76,11 @@ class Rig:
         self._stack.callback(self.arbiter.stop)
         self.predicates = PredicatePublisher(self.description)
         self._stack.callback(self.predicates.close)
-        self.units: list[Program] = []
-        if self._programs:
-            self.grip = open_program(GripProgram, self.description, self._gripper_moved)
-            self.change = open_program(ChangerProgram, self.description, self._changer_moved)
-            self.units = [self.grip, self.change]
-            self._goals = GoalRunner(
-                {"grip": self.grip, "tool_change": self.change}, lambda: self.grip.status
-            )
-            for unit in self.units:
-                unit.start()
-                self._stack.callback(unit.close)
+        if self.program:
+            self.hal = open_program(self.description)
+            self._goals = GoalRunner(self.hal, lambda: self.hal.status)
+            self.hal.start()
+            self._stack.callback(self.hal.close)
         feeding = threading.Thread(target=self._feed)
         feeding.start()
         self._stack.callback(feeding.join)
@@ -95,9 +89,9 @@ class Rig:
             self.until(
                 lambda: bool(told := look.status()["told"]) and all(one["holds"] for one in told.values())
             )
-        if self._programs:
-            self.until(lambda: self.grip.status.ee == State.STAND_BY)
-            self.until(lambda: self.change.status.changer == ChangerState.LOCKED)
+        if self.program:
+            self.until(lambda: self.hal.status.ee == State.STAND_BY)
+            self.until(lambda: self.hal.status.changer == ChangerState.LOCKED)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -107,7 +101,7 @@ class Rig:
     def until(self, condition: Callable[[], bool]) -> None:
         end = time.monotonic() + LONGEST_S
         while not condition():
-            assert time.monotonic() < end, f"it did not happen; {self.told()}"
+            assert time.monotonic() < end, f"it did not happen; {self.hal.status if self.program else ''}"
             time.sleep(0.01)
 
     def show(self, **odd: int | bool | None) -> None:
@@ -115,9 +109,6 @@ class Rig:
         self.odd |= odd
         shown = self._frames + 10
         self.until(lambda: self._frames >= shown)
-
-    def told(self) -> list[Status]:
-        return [unit.status for unit in self.units]
 
     @contextmanager
     def hand(self, *lines: str) -> Iterator[ArbiterClient]:
@@ -134,7 +125,7 @@ class Rig:
     def action(self, command: str) -> str:
         """The reason of a goal that failed; empty: it succeeded."""
         if command == "cancel":
-            return self.grip.command(command).reason
+            return self.hal.command(command).reason
         return self._goals.begin(COMMANDS[command]).wait().reason
 
     # The service door: the /Set* services.
@@ -143,18 +134,11 @@ class Rig:
         if actuator == "tool_changer":
             why = self.action("unlock" if active else "lock")
             return Answer(not why, why)
-        return self.grip.set_actuator(actuator, active)
+        return self.hal.set_actuator(actuator, active)
 
     def gripped(self) -> None:
         """What a frame proves expires within 150 ms: a busy machine may have a grip refused until the next ones."""
         self.until(lambda: not self.action("grip"))
-
-    def _gripper_moved(self, status: Status) -> None:
-        if len(self.units) > 1:
-            self.change.update_peer(ee=status.ee)
-
-    def _changer_moved(self, status: Status) -> None:
-        self.grip.update_peer(unlock_valve=int(status.unlock_output))
 
     def _feed(self) -> None:
         while not self._ended.wait(0.02):
@@ -162,8 +146,8 @@ class Rig:
             if not self.silent:
                 frame = Frame(now_us(), seq, seq * 20, self._values())
                 self.predicates.frame(frame)
-                for unit in self.units:
-                    unit.frame(frame)
+                if self.program:
+                    self.hal.frame(frame)
 
     def _values(self) -> dict[str, int | bool | None]:
         on = self.arbiter.levels()

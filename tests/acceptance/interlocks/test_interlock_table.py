@@ -44,9 +44,9 @@ def test_each_interlock_has_an_answer_at_each_door() -> None:
 @pytest.mark.parametrize("cell", VIOLATED, ids=[f"{cell.interlock}-{cell.door}" for cell in VIOLATED])
 def test_it_is_refused_in_words(cell: Cell, tmp_path: Path, said: dict[Cell, str]) -> None:
     assert cell.violate
-    # at the socket a hand writes the lines; only where a held part is concerned do the programs have them
-    programs = cell.door != "socket" or cell.interlock == "IL-09"
-    with Rig(tmp_path, programs=programs) as rig:
+    # at the socket a hand writes the lines; only where a held part is concerned does the program have them
+    program = cell.door != "socket" or cell.interlock == "IL-09"
+    with Rig(tmp_path, program=program) as rig:
         before = dict(rig.arbiter.levels())
         answer = cell.violate(rig)
         said[cell] = answer
