@@ -50,7 +50,7 @@ def quick() -> Description:
 
 
 class Rig:
-    """RequestHandler every line as its device would; ``odd`` are channels that show something else.
+    """Answers every line as its device would; ``odd`` are channels that show something else.
 
     ``silent``: no frame comes. ``program``: there is the HAL; without it the lines are free for a hand.
     """

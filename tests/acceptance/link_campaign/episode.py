@@ -74,17 +74,11 @@ class Watched(VirtualTool):
         self.found.decoded += len(frames)
         self.found.undetected += sum(undetected(self._sent, frame.seq, frame.values) for frame in frames)
 
-    def _gripper(self, statuses: list[Status]) -> None:
+    def _told(self, statuses: list[Status]) -> None:
         if self.judge:
             for status in statuses:
-                self.judge.gripper(status)
-        super()._gripper(statuses)
-
-    def _changer(self, statuses: list[Status]) -> None:
-        if self.judge:
-            for status in statuses:
-                self.judge.changer(status)
-        super()._changer(statuses)
+                self.judge.status(status)
+        super()._told(statuses)
 
     def _write(self, wanted, at):  # type: ignore[no-untyped-def]
         count = len(self.edges)
@@ -125,9 +119,9 @@ class Episode:
     @property
     def function(self) -> str:
         """What the tool is doing."""
-        status, change = self._tool.status, self._tool.change.status()
-        if change.command in (Command.LOCK, Command.UNLOCK):
-            return "lock" if change.command == Command.LOCK else "unlock"
+        status = self._tool.status
+        if status.command in (Command.LOCK, Command.UNLOCK):
+            return "lock" if status.command == Command.LOCK else "unlock"
         if status.ee == EndEffectorState.RELEASING:
             return "cancel" if status.command == Command.CANCEL else "drop"
         if status.ee == EndEffectorState.GRIPPING:
@@ -137,7 +131,7 @@ class Episode:
     def _command(self) -> None:
         """What an operator would do next, now and then what he would not."""
         tool, random = self._tool, self._random
-        unlocked = tool.change.status().changer in (ChangerState.UNLOCKED, ChangerState.FAULT)
+        unlocked = tool.status.changer in (ChangerState.UNLOCKED, ChangerState.FAULT)
         likely = {
             "rest": "lock" if unlocked else random.choice(("grip", "grip", "grip", "unlock")),
             "grip": random.choice(("", "", "", "cancel")),
@@ -175,12 +169,12 @@ class Episode:
         tool.bench.choose(NOMINAL, tool.at)
         for _ in range(30):
             tool.run(2.0)
-            status, change = tool.status, tool.change.status()
+            status = tool.status
             if status.held or status.ee in (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR):
                 tool.order("drop")
-            elif change.command == Command.NONE and change.changer != ChangerState.LOCKED:
+            elif status.command == Command.NONE and status.changer != ChangerState.LOCKED:
                 tool.order("lock")
-            elif status.ee == EndEffectorState.STAND_BY and change.command == Command.NONE:
+            elif status.ee == EndEffectorState.STAND_BY and status.command == Command.NONE:
                 break
         tool.run(11.0)  # so long a reboot is told
         status, judge = tool.status, tool.judge

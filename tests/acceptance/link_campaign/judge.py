@@ -74,8 +74,8 @@ class Judge:
         if self._held and not level and line in self._gripping:
             self._say(at, f"{line} went inactive while a part was held")
 
-    def gripper(self, status: Status) -> None:
-        """A status of the gripping program."""
+    def status(self, status: Status) -> None:
+        """A status of the program."""
         last, self._last = self._last, status
         before = last.evidence if last else (0,) * len(self._names)
         for was, level in zip(before, status.evidence, strict=True):
@@ -105,11 +105,6 @@ class Judge:
                 self._say(at, f"{name} is said to be confirmed, and is not")
             self._false = self._false | {name} if false else self._false - {name}
 
-    def changer(self, status: Status) -> None:
-        """A status of the tool-change program."""
-        if status.changer == ChangerState.FAULT and not (status.alarm_texts or status.reason):
-            self._say(status.at, "the tool changer is in FAULT and nobody says why")
-
     def _explained(self, status: Status) -> None:
         state = EndEffectorState(status.ee)
         passing = state is EndEffectorState.GRIP_ERROR and status.command == Command.RELEASE
@@ -121,6 +116,8 @@ class Judge:
             self._say(status.at, f"{state.name}, evidence {status.evidence}, and no alarm")
         if status.lift_allowed and status.evidence != (Evidence.CONFIRMED,) * len(self._names):
             self._say(status.at, "lifting is allowed without evidence")
+        if status.changer == ChangerState.FAULT and not (status.alarm_texts or status.changer_reason):
+            self._say(status.at, "the tool changer is in FAULT and nobody says why")
 
     def _since(self, name: str, at: int) -> int:
         frozen = at <= self._frozen_until.get(name, -1) + STALE_US

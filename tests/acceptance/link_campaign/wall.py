@@ -1,4 +1,4 @@
-"""The same in real time: link reader, units, line arbiter and testbench as they are, over a pty and virtual lines."""
+"""The same in real time: link reader, program, line arbiter and testbench as they are, over a pty and virtual lines."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class Run:
 
     def _status(self, status: Status) -> None:
         with self._lock:
-            self._judge.gripper(status)
+            self._judge.status(status)
 
     def edge(self, edge: Edge) -> None:
         """A line was written."""

@@ -14,7 +14,7 @@ import pytest
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime import EndEffector, GripProgram
+from end_effector_hal.runtime import EndEffector, Program
 from end_effector_hal.runtime.tool import _listeners
 from end_effector_hal.runtime.tool._listeners import Listening
 from end_effector_hal.vocabulary import EndEffectorState as State
@@ -108,7 +108,7 @@ def test_one_that_does_not_return_is_an_alarm_without_any_further_call(
     listening.close(0.0)  # returns all the same
 
 
-def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
+def test_a_listener_of_a_program_that_raises_does_not_end_it() -> None:
     """As a node's, or EndEffector's own."""
     tool = Tool()
     told: list[Status] = []
@@ -120,7 +120,7 @@ def test_a_listener_of_a_unit_that_raises_does_not_end_it() -> None:
         if status.ee == State.GRIPPED:
             raise OSError(28, "No space left on device")
 
-    tool.program = GripProgram(load(profile_path()), tool.arbiter, fails)
+    tool.program = Program(load(profile_path()), tool.arbiter, fails)
     tool.program.start()
     tool.grip_to(2)
     tool.until(lambda status: "A listener failed and missed a status: SystemExit: 1" in status.alarm_texts)
@@ -197,9 +197,9 @@ def test_a_grip_whose_program_ends_says_so(world: World) -> None:
         wait_until("it", lambda: tool.lock().succeeded)
         asking.start()
         wait_until("gripping", lambda: tool.status.ee == State.GRIPPING)
-        tool._grip._latest.end()
+        tool._program._latest.end()
         asking.join(60)
         assert not outcomes[0].succeeded
         assert outcomes[0].reason.startswith(
-            "The grip program has gone: it is unknown whether the command was executed"
+            "The HAL has gone: it is unknown whether the command was executed"
         )

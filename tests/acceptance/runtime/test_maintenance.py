@@ -80,7 +80,7 @@ def drive(tool: Tool, name: str, line: str) -> None:
 
 
 @pytest.mark.wall
-class TestUnit:
+class TestProgram:
     def test_the_end_of_the_lease_deactivates_and_is_seen(self, tool: Tool) -> None:
         drive(tool, "bottom_vacuum", BOTTOM)
         status = tool.until(lambda status: status.maintenance)

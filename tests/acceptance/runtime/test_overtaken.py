@@ -1,4 +1,4 @@
-"""A unit that the line arbiter took for dead, or that does not reach it: it claims nothing that it does not know."""
+"""A program that the line arbiter took for dead, or that does not reach it: it claims nothing that it does not know."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def overtake(tool: Tool) -> None:
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
 
 
-def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_finds(tool: Tool) -> None:
+def test_a_will_that_was_executed_ends_the_grip_and_the_program_adopts_what_it_finds(tool: Tool) -> None:
     tool.grip_to(2)
     overtake(tool)
     status = tool.until(lambda status: status.ee == State.STAND_BY)
@@ -44,12 +44,12 @@ def test_a_will_that_was_executed_ends_the_grip_and_the_unit_adopts_what_it_find
     assert tool.program.status.reason == ""
 
 
-def test_while_the_will_runs_the_unit_is_off_and_says_why(tool: Tool) -> None:
+def test_while_the_will_runs_the_program_is_off_and_says_why(tool: Tool) -> None:
     tool.grip_to(1)
-    tool.arbiter.error = LineBusyError("the last will of grip is being executed.")
+    tool.arbiter.error = LineBusyError("the last will of hal is being executed.")
     tool.program.arbiter_lost(ArbiterError("the lease ended."))
     status = tool.until(lambda status: status.ee == State.OFF and bool(status.alarm_texts))
-    assert "the last will of grip is being executed." in status.alarm_texts
+    assert "the last will of hal is being executed." in status.alarm_texts
     assert not tool.program.command("grip").accepted
     tool.arbiter.error = None
     overtake(tool)

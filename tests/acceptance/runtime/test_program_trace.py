@@ -1,4 +1,4 @@
-"""The trace of a unit in real time: its lines, its arbiter, and the same decisions in replay."""
+"""The trace of the program in real time: its lines, its arbiter, and the same decisions in replay."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError
 from end_effector_hal.recording import RecordingLimits
-from end_effector_hal.runtime import GripProgram
+from end_effector_hal.runtime import Program
 from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.verification.replay import load_trace, review, traces_of
 from end_effector_hal.vocabulary import EndEffectorState as State
@@ -20,11 +20,9 @@ from tests.unit.verification.replay.conftest import edited, numbers
 pytestmark = pytest.mark.wall
 
 
-def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
+def test_a_program_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
-    tool.program = GripProgram(
-        description, tool.arbiter, tool.told.append, open_recorder(tmp_path, description, "grip")
-    )
+    tool.program = Program(description, tool.arbiter, tool.told.append, open_recorder(tmp_path, description))
     tool.program.start()
     tool.grip_to(2)
     tool.arbiter.active = dict.fromkeys(LINES, OFF)  # the line arbiter took it for dead
@@ -42,14 +40,12 @@ def test_a_unit_leaves_a_trace_of_what_it_heard_and_did(tmp_path: Path) -> None:
     assert tool.program.command("drop").accepted
     tool.confirmed = dict.fromkeys(LINES, OFF)
     tool.until(lambda status: status.ee == State.STAND_BY)
-    tool.program.update_peer(unlock_valve=0)
     tool.program.close()
-    trace = load_trace(tmp_path / "grip.mcap")
+    trace = load_trace(tmp_path / "hal.mcap")
     found = review(trace)
     assert found.ok, found.as_json()
     assert trace.file.complete
     assert len(numbers(trace, "start")) == 2
-    assert len(numbers(trace, "tell")) == 1
     assert {content["there"] for n in numbers(trace, "arbiter") if (content := trace.content(n))} == {
         False,
         True,
@@ -76,11 +72,11 @@ def invert(content: dict[str, Any]) -> None:
     content["levels"] = {line: not level for line, level in content["levels"].items()}
 
 
-def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:
+def test_a_program_begins_segments_while_it_works(tmp_path: Path) -> None:
     tool, description = Tool(), load(profile_path())
     limits = RecordingLimits(30_000, 100_000_000)
-    recorder = open_recorder(tmp_path, description, "grip", limits=limits)
-    tool.program = GripProgram(description, tool.arbiter, tool.told.append, recorder)
+    recorder = open_recorder(tmp_path, description, limits=limits)
+    tool.program = Program(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
@@ -102,10 +98,10 @@ def test_a_unit_begins_segments_while_it_works(tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     tool, description = Tool(), load(profile_path())
-    recorder = open_recorder(tmp_path / "file", description, "grip")
-    tool.program = GripProgram(description, tool.arbiter, tool.told.append, recorder)
+    recorder = open_recorder(tmp_path / "file", description)
+    tool.program = Program(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
-    alarm = f"The trace is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
+    alarm = f"The trace of hal is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
     tool.until(lambda status: alarm in status.alarm_texts)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON

@@ -15,7 +15,7 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.arbiter.records import FileStorage, Journal
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import ChangerProgram, Program, open_program
+from end_effector_hal.runtime import Program, open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 from end_effector_hal.wires import now_us
@@ -70,7 +70,7 @@ def faults(world: World) -> set[str]:
 
 
 def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: World) -> None:
-    first = open_program(ChangerProgram, world.description)
+    first = open_program(world.description)
     first.start()
     fed(first, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
     assert not faults(world)
@@ -79,15 +79,13 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     assert faults(world) == {"sensor_fault"}
     first.close()
 
-    second = open_program(ChangerProgram, world.description)
+    second = open_program(world.description)
     second.start()
     status = fed(second, lambda status: status.changer != ChangerState.UNKNOWN, unlocked=False)
     assert (status.changer, status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
     fed(second, lambda status: "sensor fault" in " ".join(status.alarm_texts), unlocked=False)
     with ArbiterClient(world.socket, "reset") as arbiter:
-        assert arbiter.reset() == {
-            "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."
-        }
+        assert arbiter.reset() == {"sensor_fault": "hal has latched sensor_fault, and has not been reset."}
     assert faults(world) == {"sensor_fault"}
     assert second.command("reset").accepted
     assert not faults(world), "the program has cleared it before it answers"
@@ -95,7 +93,7 @@ def test_a_sensor_fault_is_there_again_after_a_restart_until_a_reset(world: Worl
     assert not faults(world)
     second.close()
 
-    third = open_program(ChangerProgram, world.description)
+    third = open_program(world.description)
     third.start()
     fed(third, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
     third.close()
@@ -116,16 +114,14 @@ def test_a_fault_that_a_slow_disk_gives_back_late_is_there_until_its_program_is_
     arbiter = subprocess.Popen([sys.executable, "-c", SLOW_DISK, *map(str, given)])
     try:
         wait_until("its socket", world.socket.exists)
-        program = open_program(ChangerProgram, world.description)
+        program = open_program(world.description)
         program.start()
         fed(program, lambda status: status.changer == ChangerState.LOCKED, unlocked=False)
         assert faults(world) == {"journal"}
         answers.touch()
         wait_until("the fault", lambda: "sensor_fault" in faults(world))
         with ArbiterClient(world.socket, "reset") as client:
-            assert client.reset() == {
-                "sensor_fault": "tool_change has latched sensor_fault, and has not been reset."
-            }
+            assert client.reset() == {"sensor_fault": "hal has latched sensor_fault, and has not been reset."}
         status = fed(program, lambda status: status.changer == ChangerState.FAULT, unlocked=False)
         assert status.changer_fault == ChangerFault.SENSOR
         assert program.command("reset").accepted
