@@ -8,14 +8,14 @@ import sys
 import time
 from itertools import pairwise
 
-from end_effector_hal.arbiter import ArbiterClient, PredicateSender, program_lines
+from end_effector_hal.arbiter import HAL, ArbiterClient, PredicateSender
 from end_effector_hal.description import load
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 
 CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-arbiter"
-BOTTOM, CYLINDER, TOP = program_lines(load("/etc/eehal/end_effector.yaml"), "grip")
+BOTTOM, CYLINDER, TOP = [part.line for _, part in load("/etc/eehal/end_effector.yaml").ordered]
 WILL = [(TOP, False, 0), (CYLINDER, False, 600_000), (BOTTOM, False, 1_200_000)]
 ACTIVE = dict.fromkeys((BOTTOM, CYLINDER, TOP), True)
 
@@ -57,7 +57,7 @@ def engage(client, will):
 def replaced(signal_name):
     """What the death or the standstill of the arbiter does while lines are active."""
     pid = int(shown("MainPID"))
-    with ArbiterClient(SOCKET, "grip", ACTIVE) as client:
+    with ArbiterClient(SOCKET, HAL, ACTIVE) as client:
         engage(client, ())
         subprocess.run(["systemctl", "kill", "-s", signal_name, UNIT], check=True)
         seconds = serves(other_than=pid)
@@ -72,7 +72,7 @@ def replaced(signal_name):
 
 def die():
     """A client that leaves a will that takes 1.2 s, and dies."""
-    client = ArbiterClient(SOCKET, "grip", ACTIVE)
+    client = ArbiterClient(SOCKET, HAL, ACTIVE)
     engage(client, WILL)
     os._exit(0)
 

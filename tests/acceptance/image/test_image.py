@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import output_lines, program_lines
+from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import VirtualChip
 from end_effector_lab.processes import Child
@@ -102,7 +102,7 @@ def edges(bench: Path) -> list[tuple[str, bool]]:
     return written[len(output_lines(TOOL)) :]
 
 
-GRIPPING = program_lines(TOOL, "grip")
+GRIPPING = [part.line for _, part in TOOL.ordered]
 ONE_GRIP_AND_DROP = [*((line, True) for line in GRIPPING), *((line, False) for line in reversed(GRIPPING))]
 
 
