@@ -327,15 +327,12 @@ def _(rig: Rig) -> str:
 
 @cell("IL-11", "action", r"^0 activations after a restart$")
 def _(rig: Rig) -> str:
-    from end_effector_hal.runtime import open_program
-
     rig.gripped()
     rig.odd |= {"bottom": 0, "top": 0}
     rig.until(lambda: rig.hal.status.ee == State.GRIP_ERROR)
     before = rig.arbiter.levels()
     rig.hal.close()
-    rig.hal = open_program(rig.description)
-    rig.hal.start()
+    rig.start()
     rig.until(lambda: rig.hal.status.ee != State.OFF)
     rig.hal.close()
     after = rig.arbiter.levels()

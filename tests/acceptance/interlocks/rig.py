@@ -77,10 +77,9 @@ class Rig:
         self.predicates = PredicatePublisher(self.description)
         self._stack.callback(self.predicates.close)
         if self.program:
-            self.hal = open_program(self.description)
+            self.start()
             self._goals = GoalRunner(self.hal, lambda: self.hal.status)
-            self.hal.start()
-            self._stack.callback(self.hal.close)
+            self._stack.callback(lambda: self.hal.close())
         feeding = threading.Thread(target=self._feed)
         feeding.start()
         self._stack.callback(feeding.join)
@@ -93,6 +92,11 @@ class Rig:
             self.until(lambda: self.hal.status.ee == State.STAND_BY)
             self.until(lambda: self.hal.status.changer == ChangerState.LOCKED)
         return self
+
+    def start(self) -> None:
+        """Start the program, which tells the arbiter what its sensors prove."""
+        self.hal = open_program(self.description, publisher=self.predicates)
+        self.hal.start()
 
     def __exit__(self, *_: object) -> None:
         self.silent = False
@@ -145,9 +149,7 @@ class Rig:
             seq = self._frames = self._frames + 1
             if not self.silent:
                 frame = Frame(now_us(), seq, seq * 20, self._values())
-                self.predicates.frame(frame)
-                if self.program:
-                    self.hal.frame(frame)
+                (self.hal if self.program else self.predicates).frame(frame)
 
     def _values(self) -> dict[str, int | bool | None]:
         on = self.arbiter.levels()

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -176,27 +175,24 @@ def test_the_death_of_the_program_releases_what_is_declared_and_no_more(tmp_path
 def test_no_status_is_told_after_the_one_that_follows_it(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The tool changer moves while the gripping goes on, in another thread."""
+    """An alarm about a listener is told while the program goes on, in another thread."""
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         told: list[int] = []
-        merged, reads, goes_on = tool._merged, threading.Event(), threading.Event()
+        completed, reads, goes_on = tool._with_notices, threading.Event(), threading.Event()
 
-        def slowly(*given: Any) -> Status:
-            state = merged(*given)
+        def slowly(status: Status) -> Status:
             if threading.current_thread().name == "late":
                 reads.set()
                 goes_on.wait(0.5)
-            return state
+            return completed(status)
 
-        monkeypatch.setattr(tool, "_merged", slowly)
+        monkeypatch.setattr(tool, "_with_notices", slowly)
         tool.subscribe(lambda status: told.append(status.ee))
-        late = threading.Thread(name="late", target=tool._changer_moved, args=(tool._change.status,))
+        late = threading.Thread(name="late", target=tool._audience_changed)
         late.start()
         assert reads.wait(PATIENCE_S)
-        newer = replace(tool._grip.status, ee=EndEffectorState.GRIPPED)
-        tool._grip._latest.publish(newer)
-        tool._gripper_moved(newer)
+        tool._moved(replace(tool.status, ee=EndEffectorState.GRIPPED))
         goes_on.set()
         late.join()
         wait_until("both", lambda: len(told) >= 2)

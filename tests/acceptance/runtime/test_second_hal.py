@@ -53,7 +53,7 @@ def second(*arguments: object) -> str:
 
 def test_a_second_hal_is_told_who_writes_the_lines(world: World, running: subprocess.Popen[str]) -> None:
     said = second("run", world.description_path, "--script", "lock")
-    assert f"belongs to grip (pid {running.pid}, " in said
+    assert f"belongs to hal (pid {running.pid}, " in said
     assert "run" in said
     assert running.poll() is None
 

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from end_effector_hal.arbiter import ArbiterClient, PredicatePublisher
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.arbiter.client import PredicateSender
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.runtime import EndEffector
@@ -80,7 +81,7 @@ def test_whoever_writes_to_the_arbiter_is_refused_as_well(world: World) -> None:
 
 
 class Rhythm:
-    """How regularly frames come: where they do not, the programs rightly refuse to work."""
+    """How regularly frames come: where they do not, the program rightly refuses to work."""
 
     def __init__(self, tool: EndEffector) -> None:
         self._last_us, self.regular, self.breaks = now_us(), 0, 0
@@ -94,7 +95,7 @@ class Rhythm:
 
 
 def test_what_one_command_has_proven_the_next_may_rest_on_at_once(world: World) -> None:
-    """The arbiter knows of a frame before the program that decides by it, and so does the other program.
+    """The arbiter knows of a frame before the program decides by it.
 
     A machine that stands still makes frames late, and then a refusal is right: only rounds without such a break count.
     """
@@ -116,10 +117,8 @@ def test_why_the_arbiter_refused_stands_in_the_result(world: World, monkeypatch:
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("it", lambda: tool.lock().succeeded)
-        # frames go on to the programs, and nothing of them to the arbiter
-        monkeypatch.setattr(
-            PredicatePublisher, "frame", lambda _, frame, pass_on=lambda _: None: pass_on(frame)
-        )
+        # frames go on to the program, and nothing of them to the arbiter
+        monkeypatch.setattr(PredicateSender, "send", lambda *_: False)
         time.sleep(0.7)  # the claims expire, and IL-01 has its half second
         outcome = tool.unlock()
         assert not outcome.succeeded
