@@ -81,7 +81,8 @@ class PredicatePublisher:
         """Send the predicates after a frame if they have changed; never blocks.
 
         Args:
-            refused: the frame, if its stamp was refused: it proves nothing, but what objects in it counts.
+            refused: the frame, if its stamp was refused or the lines are not adopted: it proves nothing, but what
+                objects in it counts.
         """
         at = self._predicates.at
         if refused is not None:

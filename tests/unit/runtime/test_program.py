@@ -14,13 +14,13 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.arbiter import HAL, SENSOR_FAULT, client_lines
+from end_effector_hal.arbiter import HAL, SENSOR_FAULT, PredicatePublisher, client_lines
 from end_effector_hal.control import Answer, EventKind, Status, ToolEvent
 from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.control.goals import Outcome, judge
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ArbiterError, LineRefusedError
-from end_effector_hal.runtime import Program
+from end_effector_hal.runtime import InlineWorker, Program
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
 from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
@@ -566,6 +566,30 @@ def test_an_open_e_stop_refuses_a_grip_at_once_until_a_reset_and_cancels_nothing
     tool.program.faults_changed({"e_stop_closed": opened})
     tool.idle()
     assert tool.program.status.ee is EndEffectorState.GRIPPING, "only the next activation is refused"
+
+
+def test_an_e_stop_that_opens_before_the_lines_are_adopted_is_told_to_the_line_arbiter() -> None:
+    """The line arbiter latches it; what the sensors prove is told of adopted lines only."""
+    description, now = load(profile_path()).model_copy(update={"e_stop": EStop()}), 0
+    told: list[tuple[int, Mapping[str, bool]]] = []
+
+    class Sender:
+        def send(self, predicates: Mapping[str, bool], at_us: int) -> bool:
+            told.append((at_us, predicates))
+            return True
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    lines = Lines(description)
+    lines.away = True
+    publisher = PredicatePublisher(description, lambda: now, Sender(), own=False)
+    program = Program(description, lines, clock=lambda: now, publisher=publisher, worker=InlineWorker)
+    program.begin()
+    for closed in (True, False, True):
+        now += PERIOD
+        program.frame(Frame(now, None, None, {**QUIET, "estop_ok": closed}))
+    assert told == [(2 * PERIOD, {"e_stop_closed": False})]
 
 
 @pytest.mark.parametrize(

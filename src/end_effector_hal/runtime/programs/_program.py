@@ -194,7 +194,7 @@ class Program:
 
     def frame(self, frame: Frame) -> None:
         """Submit a frame of the link; return at once."""
-        self._worker.submit(lambda: self._frame(frame) if self._adoption.begun else None)
+        self._worker.submit(lambda: self._frame(frame))
 
     def pass_over(self, frame: Frame) -> None:
         """Process a frame that is known to leave the evidence unchanged; for virtual time."""
@@ -430,6 +430,10 @@ class Program:
 
     def _frame(self, frame: Frame) -> FollowUp | None:
         controller, publisher = self._adoption.controller, self._publisher
+        if not self._adoption.begun:
+            if publisher is not None:
+                publisher.publish(frame)  # nothing is proven yet, but what objects is latched
+            return None
         refused = controller.senses.refused
         statuses = controller.frame(frame, self._clock())
         if publisher is None:
