@@ -23,7 +23,7 @@ ENDING = {
     "model check {model}": 0, "reload {tool}": 3, "reset {tool}": 0, "run {tool}": 0, "run {tool} --script status": 0,
     "stop {tool}": 0, "testbench --list": 0, "verify --model {model}": 4,
 }  # fmt: skip
-"""Commands that end by themselves, with their exit code; doctor and reload miss the programs of the tool."""
+"""Commands that end by themselves, with their exit code; doctor and reload miss the program of the tool."""
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ def steps(log: StatesLog) -> list[tuple[States, float]]:
     """Each state (end-effector, then actuators) with how long it stood, from the first grip to its end.
 
     What is before depends on when the tool had adopted; the last state stands until the recording is closed. The
-    command column is left out: two programs write it, and which of two rows of one moment comes first is chance.
+    command column is left out.
     """
     rows = [(row.time_s, (int(row.end_effector), *row.actuators)) for row in log.rows]
     begin = next((i for i, (_, state) in enumerate(rows) if state[0] == EndEffectorState.GRIPPING), None)

@@ -8,15 +8,13 @@ from random import Random
 from end_effector_hal.description import Description
 from end_effector_lab.matrix import Cell, Moment, cells_of, moments
 
-COMMANDS = {"none", "cancel", "drop", "lock", "unlock", "kill hal", "kill arbiter", "kill both"}
-"""The HAL is one process here: none of its programs dies alone."""
 BETWEEN = ", between"
 
 
 def playable(description: Description) -> list[tuple[Cell, Moment | None]]:
     """The cells whose moment lies far from any event, each with the event before it; None: it is at rest.
 
-    No process meets a moment to the millisecond.
+    No process meets a moment to the millisecond, and none is restarted at once.
 
     Raises:
         UsageError: the tool does not grip without a fault.
@@ -26,7 +24,7 @@ def playable(description: Description) -> list[tuple[Cell, Moment | None]]:
     return [
         (cell, events.get(cell.moment.name.removesuffix(BETWEEN)))
         for cell in cells_of(description, when)
-        if cell.words in COMMANDS and (cell.moment is when[0] or cell.moment.name.endswith(BETWEEN))
+        if not cell.at_once and (cell.moment is when[0] or cell.moment.name.endswith(BETWEEN))
     ]
 
 

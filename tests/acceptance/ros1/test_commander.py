@@ -77,10 +77,10 @@ def test_an_answer_that_the_program_did_not_give_in_time_is_none(commander: Any)
     from end_effector_msgs.srv import HalCommandResponse
 
     assert not HalCommandResponse().decided
-    Proxy.answers = [HalCommandResponse(reason="The grip program does not answer.")]
+    Proxy.answers = [HalCommandResponse(reason="The HAL does not answer.")]
     reply = commander.ask(2)
     assert (reply.accepted, reply.decided) == (False, False)
-    assert reply.reason == "The grip program does not answer."
+    assert reply.reason == "The HAL does not answer."
     assert len(Proxy.calls) == 1
 
 

@@ -101,7 +101,7 @@ def test_a_folder_that_cannot_be_written_is_an_alarm_and_the_tool_works(tmp_path
     recorder = open_recorder(tmp_path / "file", description)
     tool.program = Program(description, tool.arbiter, tool.told.append, recorder)
     tool.program.start()
-    alarm = f"The trace of hal is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
+    alarm = f"The trace is not recorded: {tmp_path}/file: This is not a folder. ({tmp_path}/file)."
     tool.until(lambda status: alarm in status.alarm_texts)
     tool.grip_to(2)
     tool.confirmed[TOP] = ON
