@@ -171,7 +171,7 @@ def test_what_fills_while_gripping_and_while_gripped_drops_nothing_and_ends_noth
     disk.free()
 
     # what was recorded is there, and says what is not
-    traces = [load_trace(path) for path in traces_of(run.folder) if path.name.startswith("grip")]
+    traces = [load_trace(path) for path in traces_of(run.folder) if path.name.startswith("hal")]
     assert [trace.header.segment for trace in traces] == [1, 2]
     assert [trace.file.complete for trace in traces] == [False, False]
     assert traces[1].header.gap is not None
