@@ -31,16 +31,21 @@ _COMMANDS = {
     "model": "show, play, export and check the automata",
     "arbiter": "own the output lines of a tool and serve them on a socket",
     "page": "a tool in a browser: live, or as it was recorded",
+    "do": "give commands to a tool that runs, from any terminal",
     "reload": "check a changed description, and whether what runs may take it over",
     "reset": "clear what the line arbiter of a tool has latched",
     "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
     "run": "one tool in this terminal, without ROS",
+    "serve": "run a tool as a service, without ROS and without a prompt",
+    "status": "the state of a tool that runs",
     "stop": "latch a stop: nothing is activated until a reset; no safety function",
     "schema": "the JSON Schema of a description, for editors",
     "verify": "prove what the automata promise, or show a counterexample",
 }
 _AUDIENCES = {
-    "To run a tool and look at it (operators)": ("run", "stop", "reset", "reload", "page", "arbiter", "doctor"),
+    "To run a tool and look at it (operators)": (
+        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "arbiter", "doctor",
+    ),
     "To describe a tool and connect it (integrators)": (
         "init", "check", "schema", "listen", "tune", "testbench", "export", "completion",
     ),
@@ -56,7 +61,7 @@ _WORKSHOP = (
 _OTHERS = "Added by other distributions"
 _OTHER_NAMES = {
     "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
-    "simulate": "model simulate", "diff": "compare", "watch": "listen", "serve": "page",
+    "simulate": "model simulate", "diff": "compare", "watch": "listen",
 }  # fmt: skip
 """Names that other programs use for a command, for the hint "Did you mean"."""
 _LINUX = ("fcntl", "grp", "inotify_simple", "pwd", "termios", "tty")
@@ -70,6 +75,7 @@ _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _ROOMS = {
     **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
     **dict.fromkeys(("page", "replay"), "recorded"),
+    **dict.fromkeys(("do", "serve", "status"), "run"),
     **{name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")},
 }
 """Commands whose module is in a subfolder, and the name of that folder."""

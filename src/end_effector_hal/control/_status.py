@@ -36,7 +36,7 @@ class Answer:
     Attributes:
         decided: False if no answer came in time, so that the command may still be executed; or if the line arbiter is
             lost, and the command is not executed.
-        count: number of the first status that is certain to follow the acceptance, where statuses are numbered.
+        count: number of the first published status that is certain to follow the acceptance.
     """
 
     accepted: bool
@@ -95,6 +95,10 @@ class Status:
     steps: tuple[StepReport, ...] = ()
     events: tuple[ToolEvent, ...] = ()
     """Events between the previous status and this one, in order."""
+    begun: int = 0
+    """Time at which its program began; 0: no program has published it."""
+    count: int = 0
+    """Number of this status since then; statuses that differ only in an alarm about a listener have the same."""
 
     @property
     def arbiter_lost(self) -> bool:
@@ -121,5 +125,5 @@ def unknown_now(status: Status) -> Status:
     return replace(
         status, ee=EndEffectorState.OFF, command=Command.NONE, evidence=(Evidence.UNKNOWN,) * len(status.evidence),
         step=-1, deadline=None, lift_allowed=False, secure=False, maintenance=False, link_up=False,
-        changer=ChangerState.UNKNOWN, events=(),
+        changer=ChangerState.UNKNOWN, events=(), count=0,
     )  # fmt: skip

@@ -48,16 +48,16 @@ class ToolLink:
         self.run = self._client.run
         """Follow the HAL until cancelled."""
 
-    async def command(self, word: str, actuator: str = "") -> Answer:
+    async def command(self, word: str, name: str = "") -> Answer:
         """Request a command of `WORDS`, or ``stop``; always return an answer."""
         if word == "stop":
             return await self._at_the_arbiter("stop", partial(stop, self._description))
         if word == "reset":
             return await self._reset()
-        return await self._ask(word, actuator)
+        return await self._ask(word, name)
 
-    async def _ask(self, word: str, actuator: str = "") -> Answer:
-        return Answer(*await self._client.request(command=word, actuator=actuator))
+    async def _ask(self, word: str, name: str = "") -> Answer:
+        return Answer(*await self._client.request(command=word, name=name))
 
     async def _reset(self) -> Answer:
         """Reset the tool changer, then the latched faults of the line arbiter, as `EndEffector.reset` does."""
@@ -68,9 +68,7 @@ class ToolLink:
         acknowledged = await self._ask("acknowledge")
         if not acknowledged.accepted:
             answers.append(acknowledged)
-        return await self._at_the_arbiter(
-            "reset", partial(reset, self._description, _Acknowledged(), *answers)
-        )
+        return await self._at_the_arbiter("reset", partial(reset, self._description, bool, *answers))
 
     async def _at_the_arbiter(self, word: str, ask: Callable[[], Answer]) -> Answer:
         """Send a command to the line arbiter; each word has its own thread: a stop never waits for a reset."""
@@ -86,13 +84,6 @@ class ToolLink:
                 return answer
         status = self._view.status()
         return Answer(False, status.changer_reason if status else "") if answer.accepted else answer
-
-
-class _Acknowledged:
-    """A stand-in for the program, which has been asked before."""
-
-    def acknowledge(self) -> None:
-        pass
 
 
 class TestbenchLink:

@@ -18,8 +18,8 @@ are in no recording: ``published`` (the status with the additions of the program
 without another record, while the program works). After a loss of records, ``header`` and a new ``state`` are sent
 again.
 
-A request has a ``command`` and, in maintenance, an ``actuator``. Only the automata accept or refuse a command; in
-maintenance the answer comes when the line is written, before a sensor shows anything.
+A request has a ``command`` and, where it concerns one actuator or one plain output, its ``name``. Only the automata
+accept or refuse a command; in maintenance the answer comes when the line is written, before a sensor shows anything.
 """
 
 from __future__ import annotations
@@ -58,6 +58,10 @@ RELOAD_WORDS = (RELOAD, GO_ON)
 """``reload`` checks whether the program can adopt the current description file; if it can, nothing is activated for
 30 s, or until ``go-on``.
 """
+SWITCH_WORDS = ("switch-on", "switch-off")
+"""Commands for one plain output."""
+PUBLISHED = "published"
+"""Kind of the record of a published status."""
 OF_CHANGER = ("lock", "unlock", "arm", "reset")
 """Commands for the tool changer."""
 WORDS = ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS, *OF_CHANGER)
@@ -69,7 +73,7 @@ class ProgramCommand(RpcRequest):
     """One command of a client."""
 
     command: Annotated[str, Field(max_length=40)]
-    actuator: Annotated[str, Field(max_length=100)] = ""
+    name: Annotated[str, Field(max_length=100)] = ""
 
 
 def program_socket(description: Description) -> Path:
@@ -149,11 +153,15 @@ class RecordStream:
             return
         self._put_count += len(batch)
         self._batches.put((False, batch))
+        if self._server is not None and any(kind == PUBLISHED for kind, _, _ in batch):
+            self._server.wake()  # whoever gave a command waits for its statuses
 
     def begin(self, first: Sequence[Entry]) -> None:
         """Send the header and these records to the waiting clients; return at once."""
         self.wants_state, self._active = False, True
         self._batches.put((True, first))
+        if self._server is not None:
+            self._server.wake()
 
     def close(self) -> None:
         """Close all connections and remove the socket."""
@@ -203,4 +211,4 @@ class RecordStream:
         if message.command not in self._words:
             return Reply(False, f"There is no such command here; there are {', '.join(sorted(self._words))}.")
         answer = self._command(message)
-        return Reply(answer.accepted, answer.reason, answer.decided)
+        return Reply(answer.accepted, answer.reason, answer.decided, answer.count)

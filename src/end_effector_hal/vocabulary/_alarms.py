@@ -48,6 +48,10 @@ ALARMS: Mapping[str, AlarmText] = {
         "The line arbiter is lost: what is held and the outputs are the last known ones, "
         "and are not known now ({why})."
     ),
+    "hal.lost": _error(
+        "{why} What is held and the outputs are the last known ones; the line arbiter does with them what the "
+        "description declares."
+    ),
     STOPPED: _error("{interlock}: {why}"),
     E_STOPPED: _error("{interlock}: {why}"),
     "arbiter.fault": _error("{interlock}: {why}", "{text}"),

@@ -9,7 +9,8 @@ from typing import Any
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken
+from end_effector_hal.runtime.boundary import FrameTaken
+from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.signals import Frame, Kind
 from end_effector_hal.verification.replay import Entry

@@ -67,7 +67,7 @@ class Room:
         self.do(self.goals.answer(goal, answer, self.at))
 
     def see(self, count: int = 8, session: int = 5, **fields: Any) -> None:
-        self.do(self.goals.see(status(**fields), self.at, session=session, count=count))
+        self.do(self.goals.see(status(begun=session, count=count, **fields), self.at))
 
     def begun(self, command: Command = Command.GRIP, name: str = "a") -> Goal:
         goal = self.come(command, name)

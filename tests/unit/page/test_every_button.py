@@ -11,8 +11,9 @@ import pytest
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.page.view import ToolView
-from end_effector_hal.runtime.boundary import PUBLISHED, STATE, Published
+from end_effector_hal.runtime.boundary import STATE, Published
 from end_effector_hal.runtime.boundary._open import header_of
+from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState
 from tests.support.blown import blown
 from tests.support.declared import declared

@@ -20,8 +20,9 @@ from end_effector_hal.nodes.hal_main._aggregate import Margins
 from end_effector_hal.nodes.transport import AMBIENT_PA
 from end_effector_hal.page.view import STALE_US, ToolView
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.runtime.boundary import PUBLISHED, STREAMED, Published, RecordedController
+from end_effector_hal.runtime.boundary import STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of
+from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.signals import Frame
 from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm

@@ -16,11 +16,11 @@ from queue import Empty, SimpleQueue
 
 import click
 
-from end_effector_hal.control import Answer, ending_in_words
+from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.owned import open_owned
-from end_effector_hal.runtime import WORDS, EndEffector, Result, RunningGoal, ScriptCommand, read_command
+from end_effector_hal.runtime import WORDS, Result, RunningGoal, ScriptCommand, Tool, read_command
 from end_effector_hal.vocabulary import Command
 
 from ._voices import SCENARIO, Changes, Voice
@@ -89,7 +89,7 @@ class RunSession:
 
     def __init__(
         self,
-        tool: EndEffector,
+        tool: Tool,
         voice: Voice,
         changes: Changes,
         choose: Callable[[str], None],
@@ -133,7 +133,7 @@ class RunSession:
             if not self.reloads:
                 self._ending()
             status = self._tool.status
-            said = ending_in_words(self._tool.description, status, on="sigterm")
+            said = self._tool.ending()
             # else the end of the command says so
             if said and (status.command is Command.NONE or all(ended.is_set() for ended in self._running)):
                 self._voice.ending(said)

@@ -329,6 +329,15 @@ class Changes:
         self._shown: tuple[object, ...] = ()
         self._told = threading.Condition()
 
+    def begin(self, status: Status) -> None:
+        """Take this status as known: only what changes after it is reported."""
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        self._last = (
+            status.ee.label,
+            {name: kind_of(part).states(state).label for (name, part), state in states},
+        )
+        self._alarms = status.alarms
+
     def status(self, status: Status) -> None:
         """Report the changes in a new status."""
         if self._causes is not None and isinstance(self._voice, JsonLines):

@@ -94,7 +94,7 @@ class Goals(Generic[GoalT]):
         self._program = program
         self._undecided: list[GoalT] = []
         self._running: GoalT | None = None
-        self._newest: tuple[Status, int, int] | None = None
+        self._newest: Status | None = None
         self._closing = ""
 
     @property
@@ -117,7 +117,7 @@ class Goals(Generic[GoalT]):
         self._undecided.remove(goal)
         if not answer.accepted:
             newest = self._newest
-            if answer.decided and goal.is_target and newest and is_reached(goal.command, newest[0]):
+            if answer.decided and goal.is_target and newest and is_reached(goal.command, newest):
                 return [self._end(goal, Outcome.SUCCEEDED, REACHED, at), *self._decide(at)]
             outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
             return [*self._refuse(goal, outcome, answer.reason, at), *self._decide(at)]
@@ -130,16 +130,9 @@ class Goals(Generic[GoalT]):
         goal.cancelled = True
         return [(Effect.CANCEL, goal)] if goal is self._running and goal.command is Command.GRIP else []
 
-    def see(self, status: Status, at: int, *, session: int = 0, count: int = 0) -> list[GoalEffect[GoalT]]:
-        """Process a new status.
-
-        Args:
-            status: the status.
-            at: the time now, µs.
-            session: start of the program, µs; 0: the program starts only once.
-            count: number of the status since that start.
-        """
-        self._newest = status, session, count
+    def see(self, status: Status, at: int) -> list[GoalEffect[GoalT]]:
+        """Process a new status at the time ``at``, µs."""
+        self._newest = status
         return self._follow(at)
 
     def tick(self, at: int, *, gone: bool = False) -> list[GoalEffect[GoalT]]:
@@ -193,7 +186,7 @@ class Goals(Generic[GoalT]):
             else:
                 goal.phase, goal.asked_us = Phase.ASKED, at
                 if self._newest:
-                    goal.session = self._newest[1]
+                    goal.session = self._newest.begun
                 return [*effects, (Effect.ASK, goal)]
             self._undecided.remove(goal)
             effects.append(self._end(goal, *ending, at))
@@ -207,14 +200,13 @@ class Goals(Generic[GoalT]):
         return [self._end(each, outcome, reason, at) for each in alike]
 
     def _follow(self, at: int) -> list[GoalEffect[GoalT]]:
-        running = self._running
-        if running is None or self._newest is None:
+        running, status = self._running, self._newest
+        if running is None or status is None:
             return []
-        status, session, count = self._newest
-        if running.session not in (0, session):
+        if running.session not in (0, status.begun):
             why = f"{self._program} was started again: {_UNKNOWN}"
             return [self._end(running, Outcome.UNREACHABLE, why, at)]
-        if count < running.count:
+        if status.count < running.count:
             return []
         ends = [self._end(running, *judge(running.command, status), at)] if is_over(status) else []
         return [(Effect.REPORT_PROGRESS, running), *ends]

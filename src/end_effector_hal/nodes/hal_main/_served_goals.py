@@ -67,8 +67,8 @@ class ServedGoals:
 
     def on_status(self, status: StatusMessage) -> None:
         """Process a new status of the program, which may continue or end the running goal."""
-        seen, session, count = status_from_message(status), status.since_us, status.count
-        self._decide(lambda at: self._goals.see(seen, at, session=session, count=count))
+        seen = status_from_message(status)
+        self._decide(lambda at: self._goals.see(seen, at))
 
     def tick(self, *, gone: bool) -> None:
         """Send feedback with the time left, and end a goal if Grip is gone or does not answer; called periodically."""

@@ -77,6 +77,8 @@ def status_from_message(message: StatusMessage) -> Status:
         changer=ChangerState(message.tool_changer),
         changer_reason=message.changer_reason,
         alarms=received_alarms(message.alarms, message.alarm_ids),
+        begun=message.since_us,
+        count=message.count,
     )
 
 

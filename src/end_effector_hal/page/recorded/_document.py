@@ -13,7 +13,8 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.recording import product_version, run_info
-from end_effector_hal.runtime.boundary import PUBLISHED, Published
+from end_effector_hal.runtime.boundary import Published
+from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
 

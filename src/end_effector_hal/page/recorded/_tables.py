@@ -28,7 +28,8 @@ from end_effector_hal.recording import (
     read_states,
     read_switches,
 )
-from end_effector_hal.runtime.boundary import PUBLISHED, FrameTaken, Header, Published
+from end_effector_hal.runtime.boundary import FrameTaken, Header, Published
+from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.verification.replay import Entry
 from end_effector_hal.vocabulary import ACTIVE, PENDING, Alarm, Evidence
 

@@ -8,8 +8,8 @@ from typing import Any
 from end_effector_hal.control import Controller, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.runtime.boundary import INPUTS, PUBLISHED, STATE, Header, Published, feed
-from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
+from end_effector_hal.runtime.boundary import INPUTS, STATE, Header, Published, feed
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, PUBLISHED
 from timed_automata import Network
 
 

@@ -8,7 +8,6 @@ from ._records import (
     INPUTS,
     KINDS,
     OBSERVED,
-    PUBLISHED,
     STATE,
     STREAMED,
     FrameTaken,

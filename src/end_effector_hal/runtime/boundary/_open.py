@@ -12,7 +12,13 @@ from secrets import token_hex
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
-from end_effector_hal.runtime.stream import RELOAD_WORDS, WORDS, RecordStream, program_socket
+from end_effector_hal.runtime.stream import (
+    RELOAD_WORDS,
+    SWITCH_WORDS,
+    WORDS,
+    RecordStream,
+    program_socket,
+)
 from end_effector_hal.wires import now_us
 
 from ._recorder import Observer, Recorder
@@ -66,7 +72,8 @@ def open_stream(description: Description) -> RecordStream:
     """Return the stream of a program, which is not served yet."""
     first = header_of(description, now_us())
     path, beside = program_socket(description), socket_path(description)
-    return RecordStream(path, beside, lambda at: replace(first, at=at), (*WORDS, *RELOAD_WORDS))
+    words = (*WORDS, *SWITCH_WORDS, *RELOAD_WORDS)
+    return RecordStream(path, beside, lambda at: replace(first, at=at), words)
 
 
 def header_of(description: Description, at: int) -> Header:

@@ -10,13 +10,13 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.runtime.outputs import LineWriter
-from end_effector_hal.runtime.stream import Commander, Entry, RecordStream
+from end_effector_hal.runtime.stream import PUBLISHED, Commander, Entry, RecordStream
 from end_effector_hal.wires import now_us
 from timed_automata import Network
 
 from ._recorded_controller import AnyController, Put, RecordedController
 from ._recorded_lines import RecordedLines
-from ._records import PUBLISHED, STATE, Published
+from ._records import STATE, Published
 
 Observer = Callable[[str, int, object], None]
 """A function that is called with each record of a program: the kind, the time (µs), the content. It runs in the

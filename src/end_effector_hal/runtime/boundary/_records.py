@@ -12,6 +12,7 @@ from typing import Any
 
 from end_effector_hal.control import ControllerSnapshot, Status
 from end_effector_hal.recording import Gap
+from end_effector_hal.runtime.stream import PUBLISHED
 from timed_automata import Begun, Received, Step, Written
 
 
@@ -158,6 +159,5 @@ KINDS: Mapping[str, type] = {
     "lines": LinesWritten,
     "arbiter": ArbiterSeen,
 }
-PUBLISHED = "published"
 STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published}
 """Kinds of records in the stream of a program."""

@@ -36,6 +36,7 @@ from end_effector_hal.runtime.stream import (
     MAINTENANCE_WORDS,
     OF_CHANGER,
     RELOAD,
+    SWITCH_WORDS,
     TOO_LATE,
     WORDS,
     ProgramCommand,
@@ -79,6 +80,11 @@ CAME_LATE = (
     "A sensor fault of the tool changer was latched before the start, but the line arbiter read it from its disk "
     f"too late; {RESTARTED}"
 )
+
+
+def no_output(name: str, active: bool) -> Answer:
+    """Refuse to switch a plain output."""
+    return Answer(False, f"This HAL does not switch the plain output {name}.")
 
 
 class ToolLines(LineWriter, FaultKeeper, Protocol):
@@ -132,6 +138,7 @@ class Program:
         self._latched = LatchedFaults({})
         self._still_until = 0
         self._why, self._ending = "", "sigterm"
+        self._begun_at, self._count = clock(), 0
         self._shown_notices: tuple[Alarm, ...] = ()
         self._waits = worker is SerialWorker
         self._fault = SensorFault(lines)
@@ -143,8 +150,13 @@ class Program:
         recorder.attend(self._look_around)
         self._thread = threading.Thread(target=self._run, name="program", daemon=True)
 
-    def start(self) -> None:
-        """Start the thread: read the lines, read the sensors, adopt."""
+    def start(self, switch: Callable[[str, bool], Answer] = no_output) -> None:
+        """Start the thread: read the lines, read the sensors, adopt.
+
+        Args:
+            switch: switches a plain output for a client of the stream.
+        """
+        self._switch = switch
         self._thread.start()
         self._recorder.serve(self._asked, lambda: self.alive, self._look_around)
 
@@ -182,11 +194,6 @@ class Program:
     def status(self) -> Status:
         """The latest status."""
         return self._latest.status
-
-    @property
-    def latched_interlocks(self) -> tuple[str, ...]:
-        """Sentences about the faults that the line arbiter has latched for an interlock."""
-        return tuple(fault.text for fault in self._latched.alarms if "interlock" in fault.values)
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
@@ -407,7 +414,10 @@ class Program:
         self._worker.submit(lambda: self._reaction([]))
 
     def _asked(self, asked: ProgramCommand) -> Answer:
-        """Execute a command of a client of the stream."""
+        """Execute a command of a client of the stream, and tell which status follows it."""
+        return replace(self._execute(asked), count=self._count)
+
+    def _execute(self, asked: ProgramCommand) -> Answer:
         if asked.command == "acknowledge":
             self.acknowledge()
             return Answer(True)
@@ -418,13 +428,15 @@ class Program:
             return answer
         if asked.command == GO_ON:
             return self.stand_still(0)
+        if asked.command in SWITCH_WORDS:
+            return self._switch(asked.name, asked.command == SWITCH_WORDS[0])
         if asked.command not in MAINTENANCE_WORDS:
             return self.command(asked.command, asked.until_us)
-        if asked.actuator not in self._description.actuators:
+        if asked.name not in self._description.actuators:
             there = ", ".join(self._description.sequence)
-            return Answer(False, f"There is no actuator called {asked.actuator!r}; there are {there}.")
+            return Answer(False, f"There is no actuator called {asked.name!r}; there are {there}.")
         # answered when the line is written: waiting for its sensor would delay the commands of other clients
-        return self._drive(asked.actuator, asked.until_us, active=asked.command == "activate")
+        return self._drive(asked.name, asked.until_us, active=asked.command == "activate")
 
     # Jobs: in whatever thread has the turn, and nothing here waits.
 
@@ -566,7 +578,8 @@ class Program:
             statuses = [self._adoption.now(self._clock())]
         for status in statuses:
             self._shown_notices = notices
-            completed = self._completed(status, notices)
+            self._count += 1
+            completed = replace(self._completed(status, notices), begun=self._begun_at, count=self._count)
             obstacles = {word: why for word in WORDS if (why := self._obstacle(word))}
             self._recorder.published(completed, obstacles)
             self._publish_one(completed)

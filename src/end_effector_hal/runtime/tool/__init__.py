@@ -1,7 +1,9 @@
-"""A whole end-effector in one process: its program, its sensors, goals, listeners, readiness, reset."""
+"""What every face talks to: `Tool`, which is an `EndEffector` in this process or a `RemoteTool` in another one."""
 
 from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
 from ._plain_outputs import PlainOutputs
 from ._ready import changer_is_sensed
+from ._remote_tool import RemoteTool
 from ._reset import latch_stop, reset, reset_tool, stop
+from ._tool import Tool

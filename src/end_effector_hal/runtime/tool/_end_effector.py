@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
-from end_effector_hal._closing import Closing
 from end_effector_hal.arbiter import PredicatePublisher
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import Answer, Status, ending_in_words
-from end_effector_hal.description import Description, did_you_mean
-from end_effector_hal.errors import NotReadyError, UsageError
+from end_effector_hal.control import Answer, ending_in_words
+from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import open_program
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import Alarm, Command, EndEffectorState, distinct
-from end_effector_hal.wires import now_us
+from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth
-from end_effector_hal.wires.sensors import SensorReader
+from end_effector_hal.wires.sensors import SensorHealth, SensorReader
 
-from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
-from ._listeners import Audience
 from ._plain_outputs import PlainOutputs
-from ._ready import is_ready, missing
-from ._reset import reset_tool, stop
+from ._remote_tool import RemoteTool
+from ._tool import Tool
 
 
-class EndEffector(Closing):
+class EndEffector(Tool):
     """A tool at work: its program, its sensors and its lines.
 
     The line arbiter (``eehal arbiter``) is a separate process and must run: it keeps a held part held if this process
-    crashes.
+    crashes. Other processes of this machine can talk to the tool meanwhile: see :meth:`connect`.
 
     Args:
         description: the tool.
@@ -59,14 +52,10 @@ class EndEffector(Closing):
         limits: RecordingLimits | None = None,
         observe: Observer | None = None,
     ) -> None:
-        self.description = description
-        self._audience = Audience(self._audience_changed)
-        self._told: tuple[Alarm, ...] = ()
-        self._lock = threading.Lock()
-        self._latest: Status | None = None
+        super().__init__(description)
         with ExitStack() as undo:
             self._predicates = PredicatePublisher(description)
-            self._program = open_program(
+            self._own = open_program(
                 description,
                 self._moved,
                 traces=traces,
@@ -74,10 +63,10 @@ class EndEffector(Closing):
                 publisher=self._predicates,
                 observe=observe,
             )
-            undo.callback(self._program.close)
+            undo.callback(self._own.close)
             self._outputs = PlainOutputs(description)
             undo.callback(self._outputs.close)
-            self._goals = GoalRunner(self._program, lambda: self.status)
+            self._follow(self._own)
             self._reader = SensorReader(description, self._frame_came, self._link_changed)
             undo.pop_all()
 
@@ -99,33 +88,38 @@ class EndEffector(Closing):
             raise
         return tool
 
+    @staticmethod
+    def connect(description: Description | str | Path, *, timeout_s: float = 5.0) -> RemoteTool:
+        """Connect to a tool that another process runs (``eehal serve``, ``eehal run``, ROS); see `RemoteTool`."""
+        return RemoteTool.connect(description, timeout_s=timeout_s)
+
     def start(self) -> None:
         """Start to read the sensors and adopt the lines; raises LinkBusyError or LineBusyError if another process
         does.
         """
         self._reader.start()
-        self._program.start()
+        self._own.start(self.set_output)
 
     def close(self, ending: str = "sigterm") -> None:
         """End: the line arbiter does what the description declares. Listeners get the waiting items, within 2 s.
 
         A running command ends UNREACHABLE; its reason contains what happens to the outputs.
         """
-        self._goals.close(ending_in_words(self.description, self.status, on=ending))
-        self._program.close(ending)
+        self._goals.close(self.ending(ending))
+        self._own.close(ending)
         self._outputs.close()
         self._reader.close()
         self._predicates.close()
         self._audience.close()
 
-    def __repr__(self) -> str:
-        state, changer = self.status.ee, self.status.changer
-        return f"<EndEffector {self.description.name}: {state.name}, changer {changer.name}>"
+    def ending(self, on: str = "sigterm") -> str:
+        """Return what the line arbiter does when this process ends now, in words; empty: nothing is active."""
+        return ending_in_words(self.description, self.status, on=on)
 
     @property
-    def status(self) -> Status:
-        """The latest status, with the alarms about its listeners."""
-        return self._with_notices(self._program.status)
+    def sensors(self) -> SensorHealth:
+        """State and counters of the sensor links and of the inputs of the board."""
+        return self._reader.health
 
     @property
     def link(self) -> LinkHealth | None:
@@ -135,85 +129,20 @@ class EndEffector(Closing):
     @property
     def links(self) -> Mapping[str, LinkHealth]:
         """State and counters of each sensor link, by its name; a single link without a name has an empty one."""
-        return self._reader.health.links
+        return self.sensors.links
 
     @property
     def inputs(self) -> InputsHealth | None:
         """State and counters of the inputs of the board; None: no channel uses one."""
-        return self._reader.health.inputs
+        return self.sensors.inputs
 
-    def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
-        """Call the listener with every status, in order, in a thread of its own.
+    @property
+    def outputs(self) -> Mapping[str, bool]:
+        """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
+        return self._outputs.levels
 
-        A listener that raises, or does not return within 2 s, causes an alarm of the tool; it is still called with the
-        next status, and the alarm ends when it works again and after a :meth:`reset`. Up to 1,000 statuses wait for a
-        slow listener; then the oldest are dropped.
-        """
-        self._audience.add(listener, name)
-
-    def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
-        """Call the listener with every frame, in order, in its own thread; the rules of :meth:`subscribe` apply."""
-        self._audience.add_for_frames(listener, name)
-
-    def wait_ready(self, timeout_s: float = 5.0) -> None:
-        """Wait until the tool has adopted its lines, and its sensors give no reason to refuse a command.
-
-        In STAND_BY every actuator is then proven to be gone, so that IL-07 does not refuse a grip; in other states the
-        evidence of every actuator is known. The lock of the tool changer (IL-05) and the supply (IL-06) are not waited
-        for.
-
-        Raises:
-            NotReadyError: the time is over, or the line arbiter has latched a fault that makes it refuse a grip in
-                STAND_BY (IL-13, a sensor fault); the error says what is missing. The tool keeps running: commands that
-                its sensors do not support are refused with a reason, and held parts stay held.
-        """
-
-        def latched(status: Status) -> str:
-            return (
-                " ".join(self._program.latched_interlocks) if status.ee == EndEffectorState.STAND_BY else ""
-            )
-
-        ready = self._program.wait(
-            lambda status: bool(latched(status)) or is_ready(self.description, status), timeout_s
-        )
-        if why := latched(self._program.status):
-            raise NotReadyError(
-                f"{self.description.name} is not ready: latched: {why}",
-                todo="Remove the cause, then `reset` at the prompt, or eehal reset DESCRIPTION.",
-            )
-        if not ready:
-            lacks = missing(self.description, self._program.status, self._reader.health)
-            raise NotReadyError(
-                f"{self.description.name} is not ready after {timeout_s:g} s: {'; '.join(lacks)}.",
-                todo="eehal doctor prints what is missing.",
-            )
-
-    def begin(self, command: Command) -> Refused | RunningGoal:
-        """Begin GRIP, RELEASE, LOCK or UNLOCK; return when it is accepted or refused, before it ends.
-
-        One command runs at a time. Raises UsageError for another command.
-        """
-        return self._goals.begin(command)
-
-    def grip(self) -> Result:
-        """Grip, and wait until the grip has ended."""
-        return self.begin(Command.GRIP).wait()
-
-    def drop(self) -> Result:
-        """Release the held part, and wait until the release is proven."""
-        return self.begin(Command.RELEASE).wait()
-
-    def lock(self) -> Result:
-        """Lock the tool changer, and wait for the proof."""
-        return self.begin(Command.LOCK).wait()
-
-    def unlock(self) -> Result:
-        """Unlock the tool changer, and wait for the proof."""
-        return self.begin(Command.UNLOCK).wait()
-
-    def cancel(self) -> Answer:
-        """Cancel a running grip; return when the cancel is accepted or refused."""
-        return self._program.command("cancel")
+    def _switch(self, name: str, active: bool) -> Answer:
+        return self._outputs.set(name, active)
 
     def stand_still(self) -> Answer:
         """Block activations for 30 s if the tool is at rest now: for a caller that will load another description.
@@ -221,80 +150,19 @@ class EndEffector(Closing):
         `runtime.reload_answer` returns whether the file can be adopted; then close this tool and open it again, or
         call `go_on`.
         """
-        return self._program.stand_still()
+        return self._own.stand_still()
 
     def go_on(self) -> None:
         """End the block of a `stand_still`."""
-        self._program.stand_still(0)
-
-    def stop(self) -> Answer:
-        """Latch a stop: nothing is activated until a :meth:`reset`, a running grip is cancelled, what is held stays.
-
-        It is no safety function; see `end_effector_hal.runtime.stop`.
-        """
-        return stop(self.description)
-
-    def reset(self) -> Answer:
-        """Clear latched faults and the alarms that are over; states that need a Drop stay."""
-        self._audience.acknowledge()
-        self._audience_changed()
-        return reset_tool(self.description, self._program)
-
-    def arm(self) -> Answer:
-        """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
-        return self._program.command("arm")
-
-    def set_actuator(self, name: str, active: bool) -> Answer:
-        """Drive one actuator in maintenance; raises UsageError for an unknown name."""
-        if name not in self.description.actuators:
-            raise self._unknown("actuator", name, self.description.sequence)
-        return self._program.set_actuator(name, active)
-
-    def set_output(self, name: str, active: bool) -> Answer:
-        """Switch a plain output; raises UsageError for an unknown name."""
-        if name not in self.description.outputs:
-            raise self._unknown("output", name, tuple(self.description.outputs))
-        return self._outputs.set(name, active)
-
-    @property
-    def outputs(self) -> Mapping[str, bool]:
-        """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
-        return self._outputs.levels
-
-    def _unknown(self, what: str, name: str, names: Sequence[str]) -> UsageError:
-        hint = did_you_mean(name, names)
-        known = f"It has {', '.join(names)}." if names else "It has none."
-        todo = f"{hint[:1].upper()}{hint[1:]} {known}".lstrip()
-        return UsageError(f"{name!r} is no {what} of {self.description.name}.", todo=todo)
-
-    def _with_notices(self, status: Status) -> Status:
-        notices = self._audience.alarms
-        return replace(status, alarms=distinct((*notices, *status.alarms))) if notices else status
-
-    def _moved(self, status: Status) -> None:
-        with self._lock:
-            self._latest = status
-            self._publish(status)
-
-    def _publish(self, status: Status) -> None:
-        self._told = self._audience.alarms
-        self._audience.status(self._with_notices(status))
-
-    def _audience_changed(self) -> None:
-        with self._lock:
-            # the one that was published last: the program may be further, and tells what lies between in its order
-            status = self._latest or self._program.status
-            self._publish(replace(status, at=now_us(), events=()))
+        self._own.stand_still(0)
 
     def _frame_came(self, frame: Frame) -> None:
-        self._program.frame(frame)
-        self._audience.frame(frame)
-        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
-            self._audience_changed()
+        self._own.frame(frame)
+        super()._frame_came(frame)
 
     def _link_changed(self, _source: str, _health: object) -> None:
         links = self.links.items()
         texts = [(name and f"Link {name}: ") + each for name, link in links for each in link.faults]
         # a decoder gives its faults no other identity than their sentences
         faults = tuple([Alarm("link.fault", text, {"text": text}) for text in texts])
-        self._program.see_link_faults(faults)
+        self._own.see_link_faults(faults)

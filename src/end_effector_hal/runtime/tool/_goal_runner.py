@@ -57,7 +57,7 @@ class Refused(Result):
 
 
 class CommandedProgram(Protocol):
-    """A program that executes commands."""
+    """A program that executes commands, in this process or in another one."""
 
     @property
     def status(self) -> Status:
@@ -72,6 +72,12 @@ class CommandedProgram(Protocol):
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
+
+    def acknowledge(self) -> None:
+        """Acknowledge the alarms that are over."""
+
+    def set_actuator(self, name: str, active: bool) -> Answer:
+        """Drive one actuator in maintenance, and wait for the proof of its sensor."""
 
 
 class GoalRunner:
@@ -107,7 +113,12 @@ class GoalRunner:
 
     def wait(self, goal: RunningGoal, timeout_s: float | None) -> None:
         """Block until a goal is over, or until the time-out."""
-        self._program.wait(lambda status: goal.result is not None or is_over(status), timeout_s)
+
+        def is_news(status: Status) -> bool:
+            followed = status.begun == goal.session and status.count > 0
+            return not followed or (status.count >= goal.count and is_over(status))
+
+        self._program.wait(lambda status: goal.result is not None or is_news(status), timeout_s)
         with self._lock:
             self._look()
 

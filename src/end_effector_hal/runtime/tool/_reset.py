@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
 
 from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import reset_answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ArbiterError, WireError
-from end_effector_hal.runtime.programs import Program
 from end_effector_hal.vocabulary import E_STOPPED, STOPPED, ChangerState
+
+from ._goal_runner import CommandedProgram
 
 RESET_S = 5.0
 """Longest wait for a reset of the tool changer, s; longer than the proof of a lock takes, which the reset needs."""
@@ -25,25 +26,18 @@ STOP_LATCHED = (
 )
 
 
-class AcknowledgingProgram(Protocol):
-    """The method of the program that a reset calls."""
-
-    def acknowledge(self) -> None:
-        """Report that the alarms that are over were seen."""
-
-
-def reset(description: Description, program: AcknowledgingProgram, *others: Answer) -> Answer:
+def reset(description: Description, acknowledge: Callable[[], object], *others: Answer) -> Answer:
     """Clear the faults that the line arbiter has latched, and the alarms about a held part that are over.
 
     GRIP_ERROR and RELEASE_ERROR stay: they need a Drop. A fault whose cause persists also stays.
 
     Args:
         description: the tool.
-        program: its program.
+        acknowledge: tells its program that a person has seen the alarms that are over.
         others: the answers of earlier resets: of the tool changer, because the line arbiter stores its sensor fault
             until that has been reset.
     """
-    program.acknowledge()
+    acknowledge()
     try:
         with ArbiterClient(socket_path(description), "reset", patience_s=0) as arbiter:
             stays = arbiter.reset()
@@ -54,7 +48,7 @@ def reset(description: Description, program: AcknowledgingProgram, *others: Answ
     return reset_answer(others)
 
 
-def reset_tool(description: Description, program: Program) -> Answer:
+def reset_tool(description: Description, program: CommandedProgram) -> Answer:
     """Clear the fault of the tool changer, and all that `reset` clears; wait until the program knows it."""
     answers = []
     if program.status.changer_fault:
@@ -63,7 +57,7 @@ def reset_tool(description: Description, program: Program) -> Answer:
         status = program.status
         fault = Answer(not status.changer_fault, status.changer_reason)
         answers.append(fault if changer.accepted else changer)
-    answer = reset(description, program, *answers)
+    answer = reset(description, program.acknowledge, *answers)
     if answer.accepted:
         # the line arbiter tells the program with its next renewal: until then it would refuse a grip
         program.wait(lambda status: not status.alarm(STOPPED, E_STOPPED), RENEWED_S)

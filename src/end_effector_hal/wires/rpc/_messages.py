@@ -27,11 +27,17 @@ class RpcRequest:
 
 
 class Reply(NamedTuple):
-    """Whether a request was accepted, and why not; ``decided`` False: it may have been executed nevertheless."""
+    """Whether a request was accepted, and why not.
+
+    Attributes:
+        decided: False: it may have been executed nevertheless.
+        count: number of the first record that is certain to follow its execution, where records are numbered.
+    """
 
     accepted: bool
     reason: str = ""
     decided: bool = True
+    count: int = 0
 
 
 @cache
@@ -74,9 +80,8 @@ def read_answer(message: Mapping[str, Any]) -> tuple[int | None, Reply] | None:
     """Return number and content of an answer; None: it is a record. Raises KeyError for any other message."""
     if message["kind"] != "answer-to":
         return None
-    return message["id"], Reply(
-        message["accepted"] is True, str(message["reason"]), message["decided"] is True
-    )
+    accepted, decided = message["accepted"] is True, message["decided"] is True
+    return message["id"], Reply(accepted, str(message["reason"]), decided, int(message["count"]))
 
 
 def refuse_late(until_us: int) -> str:

@@ -1,0 +1,178 @@
+"""The program of a tool in another process, followed and commanded over its socket."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+from end_effector_hal.control import Answer, Status, unknown_now
+from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
+from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime.boundary import FrameTaken, Header, Published
+from end_effector_hal.runtime.programs import LatestStatus, proof
+from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, PUBLISHED, SWITCH_WORDS, program_socket
+from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import Alarm, ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.rpc.aio import ANSWER_S, AsyncClient
+
+SILENT_US = 1_200_000
+"""Silence after which the HAL is not heard any more; a HAL that works sends a sign of life every 0.4 s."""
+LOOK_S = 0.3
+FOLLOWS_S = 1.0
+"""Longest wait for the status that follows an answer, s."""
+_RECORDS = {"header": Header, "frame": FrameTaken, PUBLISHED: Published}
+
+
+class RemoteProgram:
+    """Gives commands to a program in another process, and has its statuses; thread-safe.
+
+    Args:
+        description: the tool; a HAL that runs another one is not followed.
+        on_status: called with each status.
+        on_frame: called with each frame that the program has processed.
+
+    Attributes:
+        why: why the HAL is not heard, a sentence; empty: it is.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        on_status: Callable[[Status], None],
+        on_frame: Callable[[Frame], None],
+    ) -> None:
+        self._description, self._hash = description, content_hash(description)
+        self._latest = LatestStatus(_nothing_known(description), on_status)
+        self._on_frame = on_frame
+        self._published: Status | None = None  # the latest status of the program itself
+        self._heard_at = 0
+        self.why = "Nothing was received from the HAL yet."
+        self._client = AsyncClient(program_socket(description), "The HAL", _RECORDS, self._take, self._lose)
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="HAL's records", daemon=True)
+
+    def start(self) -> None:
+        """Connect, and connect again whenever the HAL is back, until `close`."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the connection."""
+        self._latest.end()
+        with suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(self._end)
+        if self._thread is not threading.current_thread():
+            self._thread.join(2.0)
+
+    @property
+    def status(self) -> Status:
+        """The latest status; while the HAL is not heard, what is still known of it."""
+        return self._latest.status
+
+    @property
+    def alive(self) -> bool:
+        """Whether the HAL is heard."""
+        return not self.why
+
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
+        """Block until a status satisfies ``until``; return False on a time-out or after `close`."""
+        return self._latest.wait(until, timeout_s)
+
+    def command(self, name: str) -> Answer:
+        """Give the program a command by its channel, and return its decision."""
+        return self._ask(name)
+
+    def acknowledge(self) -> None:
+        """Acknowledge the alarms that are over."""
+        self._ask("acknowledge")
+
+    def set_actuator(self, name: str, active: bool) -> Answer:
+        """Drive one actuator in maintenance (IL-12); success requires sensor evidence."""
+        answer = self._ask(MAINTENANCE_WORDS[0 if active else 1], name)
+        return (
+            proof(self._latest, self._description, name, None, active=active) if answer.accepted else answer
+        )
+
+    def switch(self, name: str, active: bool) -> Answer:
+        """Switch a plain output."""
+        return self._ask(SWITCH_WORDS[0 if active else 1], name)
+
+    def _ask(self, command: str, name: str = "") -> Answer:
+        request = self._client.request(command=command, name=name)
+        try:
+            answer = Answer(*asyncio.run_coroutine_threadsafe(request, self._loop).result(ANSWER_S + 1.0))
+        except (TimeoutError, RuntimeError, asyncio.CancelledError):
+            request.close()
+            return Answer(False, "The HAL does not answer.", decided=False)
+        # as in one process: the first statuses are there before the answer
+        self._latest.wait(lambda status: not self.alive or status.count >= answer.count, FOLLOWS_S)
+        return answer
+
+    # From here on: in the thread of the records.
+
+    def _run(self) -> None:
+        self._following = self._loop.create_task(self._follow())
+        with suppress(asyncio.CancelledError):
+            self._loop.run_until_complete(self._following)
+        self._loop.close()
+
+    async def _follow(self) -> None:
+        records = self._loop.create_task(self._client.run())
+        try:
+            while True:
+                await asyncio.sleep(LOOK_S)
+                if not self.why and now_us() - self._heard_at > SILENT_US:
+                    self._lose("The HAL is silent.")
+        finally:
+            records.cancel()
+            with suppress(asyncio.CancelledError):
+                await records
+
+    def _end(self) -> None:
+        self._following.cancel()
+
+    def _take(self, kind: str, at: int, record: Header | FrameTaken | Published | None) -> None:
+        self._heard_at = now_us()
+        if isinstance(record, Header):
+            if record.hash != self._hash:
+                raise ReportedError(f"The HAL runs another description: {record.source} ({record.hash}).")
+            self._published = None
+        elif isinstance(record, Published):
+            fresh = self._published is not None
+            self._published = (
+                record.status if fresh else replace(record.status, events=())
+            )  # they were before
+            self._hear()
+        elif isinstance(record, FrameTaken):
+            self._on_frame(Frame(record.stamp, record.seq, record.device_ms, record.values))
+        if self.why and self._published is not None:
+            self._hear()
+
+    def _hear(self) -> None:
+        self.why = ""
+        if self._published is not None:
+            self._latest.publish(self._published)
+
+    def _lose(self, why: str) -> None:
+        if why == self.why:
+            return
+        self.why = why
+        alarm = Alarm("hal.lost", values={"why": why}, since=now_us())
+        self._latest.publish(replace(unknown_now(self._latest.status), at=now_us(), alarms=(alarm,)))
+
+
+def _nothing_known(description: Description) -> Status:
+    count = len(description.sequence)
+    return Status(
+        now_us(),
+        EndEffectorState.OFF,
+        Command.NONE,
+        actuators=(0,) * count,
+        outputs=(False,) * count,
+        evidence=(Evidence.UNKNOWN,) * count,
+        changer=ChangerState.UNKNOWN,
+    )

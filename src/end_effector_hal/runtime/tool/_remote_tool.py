@@ -1,0 +1,84 @@
+"""A tool that another process of this machine runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import Answer
+from end_effector_hal.description import Description, socket_path
+from end_effector_hal.errors import NotReadyError
+from end_effector_hal.vocabulary import Command
+from end_effector_hal.wires.sensors import SensorHealth
+
+from ._remote_program import RemoteProgram
+from ._tool import Tool
+
+
+class RemoteTool(Tool):
+    """A tool over the socket of the HAL that runs it; to close it changes nothing about the tool.
+
+    While the HAL is not heard, the state is OFF, the evidence UNKNOWN and an alarm says why; ``held`` and the outputs
+    are the last known ones. It connects again by itself when the HAL is back. The end of a command that runs meanwhile
+    is not seen: UNREACHABLE.
+
+    Args:
+        description: the tool; the HAL must run the same one.
+
+    Example:
+        >>> with EndEffector.connect("end_effector.yaml") as tool:  # doctest: +SKIP
+        ...     result = tool.grip()
+    """
+
+    def __init__(self, description: Description) -> None:
+        super().__init__(description)
+        self._remote = RemoteProgram(description, self._moved, self._frame_came)
+        self._follow(self._remote)
+        self._remote.start()
+
+    @classmethod
+    def connect(cls, description: Description | str | Path, *, timeout_s: float = 5.0) -> Self:
+        """Connect to the HAL of a tool and wait for its first status.
+
+        Raises:
+            DescriptionError: the description has a fault.
+            NotReadyError: no HAL runs this tool, or it does not answer within ``timeout_s``.
+        """
+        loaded = description if isinstance(description, Description) else load_tool(description)
+        tool = cls(loaded)
+        if not tool._program.wait(lambda status: bool(status.count), timeout_s):
+            why = tool._remote.why
+            tool.close()
+            raise NotReadyError(
+                f"{loaded.name} cannot be reached: {why}", todo=f"Start it: eehal serve {loaded.source}"
+            )
+        return tool
+
+    def close(self) -> None:
+        """End the connection; a command that runs goes on."""
+        self._goals.close(self.ending())
+        self._remote.close()
+        self._audience.close()
+
+    def ending(self, on: str = "sigterm") -> str:
+        """Return that a running command goes on; empty: none runs."""
+        command = self.status.command
+        return "" if command is Command.NONE else f"{command.label} goes on: the HAL executes it."
+
+    @property
+    def sensors(self) -> SensorHealth:
+        """Empty: the HAL alone knows the state of its links; its statuses contain what matters."""
+        return SensorHealth({}, None)
+
+    @property
+    def outputs(self) -> Mapping[str, bool]:
+        """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
+        with ArbiterClient(socket_path(self.description), "outputs", patience_s=0) as arbiter:
+            levels = arbiter.levels()
+        return {name: levels[each.line] for name, each in self.description.outputs.items()}
+
+    def _switch(self, name: str, active: bool) -> Answer:
+        return self._remote.switch(name, active)
