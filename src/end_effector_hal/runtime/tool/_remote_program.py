@@ -124,8 +124,12 @@ class RemoteProgram:
         records = self._loop.create_task(self._client.run())
         try:
             while True:
+                looked_at = now_us()
                 await asyncio.sleep(LOOK_S)
-                if not self.why and now_us() - self._heard_at > SILENT_US:
+                late = (
+                    now_us() - looked_at > 2e6 * LOOK_S
+                )  # this process did not run: records may wait to be read
+                if not self.why and not late and now_us() - self._heard_at > SILENT_US:
                     self._lose("The HAL is silent.")
         finally:
             records.cancel()

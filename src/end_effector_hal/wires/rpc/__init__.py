@@ -17,10 +17,10 @@ A client sends a *request* with a number, and gets an *answer* with that number.
 may execute it, in µs on the monotonic clock of the machine, because its sender stops waiting then::
 
     {"id": 7, "command": "grip", "until_us": 816000000}
-    {"kind": "answer-to", "id": 7, "accepted": true, "reason": "", "decided": true, "count": 12}
+    {"kind": "answer-to", "id": 7, "accepted": true, "reason": "", "decided": true, "record": 12}
 
 An answer with the id null belongs to no request: the line was not valid. ``decided`` is false if the request may have
-been executed although the answer does not say so. Where records are numbered, ``count`` is the number of the first one
+been executed although the answer does not say so. Where records are numbered, ``record`` is the number of the first one
 that is certain to follow the execution: answers and records may overtake each other. The line arbiter has requests and
 replies of its own (`end_effector_hal.arbiter.protocol`), since it answers every write in the order of priority and
 without a queue. The relay of a bus sends the answers of its devices in the form that their codec reads.

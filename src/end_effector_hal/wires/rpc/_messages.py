@@ -31,13 +31,13 @@ class Reply(NamedTuple):
 
     Attributes:
         decided: False: it may have been executed nevertheless.
-        count: number of the first record that is certain to follow its execution, where records are numbered.
+        record: number of the first record that is certain to follow its execution, where records are numbered.
     """
 
     accepted: bool
     reason: str = ""
     decided: bool = True
-    count: int = 0
+    record: int = 0
 
 
 @cache
@@ -81,7 +81,7 @@ def read_answer(message: Mapping[str, Any]) -> tuple[int | None, Reply] | None:
     if message["kind"] != "answer-to":
         return None
     accepted, decided = message["accepted"] is True, message["decided"] is True
-    return message["id"], Reply(accepted, str(message["reason"]), decided, int(message["count"]))
+    return message["id"], Reply(accepted, str(message["reason"]), decided, int(message["record"]))
 
 
 def refuse_late(until_us: int) -> str:

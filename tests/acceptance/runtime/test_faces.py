@@ -1,0 +1,217 @@
+"""Faces of a tool that another process runs: whichever of them dies, the tool goes on, and they find it again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.control import Status
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.description import load
+from end_effector_hal.errors import NotReadyError, UsageError
+from end_effector_hal.runtime import EndEffector, RemoteTool, RunningGoal
+from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, Evidence
+from end_effector_lab.demo._world import World
+from end_effector_lab.processes import EEHAL, Child
+from tests.support.patience import PATIENCE_S, wait_until
+
+pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
+
+TOOL = """
+schema: 2
+name: lit
+lines: {backend: gpiod}
+link: {port: /dev/ttyUSB0, codec: ees1-ascii}
+sequence: [cup, jaw]
+actuators:
+  cup: {kind: vacuum, line: CUP, channel: bottom}
+  jaw: {kind: vacuum, line: JAW, channel: top}
+outputs:
+  lamp: {line: LAMP}
+"""
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Iterator[World]:
+    path = tmp_path / "lit.yaml"
+    path.write_text(TOOL, encoding="utf-8")
+    with World(load(path), "nominal", tmp_path) as world:
+        yield world
+
+
+@pytest.fixture
+def hal(world: World) -> Child:
+    return serve(world)
+
+
+@pytest.fixture
+def face(world: World, hal: Child) -> Iterator[RemoteTool]:
+    assert hal.code is None
+    with EndEffector.connect(world.description_path, timeout_s=PATIENCE_S) as tool:
+        tool.wait_ready(PATIENCE_S)
+        yield tool
+
+
+def serve(world: World) -> Child:
+    command = [*EEHAL, "serve", str(world.description_path)]
+    return world.children.start("hal", command, log=world.folder / "hal.log")
+
+
+def reached(tool: RemoteTool, state: EndEffectorState) -> None:
+    wait_until(state.name, lambda: tool.status.ee == state)
+
+
+def test_a_face_sees_every_status_once_and_a_result_with_its_evidence(face: RemoteTool) -> None:
+    seen: list[Status] = []
+    frames: list[int] = []
+    face.subscribe(seen.append)
+    face.subscribe_frames(lambda frame: frames.append(frame.at))
+    result = face.grip()
+    assert result.succeeded, result
+    assert [step.confirmed for step in result.steps] == [True, True]
+    assert face.status.held
+    assert face.drop().succeeded
+    wait_until("the last status", lambda: bool(seen) and seen[-1].count == face.status.count)
+    counts = [each.count for each in seen]
+    assert counts == list(range(counts[0], counts[-1] + 1))
+    states = [each.ee.name for each in seen]
+    assert [now for now, before in zip(states, ["", *states], strict=False) if now != before] == [
+        "GRIPPING", "GRIPPED", "RELEASING", "STAND_BY",
+    ]  # fmt: skip
+    assert frames == sorted(set(frames))
+    assert frames
+
+
+def test_what_one_face_does_another_one_sees_and_is_refused(face: RemoteTool, world: World) -> None:
+    goal = face.begin(Command.GRIP)
+    assert isinstance(goal, RunningGoal)
+    with EndEffector.connect(world.description_path) as other:  # in the middle of a grip
+        assert other.status.ee is EndEffectorState.GRIPPING
+        refused = other.grip()
+        assert refused.outcome is Outcome.REJECTED
+        assert goal.wait(PATIENCE_S).succeeded
+        reached(other, EndEffectorState.GRIPPED)
+        assert other.drop().succeeded
+    reached(face, EndEffectorState.STAND_BY)
+
+
+def test_the_death_of_a_face_ends_no_grip(face: RemoteTool, world: World) -> None:
+    command = [*EEHAL, "do", str(world.description_path), "grip"]
+    with subprocess.Popen(command) as other:
+        reached(face, EndEffectorState.GRIPPING)
+        other.kill()
+    reached(face, EndEffectorState.GRIPPED)
+    assert face.status.held
+
+
+def test_a_face_whose_hal_dies_says_so_and_finds_the_next_one(
+    face: RemoteTool, world: World, hal: Child
+) -> None:
+    assert face.grip().succeeded
+    goal = face.begin(Command.RELEASE)
+    assert isinstance(goal, RunningGoal)
+    os.kill(hal.pid, signal.SIGKILL)
+    result = goal.wait(PATIENCE_S)
+    assert result.outcome is Outcome.UNREACHABLE
+    assert result.reason.startswith("The HAL has gone: it is unknown whether the command was executed.")
+    status = face.status
+    assert status.ee is EndEffectorState.OFF
+    assert set(status.evidence) == {Evidence.UNKNOWN}
+    assert status.changer is ChangerState.UNKNOWN
+    assert not status.lift_allowed
+    alarm = status.alarm("hal.lost")
+    assert alarm is not None
+    assert face.grip().outcome is Outcome.REJECTED
+    hal.wait_for_end(timeout_s=PATIENCE_S)
+    serve(world)
+    wait_until("the next HAL", lambda: face.status.ee is not EndEffectorState.OFF)
+    assert face.status.alarm("hal.lost") is None
+    assert face.drop().outcome in (Outcome.SUCCEEDED, Outcome.REJECTED)
+    reached(face, EndEffectorState.STAND_BY)
+
+
+def test_a_hal_that_is_stopped_is_silent_until_it_goes_on(face: RemoteTool, hal: Child) -> None:
+    assert face.grip().succeeded
+    os.kill(hal.pid, signal.SIGSTOP)
+    try:
+        wait_until("silence", lambda: face.status.alarm("hal.lost") is not None)
+        assert face.status.held  # as last known
+        assert not face.status.lift_allowed
+    finally:
+        os.kill(hal.pid, signal.SIGCONT)
+    wait_until("a sign of life", lambda: face.status.alarm("hal.lost") is None)
+
+
+def test_outputs_actuators_stop_and_reset_of_another_process(face: RemoteTool) -> None:
+    assert face.outputs == {"lamp": False}
+    assert face.set_output("lamp", True).accepted
+    assert face.outputs == {"lamp": True}
+    with pytest.raises(UsageError, match="is no output of lit"):
+        face.set_output("lmap", True)
+    moved = face.set_actuator("jaw", True)
+    assert moved.accepted, moved
+    assert moved.reason == "Jaw is active, proven by its sensor."
+    assert face.set_actuator("jaw", False).accepted
+    assert face.stop().accepted
+    wait_until("the stop", lambda: face.status.alarm("arbiter.stopped") is not None)
+    assert face.grip().outcome is Outcome.REJECTED
+    reset = face.reset()
+    assert reset.accepted, reset
+    assert face.grip().succeeded
+
+
+def test_without_a_hal_or_with_another_description(world: World, tmp_path: Path) -> None:
+    with pytest.raises(NotReadyError, match="lit cannot be reached: The HAL does not run") as none:
+        EndEffector.connect(world.description_path, timeout_s=0.5)
+    assert f"eehal serve {world.description_path}" in str(none.value)
+    serve(world)
+    with EndEffector.connect(world.description_path, timeout_s=PATIENCE_S):
+        pass
+    text = world.description_path.read_text(encoding="utf-8")
+    changed = world.description_path.with_name("changed.yaml")
+    changed.write_text(text.replace("sequence: [cup, jaw]", "sequence: [jaw, cup]"), encoding="utf-8")
+    assert changed.read_text(encoding="utf-8") != text
+    with pytest.raises(NotReadyError, match="The HAL runs another description"):
+        EndEffector.connect(changed, timeout_s=1.0)
+
+
+def test_the_end_of_the_service_does_what_the_description_declares(
+    face: RemoteTool, world: World, hal: Child
+) -> None:
+    assert face.grip().succeeded
+    os.kill(hal.pid, signal.SIGTERM)
+    assert hal.wait_for_end(timeout_s=PATIENCE_S) == 0
+    said = (world.folder / "hal.log").read_text(encoding="utf-8")
+    assert "GRIPPING -> GRIPPED" in said
+    assert said.splitlines()[-1].startswith("Cup")
+    wait_until("the end", lambda: face.status.alarm("hal.lost") is not None)
+
+
+def test_status_and_do_on_the_command_line(face: RemoteTool, world: World) -> None:
+    def eehal(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [*EEHAL, words[0], str(world.description_path), *words[1:]]
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
+
+    assert eehal("do", "grip").returncode == 0
+    shown = eehal("status")
+    assert shown.returncode == 0
+    assert shown.stdout.startswith("lit: GRIPPED; a part is held, lift allowed\n")
+    again = eehal("do", "grip")
+    assert again.returncode == 1
+    assert "refused: grip." in again.stdout
+    assert face.status.ee is EndEffectorState.GRIPPED
+    interrupted = subprocess.Popen(
+        [*EEHAL, "do", str(world.description_path), "drop; wait 60"], stdout=subprocess.PIPE, text=True
+    )
+    reached(face, EndEffectorState.STAND_BY)
+    time.sleep(0.5)
+    interrupted.send_signal(signal.SIGINT)
+    out, _ = interrupted.communicate(timeout=PATIENCE_S)
+    assert "RELEASE: succeeded" in out
+    assert "Traceback" not in out
