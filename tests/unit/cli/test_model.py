@@ -205,7 +205,7 @@ def test_each_template_is_drawn() -> None:
     names = [line.split(":")[0] for line in result.stdout.splitlines()]
     assert names == [
         "Gripper", "Actuator", "Changer", "Arming", "World", "Sensors", "Tool", "Observer", "Listener",
-        "Patience", "Commands", "Messages", "Arbiter", "Blower", "Wills",
+        "Patience", "Commands", "Arbiter", "UnlockLine", "Blower", "Wills",
     ]  # fmt: skip
     assert sorted(path.name for path in Path("drawings").iterdir()) == sorted(
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
