@@ -154,7 +154,7 @@ class RecordStream:
         self._put_count += len(batch)
         self._batches.put((False, batch))
         if self._server is not None and any(kind == PUBLISHED for kind, _, _ in batch):
-            self._server.wake()  # whoever gave a command waits for its statuses
+            self._server.wake()  # the client that gave a command waits for its statuses
 
     def begin(self, first: Sequence[Entry]) -> None:
         """Send the header and these records to the waiting clients; return at once."""
