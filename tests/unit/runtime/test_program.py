@@ -6,9 +6,10 @@ import sys
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
+from queue import Empty
 from types import FrameType
 from typing import Any
 
@@ -179,7 +180,8 @@ class Tool:
             wait_until("it waits", lambda: bool(self.worker._jobs) or not waits_us)
             self.at += waits_us
         while thread.is_alive():
-            self.worker._bell.get(timeout=10.0)
+            with suppress(Empty):  # its answer may have come, and the thread not have ended yet
+                self.worker._bell.get(timeout=0.1)
             self.worker.work()
             thread.join(0.01)
         self.idle()
