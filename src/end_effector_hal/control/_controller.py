@@ -64,6 +64,7 @@ class Controller:
         "_statuses": PART,
         "_levels": dict[str, int],
         "_sensor_fault": bool,
+        "_grip_error": bool,
         "_adopt_by": int | None,
         "_at": int,
     }
@@ -82,7 +83,7 @@ class Controller:
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
         self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
-        self._sensor_fault = False
+        self._sensor_fault = self._grip_error = False
         self._adopt_by: int | None = None
         self._at = 0
 
@@ -97,13 +98,19 @@ class Controller:
         due = (self._execution.deadline, self._senses.deadline(self._at), self._adopt_by)
         return min([time for time in due if time is not None], default=None)
 
-    def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
+    def start(
+        self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False, grip_error: bool = False
+    ) -> list[Status]:
         """Start with the levels of the lines as they were found; adoption follows once the sensors are read.
 
-        ``sensor_fault``: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
+        Args:
+            levels: levels by line; a line that nobody knows is missing.
+            at: time, µs.
+            sensor_fault: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
+            grip_error: GRIP_ERROR was latched before the program restarted by itself: what is active is not GRIPPED.
         """
-        self._at, self._sensor_fault = at, sensor_fault
-        self._statuses.found = dict(levels)
+        self._at, self._sensor_fault, self._grip_error = at, sensor_fault, grip_error
+        self._statuses.found, self._statuses.was_error = dict(levels), grip_error
         self._statuses.know({})
         down_us = self._senses.now.readings.down_us
         self._adopt_by = at + (max(FIRST_FRAME_US, down_us) if any(levels.values()) else down_us)
@@ -350,6 +357,7 @@ class Controller:
             locked = self._senses.now.tool in (ToolEvidence.LOCKED, ToolEvidence.ABSENT)
             adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
+        adopted["adopted_error"] = int(self._grip_error)
         self._execution.write(adopted)  # before the event: its receiver reads these levels
         return self._receive(Event("adopt"), at)
 

@@ -52,6 +52,7 @@ class StatusBuilder:
     Attributes:
         values: variables of the automata, by name.
         found: levels of the lines as they were found at the start.
+        was_error: whether GRIP_ERROR was latched before the start.
         adopted: whether the automata have received these levels.
         held: whether a part is held; outputs found active count as holding until they are adopted and judged.
     """
@@ -59,6 +60,7 @@ class StatusBuilder:
     MEMORY: ClassVar = {
         "values": dict[str, int],
         "found": dict[str, bool],
+        "was_error": bool,
         "adopted": bool,
         "held": bool,
         "_steps": PART,
@@ -105,6 +107,7 @@ class StatusBuilder:
             for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
         }
         self.found: Mapping[str, bool] = {}
+        self.was_error = False
         self.adopted = False
         self.held = False
         self._steps, self._events = StepLog(description.sequence), EventReader()
@@ -157,13 +160,15 @@ class StatusBuilder:
         if cause == Cause.KEPT:  # what it ended for is told already
             self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
-            self._reason = self._unknown(cause) or explain(
+            self._reason = self._before(cause) or explain(
                 self._description, cause, cause_at, self._senses.now, at
             )
             self._cause, self._cause_at, self._left = cause, cause_at, ""
 
-    def _unknown(self, cause: int) -> str:
-        """Return a sentence if an output's unknown state at the start is the cause; empty: it is not."""
+    def _before(self, cause: int) -> str:
+        """Return a sentence if a former error or an output's unknown state is the cause; empty: neither is."""
+        if cause == Cause.UNPROVEN_AT_START and self.was_error:
+            return "GRIP_ERROR was latched before the program restarted."
         ordered = self._description.ordered
         names = [
             display_name(name)

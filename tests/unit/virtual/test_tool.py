@@ -43,8 +43,8 @@ def ready(description: Description = SHIPPED, scenario: str = "nominal", *, seed
     return tool
 
 
-def gripped(scenario: str = "nominal") -> VirtualTool:
-    tool = ready(scenario=scenario)
+def gripped(scenario: str = "nominal", description: Description = SHIPPED) -> VirtualTool:
+    tool = ready(description, scenario)
     assert tool.command("grip").accepted
     until(tool, GRIPPED)
     return tool

@@ -206,6 +206,7 @@ class Automata(Part):
             "adopted",
             "adopted_unlock",
             "adopted_fault",
+            "adopted_error",
             "vented",
             "parked",
             "ee",

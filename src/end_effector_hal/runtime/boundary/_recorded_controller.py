@@ -52,10 +52,13 @@ class RecordedController:
         """A value that is equal for equal locations and values of the automata."""
         return self._controller.discrete_state
 
-    def start(self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False) -> list[Status]:
+    def start(
+        self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False, grip_error: bool = False
+    ) -> list[Status]:
         """Record the start, and start the controller."""
-        self._put(("start", at, Start(at, dict(levels), sensor_fault)))
-        return self._decided(self._controller.start(levels, at, sensor_fault=sensor_fault))
+        self._put(("start", at, Start(at, dict(levels), sensor_fault, grip_error)))
+        started = self._controller.start(levels, at, sensor_fault=sensor_fault, grip_error=grip_error)
+        return self._decided(started)
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
         """Record a frame of the link, and process it."""
@@ -104,7 +107,7 @@ class RecordedController:
 AnyController = Controller | RecordedController
 _CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
     "start": lambda controller, record: controller.start(
-        record.levels, record.at, sensor_fault=record.sensor_fault
+        record.levels, record.at, sensor_fault=record.sensor_fault, grip_error=record.grip_error
     ),
     "frame": lambda controller, record: controller.frame(
         Frame(record.stamp, record.seq, record.device_ms, record.values), record.at

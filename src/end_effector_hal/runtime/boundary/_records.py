@@ -52,6 +52,8 @@ class Start:
     levels: Mapping[str, bool]
     sensor_fault: bool = False
     """Whether a sensor fault of the tool changer was latched before."""
+    grip_error: bool = False
+    """Whether GRIP_ERROR was latched before the program restarted by itself."""
 
 
 @dataclass(frozen=True, slots=True)

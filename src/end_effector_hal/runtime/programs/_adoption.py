@@ -27,6 +27,7 @@ class Adoption:
         outputs: the writer of its statuses.
         lines: the line arbiter.
         activated: lines that count as active while their level cannot be read, whatever their sensors show.
+        grip_error: whether GRIP_ERROR was latched before the restart; it stays latched.
 
     Attributes:
         begun: whether the lines are adopted.
@@ -41,8 +42,10 @@ class Adoption:
         outputs: Outputs,
         lines: LineWriter,
         activated: frozenset[str] = frozenset(),
+        *,
+        grip_error: bool = False,
     ) -> None:
-        self._activated = activated
+        self._activated, self.grip_error = activated, grip_error
         self.controller, self.outputs, self._lines = controller, outputs, lines
         self.begun = False
         self.withholds = False
@@ -86,7 +89,7 @@ class Adoption:
             return []
         self.begun, self._unreachable, self.alarm, self._begin_at = True, False, None, None
         self.outputs.found(levels, self.controller.status())
-        return self.controller.start(levels, at, sensor_fault=found)
+        return self.controller.start(levels, at, sensor_fault=found, grip_error=self.grip_error)
 
     def time_passed(self, at: int) -> list[Status]:
         """Do everything that is due at ``at``; the lines must be adopted."""

@@ -105,7 +105,7 @@ class Program:
        alarm.
     4. A program that was declared dead in the middle of a grip, or that does not find the lines as it left them,
        restarts, and adopts the lines as they are. A line that it has activated and that cannot be read back counts as
-       active, whatever its sensors show. Until the lines are read, it reports no grip.
+       active, whatever its sensors show. Until the lines are read, it reports no grip. A latched GRIP_ERROR stays.
     5. Nothing is reported as held before all requested writes are applied: a deactivation may wait (IL-10).
     6. While the line arbiter is lost, no command begins. Decisions that are not written when their command ends are
        discarded: the program restarts, and nothing of them is written later or left as a last will.
@@ -512,14 +512,18 @@ class Program:
             follow_up()
 
     def _reset(
-        self, activated: frozenset[str] = frozenset(), known: Mapping[str, bool] | None = None
+        self,
+        activated: frozenset[str] = frozenset(),
+        known: Mapping[str, bool] | None = None,
+        *,
+        grip_error: bool = False,
     ) -> None:
         controller = self._recorder.controller(self._description, self._network)
         if self._publisher is not None:
             self._publisher.use(controller.senses)
         self._maintenance = Maintenance(self._description)
         outputs = Outputs(self._lines, OutputMapping(self._description, self._maintenance), known)
-        self._adoption = Adoption(controller, outputs, self._lines, activated)
+        self._adoption = Adoption(controller, outputs, self._lines, activated, grip_error=grip_error)
 
     def _adopt(self) -> list[Status]:
         return self._adoption.begin(self._clock(), self._fault.found)
@@ -527,9 +531,12 @@ class Program:
     def _restart(self, why: str) -> list[Status]:
         self._fault.restarted()
         _log.warning("%s", why)
-        before = self.status
+        before, adoption = self.status, self._adoption
         self._held = before.held
-        self._reset(self._adoption.outputs.activated, self._adoption.outputs.known)
+        states = before.ee, adoption.controller.status().ee
+        # a restart before the next adoption forgets nothing
+        grip_error = EndEffectorState.GRIP_ERROR in states or (not before.adopted and adoption.grip_error)
+        self._reset(adoption.outputs.activated, adoption.outputs.known, grip_error=grip_error)
         self._why = why
         now = self._adoption.now(self._clock())
         return [replace(now, events=restart_events(before.ee, before.changer, now.at)), *self._adopt()]

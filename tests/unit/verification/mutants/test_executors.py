@@ -54,7 +54,9 @@ def play(network: Network, seed: int, observe: Callable[[Observation], object] |
     try:
         execution.start(0)
         adopted = {f"adopted[{i}]": int(active[i]) for i in range(steps)}
-        found = {name: int(chooser.random() < 0.1) for name in ("adopted_unlock", "adopted_fault")}
+        found = {
+            name: int(chooser.random() < 0.1) for name in ("adopted_unlock", "adopted_fault", "adopted_error")
+        }
         execution.write({**levels, **adopted, **found})
         told += execution.receive(Event("adopt"), 0).steps
         for _ in range(INPUTS):
