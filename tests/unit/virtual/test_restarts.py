@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import pytest
 
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import WireError
 from end_effector_hal.runtime.programs._program import CAME_LATE, UNWRITTEN
 from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, LastWillStep
 from end_effector_lab.virtual import VirtualTool
@@ -17,13 +18,15 @@ from tests.unit.virtual.test_tool import (
     UNLOCK,
     gripped,
     moved,
+    pending_cylinder,
     started_with_a_slow_disk,
     until,
 )
 
-GRIP_ERROR, GRIPPED, OFF, STAND_BY = (
+GRIP_ERROR, GRIPPED, GRIPPING, OFF, STAND_BY = (
     EndEffectorState.GRIP_ERROR,
     EndEffectorState.GRIPPED,
+    EndEffectorState.GRIPPING,
     EndEffectorState.OFF,
     EndEffectorState.STAND_BY,
 )
@@ -186,3 +189,56 @@ def test_a_sensor_fault_that_comes_late_holds_what_is_active(moment: str) -> Non
     assert tool.status.changer_fault == ChangerFault.SENSOR
     assert tool.command("drop").accepted
     until(tool, STAND_BY)
+
+
+class StuckOutputs:
+    """Outputs of which some cannot be deactivated."""
+
+    def __init__(self, tool: VirtualTool, *lines: str) -> None:
+        self.lines, self._set = set(lines), tool._outputs.set
+        tool._outputs.set = self.set  # type: ignore[method-assign]
+
+    def set(self, levels: Mapping[str, bool]) -> None:
+        if stuck := [line for line, level in levels.items() if line in self.lines and not level]:
+            raise WireError(f"{stuck[0]} cannot be written.")
+        self._set(levels)
+
+
+STUCK = "the last will of hal cannot be executed: SODIMM_210 (cylinder) cannot be deactivated"
+
+
+@pytest.mark.parametrize("dies", [False, True])
+def test_a_last_will_that_is_stuck_is_waited_for_and_its_outputs_are_told_as_active(dies: bool) -> None:
+    """The program was declared dead in a grip, or has died: its lines are its own again once the will is done."""
+    tool = pending_cylinder()
+    stuck, before, told = StuckOutputs(tool, CYLINDER), len(tool.edges), len(tool.statuses)
+    arbiter, connection = tool._arbiters.now, tool._connection
+    assert arbiter
+    assert connection
+    assert connection._session
+    if dies:
+        tool.kill("hal")
+        tool.start("hal")
+    else:
+        arbiter.rules.declare_dead(connection._session, "its connection was lost", tool.at)
+        arbiter.keep()
+    for _ in range(10):
+        tool.run(0.5)
+        assert tool.status.ee == OFF
+        assert tool.status.outputs == (True, True, False)
+        assert [tool.levels[line] for line in (BOTTOM, CYLINDER, TOP)] == [True, True, False]
+        if not dies:
+            assert any(STUCK in alarm for alarm in tool.status.alarm_texts)
+            assert not tool.command("grip").accepted
+            assert not tool.command("drop").accepted
+    assert ("hal" in tool.living) is not dies
+    stuck.lines.clear()
+    tool.run(3.0)
+    assert moved(tool, before) == [(CYLINDER, False), (BOTTOM, False)]
+    assert {status.ee for status in tool.statuses[told:]} <= {OFF, GRIPPING, STAND_BY}
+    assert tool.status.ee == STAND_BY
+    assert tool.status.outputs == (False, False, False)
+    assert tool.reset().accepted
+    tool.run(1.0)
+    assert tool.command("grip").accepted
+    until(tool, GRIPPED)

@@ -42,7 +42,7 @@ def as_written(
     outputs = adoption.outputs
     if status.blowing and outputs.refused[False]:
         status = _without_air(status, description, outputs.activated)
-    if adoption.lost:  # as last known; what was never known is in doubt active
+    if adoption.lost or adoption.alarm:  # as last known; what was never known is in doubt active
         known, begun = outputs.known, adoption.begun
         levels = _levels(status, description, lambda line, level: known.get(line, level or not begun))
         unlock = known.get(outputs.mapping.unlock_line, status.unlock_output)
