@@ -242,3 +242,69 @@ def test_a_last_will_that_is_stuck_is_waited_for_and_its_outputs_are_told_as_act
     tool.run(1.0)
     assert tool.command("grip").accepted
     until(tool, GRIPPED)
+
+
+def test_a_command_before_the_lines_are_adopted_is_refused_and_not_executed_later() -> None:
+    tool = gripped()
+    tool.kill("hal")
+    tool.run(0.4)
+    before = len(tool.edges)
+    tool.start("hal")
+    assert (tool.status.ee, tool.status.adopted) == (OFF, False)
+    program = tool._program
+    assert program
+    for word in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"):
+        answer = program.command(word)
+        assert (answer.accepted, bool(answer.reason)) == (False, True), word
+    for active in (True, False):
+        assert program._drive("cylinder", None, active=active).reason.startswith("IL-12: a part is held")
+    assert program.stand_still().reason.startswith("A part is held, or may be: drop it first.")
+    until(tool, GRIPPED)
+    tool.run(3.0)
+    assert moved(tool, before) == []
+    assert (tool.status.changer, tool.status.lift_allowed) == (ChangerState.LOCKED, True)
+
+
+def test_deaths_in_a_row_drop_nothing_and_leave_a_will_that_is_executed() -> None:
+    """Each at another distance from the one before: within an adoption, a lease, a write of the program that starts."""
+    held, gripping = gripped(), pending_cylinder()
+    before = [len(tool.edges) for tool in (held, gripping)]
+    for tool in (held, gripping):
+        for number in range(6):
+            tool.kill("arbiter")
+            tool.run(0.003 * number)
+            tool.kill("hal")
+            tool.run(0.1 * number)
+            tool.start("arbiter")
+            tool.run(0.01 * number)
+            tool.start("hal")
+            tool.run(0.03 * number)
+            tool.kill("hal")
+            tool.run(0.02)
+            tool.start("hal")
+            tool.run(0.02 * number)
+        tool.run(8.0)
+        assert tool.living == {"arbiter", "hal"}
+    assert moved(held, before[0]) == []
+    assert (held.status.ee, held.status.lift_allowed) == (GRIPPED, True)
+    assert moved(gripping, before[1]) == [(CYLINDER, False), (BOTTOM, False)]
+    assert gripping.status.ee == STAND_BY
+
+
+def test_no_description_is_taken_over_while_a_last_will_is_executed() -> None:
+    tool = pending_cylinder()
+    arbiter, connection, program = tool._arbiters.now, tool._connection, tool._program
+    assert arbiter
+    assert connection
+    assert connection._session
+    assert program
+    arbiter.rules.declare_dead(connection._session, "its connection was lost", tool.at)
+    arbiter.keep()
+    tool.run(0.5)
+    assert [tool.levels[line] for line in (BOTTOM, CYLINDER)] == [True, False]
+    assert program.stand_still().reason.startswith(
+        "The lines are not adopted yet. the last will of hal is being executed."
+    )
+    until(tool, STAND_BY, 3.0)
+    assert not any(tool.levels.values())
+    assert program.stand_still().accepted
