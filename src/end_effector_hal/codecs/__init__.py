@@ -21,13 +21,17 @@ from ._codec import (
     sequence_of,
     shows_noise,
 )
-from ._ees1_ascii import Ees1Ascii
-from ._ees1_cobs import Ees1Cobs
-from ._legacy_nibble import LegacyNibble
+from ._ees1_ascii import Ees1Ascii, Ees1AsciiDecoder
+from ._ees1_cobs import Ees1Cobs, Ees1CobsDecoder
+from ._legacy_nibble import LegacyNibble, LegacyNibbleDecoder
 from ._match import load_tool, match_codec
 from ._registry import codec_names, declared, get_codec
 
+OWN_DECODERS = (Ees1AsciiDecoder, Ees1CobsDecoder, LegacyNibbleDecoder)
+"""The decoders of the built-in codecs, whose frames need no check."""
+
 __all__ = [
+    "OWN_DECODERS",
     "Carrier",
     "Codec",
     "Counters",

@@ -21,6 +21,7 @@ BITS = (
     "estop_ok",
 )
 SEQ_BITS, CLOCK_BITS = 16, 32
+_LEVELS = [{name: bool(din >> bit & 1) for bit, name in enumerate(BITS)} for din in range(1 << len(BITS))]
 # From below the lowest possible vacuum to above any shop-air supply: outside of it a sensor is broken.
 LOWEST_PA, HIGHEST_PA = -110_000, 2_000_000
 
@@ -83,10 +84,8 @@ class Ees1Decoder:
         if not self._sequence.is_new(seq, clock):
             self.errors["duplicate"] += 1
             return None
-        values: dict[str, Value] = {
-            name: self._possible(pascal) for name, pascal in zip(PRESSURES, pressures, strict=True)
-        }
-        values |= {name: bool(din >> bit & 1) for bit, name in enumerate(BITS)}
+        values: dict[str, Value] = dict(zip(PRESSURES, map(self._possible, pressures), strict=True))
+        values |= _LEVELS[din % len(_LEVELS)]
         return Frame(at, seq, clock, values)
 
     def _possible(self, pascal: int | None) -> int | None:
