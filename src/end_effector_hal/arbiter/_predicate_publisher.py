@@ -84,15 +84,15 @@ class PredicatePublisher:
             refused: the frame, if its stamp was refused or the lines are not adopted: it proves nothing, but what
                 objects in it counts.
         """
-        at = self._predicates.at
         if refused is not None:
-            at, objections = max(at, refused.at), self._predicates.objections(refused)
+            at, objections = max(self._predicates.at, refused.at), self._predicates.objections(refused)
             if needed := self._needed_of(objections if refused.at <= self._clock() else {}):
                 self._send(needed, at)
             return
-        proven = self._needed_of(self._predicates.holding) if self._needed else {}
-        if proven and proven != self._sent:
-            self._send(proven, at)
+        if self._needed:
+            at = self._predicates.at
+            if (proven := self._needed_of(self._predicates.said(at))) and proven != self._sent:
+                self._send(proven, at)
 
     def repeat(self, at: int | None = None) -> None:
         """Send the predicates again if that is due: as they are at ``at`` µs; default: after the newest frame."""

@@ -41,7 +41,7 @@ class GripLastWill:
 
     def of(self, status: Status, *, on: str = "process_death") -> LastWill:
         """Return the last will for a status and an ending, ``process_death`` or ``sigterm``."""
-        steps = [LastWillStep(self._blow_offs[index]) for index in status.blowing]
+        steps = [LastWillStep(self._blow_offs[index]) for index in status.blowing] if status.blowing else []
         after_us = 0
         releasing = status.ee == EndEffectorState.RELEASING
         for index, line, release_us, endings in self._parts:

@@ -250,7 +250,8 @@ class Execution:
         if isinstance(fired, RangeError):
             raise fired
         self._state = fired.state
-        self._clocks.set(fired.resets, now)
+        if fired.resets:
+            self._clocks.set(fired.resets, now)
         self._schedule.renew(self._state, now, transition)
         step = Step(
             at=now,

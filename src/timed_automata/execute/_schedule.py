@@ -40,10 +40,10 @@ class Schedule:
 
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
         """Find the candidates of a state entered now; transitions that were candidates before keep their age."""
-        found, self.entered = self._successors.at(state), now
+        found, self.entered = self._successors.known.get(state) or self._successors.at(state), now
         # between two instants there is nothing that may be older than now
         age = {c.successor.transition.edges: c.since for c in self.candidates if c.since != now}
-        if taken:
+        if taken and age:
             age.pop(taken.edges, None)
         self.last = self._clocks.window(found.stay)[1] if found.stay else NEVER
         # invariants that earlier lateness has broken already: they say nothing against an edge

@@ -28,6 +28,7 @@ class Successor:
         changes: changes of variables; empty if the update fails.
         sent: the name of the channel on which an executed process sends.
         kept: bounds in the next state on clocks that the transition does not set.
+        timed: whether a clock restricts when the transition may be taken.
     """
 
     transition: Transition
@@ -36,11 +37,10 @@ class Successor:
     changes: tuple[Change, ...] = field(repr=False)
     sent: str | None = None
     kept: tuple[Bound, ...] = ()
+    timed: bool = field(init=False)
 
-    @property
-    def timed(self) -> bool:
-        """Whether a clock restricts when the transition may be taken."""
-        return bool(self.transition.bounds or self.kept)
+    def __post_init__(self) -> None:
+        self.timed = bool(self.transition.bounds or self.kept)
 
     def window(self, clocks: ClockInstants, expired: Collection[Bound] = ()) -> tuple[int, int]:
         """Return the first and the last instant, µs, that its guards and the invariants of its target allow.
@@ -75,13 +75,14 @@ class SuccessorCache:
 
     def __init__(self, semantics: Semantics) -> None:
         self._semantics = semantics
-        self._known: dict[State, StateSuccessors] = {}
+        self.known: dict[State, StateSuccessors] = {}
+        """What `at` has worked out."""
         self._received: dict[Received, Successor | None] = {}
         self._named: dict[Edge, TakenEdge] = {}
 
     def at(self, state: State) -> StateSuccessors:
         """Return the successors of a state; raise RangeError if a guard fails."""
-        known = self._known.get(state)
+        known = self.known.get(state)
         if known is None:
             semantics = self._semantics
             successors = (self._successor(state, transition) for transition in semantics.transitions(state))
@@ -91,9 +92,9 @@ class SuccessorCache:
                 semantics.may_delay(state),
                 semantics.committed(state),
             )
-            if len(self._known) >= MOST:
-                self._known.clear()
-            self._known[state] = known
+            if len(self.known) >= MOST:
+                self.known.clear()
+            self.known[state] = known
         return known
 
     def received(self, state: State, channel: int, writes: Mapping[int, int]) -> Successor | None:

@@ -24,9 +24,12 @@ class OutputMapping:
 
     def levels(self, status: Status) -> dict[str, bool]:
         """Return the level that a status requests for every output, by line."""
-        blowing = {line: index in status.blowing for line, index in self._blow_offs}
-        unlocking = {self.unlock_line: status.unlock_output} if self.unlock_line else {}
-        return dict(zip(self._lines, status.outputs, strict=True)) | blowing | unlocking
+        levels = dict(zip(self._lines, status.outputs, strict=True))
+        for line, index in self._blow_offs:
+            levels[line] = index in status.blowing
+        if self.unlock_line:
+            levels[self.unlock_line] = status.unlock_output
+        return levels
 
     def dropped(self, status: Status) -> str:
         """Return the line that a Drop has deactivated last, until the Drop is over; empty: none."""
@@ -38,6 +41,8 @@ class OutputMapping:
         While maintenance drives lines, they replace what the gripping would do; the tool changer locks in any case.
         """
         gripping = self._maintenance.will or self._grip_will.of(status, on=on)
+        if not status.unlock_output:
+            return gripping
         return (*changer_will(self._description, status, on=on), *gripping)
 
     def maintenance_will(self, status: Status, line: str, *, active: bool) -> LastWill:

@@ -24,6 +24,7 @@ class ReleaseDetector:
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self._changer = description.tool_changer
+        self._vented_us = to_us(self._changer.vented_s) if self._changer else 0
         self._below_ambient: list[str] = []
         self._others: list[int] = []
         for index, (_, part) in enumerate(description.ordered):
@@ -38,10 +39,12 @@ class ReleaseDetector:
         """Return whether everything is released at ``at`` µs; ``evidence`` belongs to the same readings."""
         if self._changer is None:
             return False
-        released = not [index for index in self._others if evidence[index] is not Evidence.GONE]
+        released = True
+        for index in self._others:
+            released = released and evidence[index] is Evidence.GONE
         for channel, low in zip(self._below_ambient, self._low, strict=True):
             value = readings.get(channel, at)
             if value is None or readings.arrived(channel):
                 low.take(value is not None and below_ambient_kpa(value) < self._changer.vented_kpa, at)
-            released = released and low.lasted(at, to_us(self._changer.vented_s))
+            released = released and low.lasted(at, self._vented_us)
         return released

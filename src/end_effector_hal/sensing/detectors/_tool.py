@@ -22,6 +22,8 @@ class ToolDetector:
 
     def __init__(self, changer: ToolChanger) -> None:
         self._changer = changer
+        self._wait_us = dict.fromkeys(ToolEvidence, to_us(changer.proven_s))
+        self._wait_us[ToolEvidence.FAULTY] = to_us(changer.fault_s)
         self._streaks = {level: Streak() for level in ToolEvidence}
         self.level = ToolEvidence.UNCLEAR
 
@@ -36,10 +38,11 @@ class ToolDetector:
             return self.level
         if not any(map(readings.arrived, bits)):
             return self.level
-        for level, streak in self._streaks.items():
-            streak.take(level is said, at)
-        wait_s = changer.fault_s if said is ToolEvidence.FAULTY else changer.proven_s
-        if self._streaks[said].lasted(at, to_us(wait_s)):
+        for streak in self._streaks.values():
+            if streak is not self._streaks[said]:
+                streak.samples = 0
+        self._streaks[said].take(True, at)
+        if self._streaks[said].lasted(at, self._wait_us[said]):
             self.level = said
         return self.level
 
