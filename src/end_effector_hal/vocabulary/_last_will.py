@@ -65,7 +65,18 @@ def read_last_will(steps: object) -> LastWill:
         if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
             raise UsageError("a last will must be a list of steps.")
         steps = list(steps)
-    will = tuple([_step(i, step) for i, step in enumerate(steps)])
+    will = tuple([step if type(step) is LastWillStep else _step(i, step) for i, step in enumerate(steps)])
+    for i, (line, level, after_us) in enumerate(will):
+        if not isinstance(line, str):
+            raise UsageError(f"step {i} of the last will names no line.")
+        if level is not False:
+            raise UsageError(
+                f"IL-11: step {i} of the last will would activate {line}; a last will only deactivates."
+            )
+        if type(after_us) is not int or not 0 <= after_us <= LONGEST_US:
+            raise UsageError(
+                f"step {i} of the last will: after_us must be an integer from 0 to {LONGEST_US}."
+            )
     if len(will) > MOST_LINES:
         raise UsageError(f"a last will has at most {MOST_LINES} steps, this one has {len(will)}.")
     if any(a.after_us > b.after_us for a, b in pairwise(will)):
@@ -75,18 +86,6 @@ def read_last_will(steps: object) -> LastWill:
 
 def _step(i: int, given: Any) -> LastWillStep:
     try:
-        if isinstance(given, LastWillStep):
-            step = given
-        else:
-            step = LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
+        return LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
     except TypeError:
         raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
-    if not isinstance(step.line, str):
-        raise UsageError(f"step {i} of the last will names no line.")
-    if step.level is not False:
-        raise UsageError(
-            f"IL-11: step {i} of the last will would activate {step.line}; a last will only deactivates."
-        )
-    if type(step.after_us) is not int or not 0 <= step.after_us <= LONGEST_US:
-        raise UsageError(f"step {i} of the last will: after_us must be an integer from 0 to {LONGEST_US}.")
-    return step

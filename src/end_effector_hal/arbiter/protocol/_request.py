@@ -244,8 +244,6 @@ def _is_sentences(given: object) -> TypeGuard[dict[str, str]]:
 
 def _is_flags(given: object, most: int) -> bool:
     """Return whether the value is an object of at most ``most`` names, each true or false."""
-    return (
-        isinstance(given, dict)
-        and len(given) <= most
-        and all(is_name(name) and isinstance(value, bool) for name, value in given.items())
-    )
+    if not (isinstance(given, dict) and len(given) <= most):
+        return False
+    return all(map(is_name, given)) and {*map(type, given.values())} <= {bool}

@@ -225,7 +225,7 @@ class LineArbiter:
             )
         if will is not None:
             self._set_last_will(session, will)
-        session.forget_activations(line for line, level in levels.items() if not level)
+        session.forget_activations([line for line, level in levels.items() if not level])
         if levels:
             session.queue.append(Write(at, dict(levels), drop))
         self._apply_due(session, at)
@@ -327,20 +327,28 @@ class LineArbiter:
             self.end_pulses(at)  # first: a pause begins there
         for session in list(self.sessions):
             try:
-                self._apply_due(session, at)
+                if session.queue:
+                    self._apply_due(session, at)
             except WireError as error:
                 _log.error("a write of %s failed: %s", session.client, error)
-        self.sessions = [session for session in self.sessions if session.queue or not session.ended]
+            if session.ended and not session.queue:
+                self.sessions.remove(session)
+        if self._lines.remote is not None:
+            self._note_troubles()
+        if self._lines.unbounded:
+            self._say_unbounded()
+        for line in self.policy.max_active_us:
+            if (end := self._lines.longest_end(line)) is not None and end <= at:
+                self._end_activation(line, at)
+
+    def _note_troubles(self) -> None:
+        """Latch the troubles of the outputs that a device writes, and end those that are over."""
         for name, why in self._lines.troubles().items():
             if name not in self.predicates.faults:
                 _log.error("%s", why)
             self.predicates.latch(name, why)
         for name in self._lines.recovered() & self.predicates.faults.keys():
             _log.info("fault over, the output was activated again: %s", self.predicates.faults.pop(name))
-        self._say_unbounded()
-        for line in self.policy.max_active_us:
-            if (end := self._lines.longest_end(line)) is not None and end <= at:
-                self._end_activation(line, at)
 
     def may_end(self, asked_at: int, at: int) -> bool:
         """Return whether an arbiter that was asked to end at ``asked_at`` has nothing left to wait for.

@@ -6,6 +6,7 @@ import selectors
 import socket
 import struct
 from collections import Counter
+from operator import attrgetter
 
 from end_effector_hal.arbiter.rules import Session, process_words
 from end_effector_hal.vocabulary import LONGEST_MESSAGE
@@ -19,6 +20,7 @@ The other connections are few: one predicate sender, and at most one writer per 
 """
 IDLE_US = 10_000_000
 ACCEPTED = 8
+_RANK = attrgetter("rank")
 MESSAGES = 8
 """Messages per connection and round; a quarter for one that neither writes lines nor sends predicates."""
 
@@ -86,7 +88,7 @@ class Connections(Peers[Connection]):
     def round(self, ready: set[Connection]) -> list[Connection]:
         """Return the connections that have messages, in the order in which they are answered."""
         waiting = [each for each in self._open if each in ready or each.waits]
-        return sorted(waiting, key=lambda each: each.rank)
+        return sorted(waiting, key=_RANK) if len(waiting) > 1 else waiting
 
     @property
     def wait(self) -> bool:
