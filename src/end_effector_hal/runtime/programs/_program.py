@@ -452,8 +452,15 @@ class Program:
             return self._reaction(statuses)
         publisher.publish(frame if controller.senses.refused > refused else None)
         follow_up = self._reaction(statuses)
-        publisher.repeat()
-        return follow_up
+        if follow_up is None:
+            publisher.repeat()
+            return None
+
+        def finish() -> None:
+            follow_up()
+            publisher.repeat()  # not before the reply: the line arbiter answers predicates before writes
+
+        return finish
 
     def _submit(self, event: Callable[[], list[Status]]) -> None:
         self._worker.submit(lambda: self._reaction(event()) if self._adoption.begun else None)
