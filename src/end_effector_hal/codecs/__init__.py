@@ -21,8 +21,7 @@ from ._codec import (
     sequence_of,
     shows_noise,
 )
-from ._ees1_ascii import Ees1Ascii, Ees1AsciiDecoder
-from ._ees1_cobs import Ees1Cobs, Ees1CobsDecoder
+from ._ees1 import Ees1Ascii, Ees1AsciiDecoder, Ees1Cobs, Ees1CobsDecoder
 from ._legacy_nibble import LegacyNibble, LegacyNibbleDecoder
 from ._match import load_tool, match_codec
 from ._registry import codec_names, declared, get_codec

@@ -8,7 +8,6 @@ from end_effector_hal.signals import ChannelReadings
 
 from ._guard import fault_of, is_guarded
 from ._kind import DeviceKind
-from ._meanings import SwitchMeaning, switch_meanings
 from ._parts import (
     COMPRESSED_AIR,
     ChannelKey,
@@ -24,6 +23,7 @@ from ._parts import (
     below_ambient_kpa,
 )
 from ._registry import (
+    SwitchMeaning,
     detector_of,
     get_kind,
     kind_names,
@@ -31,6 +31,7 @@ from ._registry import (
     lost_words,
     present_words,
     recorded_kind,
+    switch_meanings,
     usable_kinds,
 )
 

@@ -1,22 +1,24 @@
-"""Finds kinds of devices by name, built-in ones and plug-ins, and checks their declarations."""
+"""Finds kinds of devices by name, built-in ones and plug-ins, and checks their declarations.
+
+It also says what a single switch means for its kind: gripped, released, or gripped nothing.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.kinds.stanza import Actuator, Supply
+from end_effector_hal.kinds._guard import GuardedKind
+from end_effector_hal.kinds._kind import DeviceKind
+from end_effector_hal.kinds._parts import ChannelKey, Detector
+from end_effector_hal.kinds.conditions import ConditionDetector, asked, shown
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Condition, Supply
 from end_effector_hal.plugins import Plugins, attempt
 from end_effector_hal.signals import ChannelReadings, Kind
 from end_effector_hal.vocabulary import ACTIVE, INACTIVE, PENDING, TableState
-
-from ._guard import GuardedKind
-from ._kind import DeviceKind
-from ._parts import ChannelKey, Detector
-from .conditions import ConditionDetector, asked, shown
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -171,3 +173,64 @@ def recorded_kind(name: str, kinds: Mapping[str, str]) -> DeviceKind[Any]:
 _WANTED: dict[str, None] = {}
 """Names of the kinds that were requested and could be loaded."""
 _KINDS: Plugins[DeviceKind[Any]] = Plugins(GROUP, "kind of actuator", OWN, checked)
+
+
+_PROVEN = ("confirmed", "gone", "empty")
+
+
+class SwitchMeaning(NamedTuple):
+    """The words for what a switch proves while on and while off; empty: it proves nothing by itself."""
+
+    on: str
+    off: str
+
+    def words(self, level: bool | None) -> str:
+        """Return a phrase such as ``on: confirmed``; ``not known`` if there is no valid reading."""
+        if level is None:
+            return "not known"
+        meaning = self.on if level else self.off
+        return f"{'on' if level else 'off'}{meaning and ': '}{meaning}"
+
+
+def switch_meanings(part: Actuator) -> dict[str, SwitchMeaning]:
+    """Return the meaning of each bit that an actuator may have, by channel, carried or not.
+
+    If several switches together prove something, each switch that must be on for it gets its word.
+    """
+    kind = kind_of(part)
+    if (conditions := kind.conditions(part)) is not None:
+        proven = [(word, each) for word, each in conditions.named if word in _PROVEN]
+        bits = dict.fromkeys(leaf.channel for leaf in conditions.leaves if leaf.bit)
+        return {name: SwitchMeaning(_on(name, proven), _proves(name, False, proven)) for name in bits}
+    found = {}
+    for key in kind.channels:
+        name = getattr(part, key.key)
+        if name and name != NO_CHANNEL and (key.carries is Kind.BIT or key.bit_instead):
+            on = "confirmed" if key.confirms else key.meaning
+            found[name] = SwitchMeaning(on, "gone" if key.bit_instead else "")
+    return found
+
+
+def _on(name: str, proven: list[tuple[str, Condition]]) -> str:
+    if alone := _proves(name, True, proven):
+        return alone
+    sought = [(word, each.asked) for word, each in proven]
+    return next((word for word, each in sought if each is not None and name in each.channels), "")
+
+
+def _proves(name: str, level: bool, proven: list[tuple[str, Condition]]) -> str:
+    return next((word for word, each in proven if _shown(each, name, level)), "")
+
+
+def _shown(condition: Condition, name: str, level: bool) -> bool | None:
+    """Return whether a condition holds if only this one bit is known; None: this bit does not decide it."""
+    if condition.not_ is not None:
+        inside = _shown(condition.not_, name, level)
+        return None if inside is None else not inside
+    if not condition.parts:
+        return level if condition.on == name else None
+    found = [_shown(each, name, level) for each in condition.parts]
+    decided = bool(condition.any)
+    if decided in found:
+        return decided
+    return None if None in found else not decided

@@ -1,7 +1,6 @@
 """Executes some processes of a network; its inputs are events and time, its outputs are steps and a deadline."""
 
 from ._boundary import ExecutionBoundary
-from ._clocks import NEVER, ClockInstants
 from ._execution import Execution
 from ._observations import (
     Begun,
@@ -10,12 +9,14 @@ from ._observations import (
     Observation,
     Reaction,
     Received,
+    Resumed,
     Step,
     TakenEdge,
     Written,
+    resume,
+    snapshot_of,
 )
-from ._snapshots import Resumed, resume, snapshot_of
-from ._successors import SuccessorCache
+from ._successors import NEVER, ClockInstants, SuccessorCache
 
 __all__ = [
     "NEVER",

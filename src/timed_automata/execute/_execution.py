@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from timed_automata.document import fault
 from timed_automata.errors import ModelError, RangeError, UsageError
 from timed_automata.execute._boundary import boundary_of
-from timed_automata.execute._clocks import NEVER, ClockInstants
 from timed_automata.execute._observations import (
     Begun,
     Event,
@@ -25,10 +24,11 @@ from timed_automata.execute._observations import (
     Received,
     Step,
     Written,
+    resume,
+    snapshot_of,
 )
 from timed_automata.execute._schedule import Schedule, ScheduledTransition
-from timed_automata.execute._snapshots import resume, snapshot_of
-from timed_automata.execute._successors import Successor, SuccessorCache
+from timed_automata.execute._successors import NEVER, ClockInstants, Successor, SuccessorCache
 from timed_automata.network import Network, Semantics, State
 
 _MOST_STEPS = 10_000  # at one instant: more is a livelock

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from timed_automata.execute._clocks import ALWAYS, NEVER, ClockInstants
-from timed_automata.execute._successors import Successor, SuccessorCache
+from timed_automata.execute._successors import ALWAYS, NEVER, ClockInstants, Successor, SuccessorCache
 from timed_automata.network import State, Transition
 
 

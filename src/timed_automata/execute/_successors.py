@@ -1,15 +1,57 @@
-"""Caches the successors of discrete states, because a controller is in the same few states again and again."""
+"""Caches the successors of discrete states, because a controller is in the same few states again and again.
+
+Clocks are stored as the instants at which they were zero; a successor is possible in windows of time.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from timed_automata.compiler import Bound
 from timed_automata.errors import ModelError, RangeError
-from timed_automata.execute._clocks import ClockInstants
 from timed_automata.execute._observations import TakenEdge
 from timed_automata.network import Change, Edge, Fired, Semantics, State, Transition, changes_between
+
+ALWAYS, NEVER = -(1 << 62), 1 << 62
+
+
+class ClockInstants:
+    """Clocks stored as instants: a clock with value ``c`` at time ``t`` was, or would have been, zero at ``t - c``."""
+
+    def __init__(self, count: int, unit_us: int) -> None:
+        self._zero = [0] * count
+        self._unit = unit_us
+
+    def start(self, at: int) -> None:
+        """Set all clocks to zero at ``at``."""
+        self._zero = [at] * len(self._zero)
+
+    @property
+    def zeros(self) -> list[int]:
+        """The instant at which each clock was zero, by clock number."""
+        return list(self._zero)
+
+    def resume(self, zeros: list[int]) -> None:
+        """Restore the clocks from the instants at which they were zero."""
+        self._zero = list(zeros)
+
+    def set(self, resets: Iterable[tuple[int, int]], at: int) -> None:
+        """Set clocks to values, given in the model's unit of time."""
+        for clock, value in resets:
+            self._zero[clock] = at - value * self._unit
+
+    def window(self, bounds: Iterable[Bound]) -> tuple[int, int]:
+        """Return the first and the last instant, in whole µs, at which a conjunction of constraints holds."""
+        first, last = ALWAYS, NEVER
+        for clock, op, value in bounds:
+            instant = self._zero[clock] + value * self._unit
+            if op in (">=", ">", "=="):
+                first = max(first, instant + (op == ">"))
+            if op in ("<=", "<", "=="):
+                last = min(last, instant - (op == "<"))
+        return first, last
+
 
 MOST = 4000
 """Largest number of cached states; a full cache is cleared."""

@@ -28,8 +28,7 @@ from timed_automata.explore.search import without_collector
 from timed_automata.explore.zones import Zone, included
 from timed_automata.inclusion._interface import Interface, inputs, sides
 from timed_automata.inclusion._macro_steps import MacroStep, MacroSteps
-from timed_automata.inclusion._run import ComparedNode, ComparedStep, run_to
-from timed_automata.inclusion._zones import CommonZones
+from timed_automata.inclusion._run import CommonZones, ComparedNode, ComparedStep, run_to
 from timed_automata.network import Network, State
 
 

@@ -21,9 +21,16 @@ from timed_automata.execute import (
     Written,
     resume,
 )
-from timed_automata.monitor._concrete_state import ConcreteState
+from timed_automata.monitor._concrete_state import (
+    ConcreteState,
+    changes_in_words,
+    in_words,
+    named,
+    same_edges,
+    shortened,
+    why_not,
+)
 from timed_automata.monitor._monitored_query import monitored_queries
-from timed_automata.monitor._words import changes_in_words, in_words, named, same_edges, shortened, why_not
 from timed_automata.network import Network, State, Transition, changes_between
 
 _LONGEST_US = 2**63

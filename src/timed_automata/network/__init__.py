@@ -1,8 +1,7 @@
 """A network of timed automata, made from a document, and its semantics, which all users share."""
 
-from ._loader import export, load_network, make_network
+from ._loader import export, load_network, make_network, remake_network
 from ._network import Edge, Given, Location, Network, Process, State, effects_of
-from ._remade import remake_network
 from ._semantics import Fired, Semantics, Transition
 from ._trace import Change, Trace, TraceStep, changes_between
 

@@ -9,8 +9,7 @@ from typing import Protocol
 
 from timed_automata.errors import RangeError, UsageError
 from timed_automata.network import Network, Trace, TraceStep
-from timed_automata.simulate._choice import Choice
-from timed_automata.simulate._machine import US_PER_UNIT, Machine, Option
+from timed_automata.simulate._machine import US_PER_UNIT, Choice, Machine, Option
 
 STEPS = 100
 _SPREAD_US = 2_000_000  # over which the instant of a transition is spread where nothing limits it

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.codecs import _ees1_ascii, _ees1_cobs
+from end_effector_hal.codecs import _ees1
 from end_effector_hal.control import Status
 from end_effector_hal.control._status_builder import StatusBuilder
 from end_effector_hal.sensing._link_rules import LinkRules
@@ -41,8 +41,7 @@ def test_nor_in_real_time() -> None:
 
 
 def without_crc(patch: pytest.MonkeyPatch) -> None:
-    for module in (_ees1_ascii, _ees1_cobs):
-        patch.setattr(module, "crc_hqx", lambda data, start: 0)
+    patch.setattr(_ees1, "crc_hqx", lambda data, start: 0)
 
 
 def without_staleness(patch: pytest.MonkeyPatch) -> None:

@@ -10,9 +10,7 @@ from pydantic import Field
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.kinds import ChannelReadings, HoldFinding
 from end_effector_hal.kinds.stanza import Hold, Supply
-from end_effector_hal.kinds.vacuum import Vacuum, VacuumActuator
-from end_effector_hal.kinds.vacuum._detector import VacuumDetector
-from end_effector_hal.kinds.vacuum._hold import VacuumWatch
+from end_effector_hal.kinds.vacuum import Vacuum, VacuumActuator, VacuumDetector, VacuumWatch
 from end_effector_hal.vocabulary import Evidence
 
 broken: dict[str, Callable[[], Any]] = {}

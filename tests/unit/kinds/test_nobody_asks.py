@@ -12,7 +12,7 @@ SOURCE = Path("src")
 ROOMS = ("end_effector_hal/kinds", "end_effector_lab/testbench/physics")
 CHANNELS = {
     "end_effector_hal/codecs/_ees1.py",
-    "end_effector_hal/codecs/modbus/_presets.py",
+    "end_effector_hal/codecs/modbus/_codec.py",
     "end_effector_hal/codecs/polled_conformance.py",
     "end_effector_lab/testbench/program/_places.py",
 }

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.kinds.cylinder._detector import CylinderDetector
+from end_effector_hal.kinds.cylinder import CylinderDetector
 from end_effector_hal.runtime.outputs import OutputMapping
 from end_effector_lab.commands._matrix import command
 from end_effector_lab.matrix import COMMANDS, Cell, Outcome, cells_of, expected, fmea, moments, play, thinned

@@ -1,14 +1,16 @@
-"""The common parts of declared codecs, for all formats."""
+"""The common parts of declared codecs and their decoders: counters, and the bytes of an unfinished frame."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from end_effector_hal.codecs._codec import Decoder
+from end_effector_hal.codecs.described._field import Field
 from end_effector_hal.description import Channel
-from end_effector_hal.signals import Frame, Kind
+from end_effector_hal.signals import Frame, Kind, Value
 
 
 class SerialLine(NamedTuple):
@@ -60,3 +62,63 @@ def by_place(channels: Mapping[str, Channel], source: str) -> dict[Any, dict[str
     for name, each in channels.items():
         found.setdefault(getattr(each, source), {})[name] = each
     return found
+
+
+GAP_PERIODS, GAP_MEASURED = 5, 3
+"""Length of a gap, in declared or in measured periods; after a gap the bytes may begin anywhere in a frame."""
+MEASURED, LONGEST_US = 5, 10_000_000
+"""Number of times between two frames whose median is used, and the longest time that counts, µs."""
+
+
+class DescribedDecoder:
+    """The counters of one stream; a declared frame has no sequence number and no clock.
+
+    Args:
+        period_us: nominal time between two frames.
+
+    Attributes:
+        bytes, frames: number of bytes fed and of frames returned.
+        errors: counts of discarded data, by reason.
+    """
+
+    lost = 0
+    reboots = 0
+
+    def __init__(self, period_us: int) -> None:
+        self.bytes = 0
+        self.frames = 0
+        self.errors: Counter[str] = Counter()
+        self._rest = b""
+        self._gap_us = GAP_PERIODS * period_us
+        self._fed_at: int | None = None
+        self._ended_at: int | None = None
+        self._apart: deque[int] = deque(maxlen=MEASURED)
+
+    def _interrupted(self, at: int, ended: int) -> bool:
+        """Return whether there was a gap before the bytes that arrived at ``at`` µs; an unfinished frame is then
+        discarded.
+
+        A device may be slower than declared, so a gap must also be longer than the recent time between two frames.
+        ``ended``: number of frames that may end in these bytes.
+        """
+        before, self._fed_at = self._fed_at, at
+        usual = sorted(self._apart)[(len(self._apart) - 1) // 2] if len(self._apart) > 1 else 0
+        if ended:
+            if self._ended_at is not None:
+                self._apart.append((at - self._ended_at) // ended)
+            self._ended_at = at
+        gap_us = GAP_MEASURED * min(usual, LONGEST_US) if 2 * usual >= self._gap_us else self._gap_us
+        if before is None or at - before < max(self._gap_us, gap_us):
+            return False
+        self.errors["noise"] += len(self._rest)
+        self._rest = b""
+        return True
+
+    def _frame(self, at: int, fields: Sequence[Field], raws: Sequence[float | None]) -> Frame:
+        """Return the frame of these raw values."""
+        values: dict[str, Value] = {}
+        for field, raw in zip(fields, raws, strict=True):
+            values |= field.values(raw)
+        self.errors["range"] += any(field.implausible(raw) for field, raw in zip(fields, raws, strict=True))
+        self.frames += 1
+        return Frame(at, None, None, values)

@@ -1,12 +1,114 @@
-"""One place on the wire, and the channels that are read from it; one number may contain several channels."""
+"""The values of declared frames: raw types, checksums, and fields.
+
+A field is one place on the wire, and the channels that are read from it; one number may contain several channels.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import struct
+import zlib
+from binascii import crc_hqx
+from collections.abc import Callable, Mapping
+from functools import cache, reduce
 from math import ceil, floor
+from operator import xor
+from typing import NamedTuple
 
-from end_effector_hal.description import Channel
+from end_effector_hal.description import Channel, mask_shift, raw_limits, type_bits
 from end_effector_hal.signals import Value
+
+HIGHEST_FLOAT = 3.4e38
+
+
+class RawType(NamedTuple):
+    """The type of a raw value, with an optional mask that selects some of its bits."""
+
+    value_type: str
+    bitmask: int | None = None
+
+    @property
+    def bits(self) -> int:
+        """Width on the wire, bits."""
+        return type_bits(self.value_type)
+
+    @property
+    def limits(self) -> tuple[int, int] | None:
+        """The lowest and the highest raw value; None: floating point."""
+        return raw_limits(self.value_type, self.bitmask)
+
+    @property
+    def none(self) -> float | None:
+        """The raw value that is not a number (NaN); None: the type has none."""
+        return math.nan if self.limits is None else None
+
+    def raw(self, word: int) -> float:
+        """Return the raw value of an unsigned number of this width."""
+        limits = self.limits
+        if limits is None:
+            found: float = struct.unpack(">f", word.to_bytes(4, "big"))[0]
+            return found
+        if self.bitmask is not None:
+            word = (word & self.bitmask) >> mask_shift(self.bitmask)
+        return word if word <= limits[1] else word - (limits[1] - limits[0] + 1)
+
+    def word(self, raw: float) -> int:
+        """Return the bits of a raw value; all other bits are 0."""
+        limits = self.limits
+        if limits is None:
+            low = min(max(raw, -HIGHEST_FLOAT), HIGHEST_FLOAT)
+            return int.from_bytes(struct.pack(">f", low), "big")
+        word = int(raw) & (limits[1] - limits[0])
+        return word << mask_shift(self.bitmask) if self.bitmask is not None else word
+
+
+class Checksum(NamedTuple):
+    """The size of a checksum in bytes, and the function that computes it."""
+
+    size: int
+    of: Callable[[bytes], int]
+
+
+@cache
+def _table(polynomial: int, width: int, *, reflected: bool) -> tuple[int, ...]:
+    """Return the table of a CRC of this width: the entry of each byte."""
+    top, mask = 1 << (width - 1), (1 << width) - 1
+
+    def entry(byte: int) -> int:
+        value = byte if reflected else byte << (width - 8)
+        for _ in range(8):
+            if reflected:
+                value = value >> 1 ^ (polynomial if value & 1 else 0)
+            else:
+                value = (value << 1 ^ (polynomial if value & top else 0)) & mask
+        return value
+
+    return tuple(map(entry, range(256)))
+
+
+def _crc8(data: bytes) -> int:
+    table = _table(0x07, 8, reflected=False)
+    return reduce(lambda crc, byte: table[crc ^ byte], data, 0)
+
+
+def _crc16_modbus(data: bytes) -> int:
+    table = _table(0xA001, 16, reflected=True)
+    return reduce(lambda crc, byte: crc >> 8 ^ table[(crc ^ byte) & 0xFF], data, 0xFFFF)
+
+
+CHECKSUMS: dict[str, Checksum] = {
+    "none": Checksum(0, lambda data: 0),
+    "xor8": Checksum(1, lambda data: reduce(xor, data, 0)),
+    "sum8": Checksum(1, lambda data: sum(data) & 0xFF),
+    "crc8": Checksum(1, _crc8),
+    "crc16-modbus": Checksum(2, _crc16_modbus),
+    "crc16-ccitt": Checksum(2, lambda data: crc_hqx(data, 0xFFFF)),
+    "crc32": Checksum(4, zlib.crc32),
+}
+"""The checksums by name; crc8 is that of SMBus (07, from 0), crc16-ccitt is CRC-16/CCITT-FALSE (from FFFF),
+crc32 that of zlib.
+"""
+
 
 Limits = tuple[int, int] | None
 

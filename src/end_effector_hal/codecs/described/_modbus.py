@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine, by_place
-from end_effector_hal.codecs.described._field import Field
-from end_effector_hal.codecs.described._raw import RawType
+from end_effector_hal.codecs.described._field import Field, RawType
 from end_effector_hal.codecs.modbus import (
     COILS,
     DISCRETE_INPUTS,

@@ -7,10 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from end_effector_hal.codecs._codec import Decoder
-from end_effector_hal.codecs.described._checksum import CHECKSUMS
-from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine, by_place
-from end_effector_hal.codecs.described._decoder import DescribedDecoder
-from end_effector_hal.codecs.described._field import Field
+from end_effector_hal.codecs.described._codec import DescribedCodec, DescribedDecoder, SerialLine, by_place
+from end_effector_hal.codecs.described._field import CHECKSUMS, Field
 from end_effector_hal.description import Channel, TextFrame, TextValue
 from end_effector_hal.signals import Frame
 

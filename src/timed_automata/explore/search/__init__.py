@@ -6,5 +6,4 @@ from ._cycles import components, shortest_cycle
 from ._deadlock import MOST_DOUBTS, Deadlocks
 from ._liveness import Lasso, LassoSearch, Start
 from ._reach import OutOfRangeError, Progress, Search, WidestFirst, without_collector
-from ._search_node import SearchNode
-from ._stages import Stage
+from ._stages import SearchNode, Stage

@@ -12,8 +12,7 @@ from operator import attrgetter, le, not_
 
 from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
-from timed_automata.explore.search._search_node import SearchNode
-from timed_automata.explore.search._stages import Stage, Stages
+from timed_automata.explore.search._stages import SearchNode, Stage, Stages
 from timed_automata.explore.states import Action, Form, StateRecord, SymbolicSpace
 from timed_automata.explore.zones import Zone, guard_bits, packed
 

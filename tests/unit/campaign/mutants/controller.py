@@ -10,8 +10,8 @@ import pytest
 
 from end_effector_hal.control import Controller, GripLastWill, _network
 from end_effector_hal.control._status_builder import StatusBuilder
-from end_effector_hal.kinds.cylinder._detector import CylinderDetector
-from end_effector_hal.kinds.vacuum._detector import VacuumDetector
+from end_effector_hal.kinds.cylinder import CylinderDetector
+from end_effector_hal.kinds.vacuum import VacuumDetector
 from end_effector_hal.runtime.outputs import OutputMapping, Outputs
 from end_effector_hal.runtime.programs._adoption import Adoption
 from end_effector_hal.runtime.programs._program import Program

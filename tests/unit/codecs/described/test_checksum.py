@@ -2,7 +2,7 @@
 
 import pytest
 
-from end_effector_hal.codecs.described._checksum import CHECKSUMS
+from end_effector_hal.codecs.described._field import CHECKSUMS
 
 CHECK = {
     "none": 0,

@@ -1,18 +1,74 @@
-"""Finds all faults of a file: the label with a fault is removed, and the rest is read again.
+"""Finds all faults of a UPPAAL file at once, and lists the senders and receivers of its channels.
 
-Removing a label cannot make another label wrong, so every reported fault is real. A fault in declarations, parameters
-or the system section ends the search, because everything else depends on them.
+To find all faults, the label with a fault is removed, and the rest is read again. Removing a label cannot make another
+label wrong, so every reported fault is real. A fault in declarations, parameters or the system section ends the
+search, because everything else depends on them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from timed_automata.document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
 from timed_automata.errors import Diagnostic, ModelError
 from timed_automata.network import Given, Network, make_network
 from timed_automata.queries import Query, compile_clock, compile_formula, compile_integer, parse_query
+
+__all__ = ["ChannelEnds", "channel_ends", "checked_query", "find_faults"]
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelEnds:
+    """A channel or an array of channels as declared, and the templates at its ends.
+
+    Attributes:
+        name: the name, for an array with the number of elements: ``confirmed[3]``.
+        broadcast, urgent: as declared.
+        senders, receivers: names of templates, in the order of the system line.
+        unsent, unreceived: the single channels that no edge sends on, or that no edge receives.
+    """
+
+    name: str
+    broadcast: bool
+    urgent: bool
+    senders: tuple[str, ...]
+    receivers: tuple[str, ...]
+    unsent: tuple[str, ...]
+    unreceived: tuple[str, ...]
+
+
+def channel_ends(network: Network) -> tuple[ChannelEnds, ...]:
+    """Return the ends of all channels, in the order of declaration."""
+    groups: dict[str, list[int]] = {}
+    for number, channel in enumerate(network.channels):
+        groups.setdefault(channel.name.partition("[")[0], []).append(number)
+    used: dict[str, dict[str, set[int]]] = {"!": {}, "?": {}}  # by direction and template
+    for process in network.processes:
+        for edge in process.edges:
+            if edge.channel is not None:
+                used[edge.direction].setdefault(process.template, set()).update(edge.channels)
+
+    def templates(numbers: list[int], direction: str) -> tuple[str, ...]:
+        return tuple(name for name, found in used[direction].items() if not found.isdisjoint(numbers))
+
+    def missing(numbers: list[int], direction: str) -> tuple[str, ...]:
+        found = set().union(*used[direction].values())
+        return tuple(network.channels[n].name for n in numbers if n not in found)
+
+    return tuple(
+        ChannelEnds(
+            name=name if network.channels[numbers[0]].name == name else f"{name}[{len(numbers)}]",
+            broadcast=network.channels[numbers[0]].broadcast,
+            urgent=network.channels[numbers[0]].urgent,
+            senders=templates(numbers, "!"),
+            receivers=templates(numbers, "?"),
+            unsent=missing(numbers, "!"),
+            unreceived=missing(numbers, "?"),
+        )
+        for name, numbers in groups.items()
+    )
+
 
 _MOST = 50  # faults: more say nothing new
 _Place = tuple[int, int]

@@ -1,4 +1,4 @@
-"""A magnet as a kind of device, and the keys of its stanza."""
+"""The kind of device that is a magnet, and the keys of its stanza."""
 
 from __future__ import annotations
 

@@ -1,4 +1,0 @@
-"""The kind ``vacuum``: a generator with its cups, and a pressure sensor or switch."""
-
-from ._kind import Vacuum, VacuumState
-from ._stanza import VacuumActuator
