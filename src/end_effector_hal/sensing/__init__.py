@@ -18,8 +18,7 @@ from ._predicates import (
 )
 from ._readings import Readings, ToolPlace, tool_place
 from ._sensor_set import SENT_INVALID, SensorSet, why_invalid
-from ._sensor_state import SensorState
-from ._stays import stays
+from ._sensor_state import SensorState, stays
 
 __all__ = [
     "E_STOP_CLOSED",

@@ -1,21 +1,23 @@
-"""The evidence of the sensors at one time; a frame, or a silence, leads to a new state."""
+"""The evidence of the sensors at one time; a frame, or a silence, leads to a new state.
+
+`stays` finds out whether coming frames change nothing, so that a simulation may leave them out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
-from end_effector_hal.signals import PART, Frame
+from end_effector_hal.sensing._device_faults import DeviceFaults
+from end_effector_hal.sensing._link_rules import LinkRules
+from end_effector_hal.sensing._readings import Readings
+from end_effector_hal.sensing.detectors import ReleaseDetector, SupplyDetector, ToolDetector
+from end_effector_hal.signals import PART, Frame, Value, clone, lengthen, streaks_of
 from end_effector_hal.vocabulary import Alarm, Evidence, ToolEvidence
-
-from ._device_faults import DeviceFaults
-from ._link_rules import LinkRules
-from ._readings import Readings
-from .detectors import ReleaseDetector, SupplyDetector, ToolDetector
 
 
 class SensorState:
@@ -199,3 +201,45 @@ class SensorState:
         stand_bit, present_bit = self._stand
         in_stand = self.readings.get(stand_bit, at)
         return in_stand is not None and (bool(in_stand) or self.readings.get(present_bit, at) is False)
+
+
+def stays(
+    state: SensorState,
+    newest: Frame,
+    corners: Sequence[Mapping[str, Value]],
+    first: int,
+    period: int,
+    samples: int,
+) -> bool:
+    """Return whether coming frames will change nothing that the newest one has shown; the state does not change.
+
+    Two conditions are checked. First, a frame of each corner proves the same as the newest frame, and starts or stops
+    no count of a detector, so that their order does not matter. Second, after this number of samples and this time
+    nothing else is proven; with constant values no detector returns to an earlier state.
+
+    Args:
+        state: the state after the newest frame.
+        newest: that frame.
+        corners: values of a frame; the coming values lie between them.
+        first: time of the first frame, µs.
+        period: time from one frame to the next, µs.
+        samples: number of frames.
+    """
+    if state.is_guarded:  # a detector is somebody else's, who may count by himself
+        return False
+    last, state = first + (samples - 1) * period, clone(state)
+    now, streaks = state.verdict(newest.at), list(streaks_of(state))
+    counts = [streak.samples > 0 for streak in streaks]
+
+    def ends_alike(at: int, values: Mapping[str, Value]) -> bool:
+        for _ in state.take(Frame(at, None, None, values)):
+            if state.verdict(at) != now or [streak.samples > 0 for streak in streaks] != counts:
+                return False
+        return True
+
+    values: Mapping[str, Value] = newest.values
+    for values in corners:
+        if not ends_alike(first, values):
+            return False
+    lengthen(streaks, samples)
+    return ends_alike(last, values)

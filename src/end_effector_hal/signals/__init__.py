@@ -1,12 +1,18 @@
 """Input from the sensor links before any judgement: frames, streaks, trends and time stamps; no I/O."""
 
-from ._frame import Frame, Kind, Value
-from ._measure import GAUGE_PRESSURE, Measure, MeasuredReadings
 from ._memory import INLINE, PART, clone, memory_of, recall
-from ._readings import ChannelReadings, PassingReadings
+from ._readings import (
+    GAUGE_PRESSURE,
+    ChannelReadings,
+    Frame,
+    Kind,
+    Measure,
+    MeasuredReadings,
+    PassingReadings,
+    Value,
+)
 from ._stamps import StampGate
-from ._streak import Streak, lengthen, streaks_of
-from ._trend import Trend
+from ._trend import Streak, Trend, lengthen, streaks_of
 
 __all__ = [
     "GAUGE_PRESSURE",

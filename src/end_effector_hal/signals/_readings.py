@@ -1,11 +1,51 @@
-"""The readings of the channels as a detector receives them."""
+"""Frames of channels as a sensor link delivers them, the readings that a detector receives, and their display."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import NamedTuple, Protocol, runtime_checkable
 
-from ._frame import Frame, Kind
+Value = int | bool | None
+
+
+class Kind(Enum):
+    """The type of a channel's values."""
+
+    PRESSURE = "pressure"
+    """Gauge pressure, integer Pa; a vacuum is negative."""
+    QUANTITY = "quantity"
+    """Another measured quantity (mm, %, V …), integer thousandths of the channel's unit."""
+    BIT = "bit"
+    """A boolean: a position bit, or a switch in place of a pressure, which means "present"."""
+    CODE = "code"
+    """A whole number with which a device reports a fault; 0: no fault."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One frame of a link.
+
+    Attributes:
+        at: time of its last byte, µs on the monotonic clock of the reader; 0 in a frame that is to be encoded.
+        seq: sequence number; None if the codec carries none.
+        device_ms: the device's own clock, ms; None if the codec carries none.
+        values: by channel, a gauge pressure in Pa, thousandths of another unit, a bit or a code; None: carried, but
+            invalid.
+    """
+
+    at: int
+    seq: int | None
+    device_ms: int | None
+    values: Mapping[str, Value]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
+
+    def __reduce__(self) -> tuple[type[Frame], tuple[object, ...]]:
+        return Frame, (self.at, self.seq, self.device_ms, dict(self.values))
 
 
 class ChannelReadings(Protocol):
@@ -51,3 +91,32 @@ class PassingReadings:
     def arrived(self, channel: str) -> bool:
         """See `ChannelReadings`."""
         return self._values.get(channel) is not None
+
+
+class Measure(NamedTuple):
+    """The display format of a quantity; values are in thousandths of its unit (Pa for kPa).
+
+    Attributes:
+        unit: the unit for people, such as kPa or mm.
+        decimals: number of decimals shown.
+    """
+
+    unit: str = "kPa"
+    decimals: int = 1
+
+    def text(self, value: int) -> str:
+        """Return a value, given in thousandths of the unit, as text such as ``-12.3 kPa``."""
+        return f"{value / 1000:.{self.decimals}f} {self.unit}"
+
+
+GAUGE_PRESSURE = Measure()
+
+
+@runtime_checkable
+class MeasuredReadings(Protocol):
+    """Readings that include the display format of their channels."""
+
+    @property
+    def measures(self) -> Mapping[str, Measure]:
+        """Display format by channel; a channel that is not listed is a gauge pressure."""
+        ...

@@ -28,19 +28,22 @@ from ._last_will import (
     LastWillStep,
     read_last_will,
 )
-from ._levels import Cause, ChangerFault, ChangerState, Evidence, ToolEvidence
 from ._tables import (
     ACTIVE,
     INACTIVE,
     PENDING,
     ActuatorState,
+    Cause,
+    ChangerFault,
+    ChangerState,
     Command,
     EndEffectorState,
+    Evidence,
     TableState,
+    ToolEvidence,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable
-from ._time import to_s, to_us
+from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable, to_s, to_us
 
 __all__ = [
     "ACTIVE",

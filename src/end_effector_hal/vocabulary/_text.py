@@ -1,4 +1,4 @@
-"""Functions for text from outside, so that it can be displayed, logged, published and written as UTF-8."""
+"""Text and time from outside: printable text that can be logged and published as UTF-8; time in integer µs."""
 
 from __future__ import annotations
 
@@ -37,3 +37,13 @@ def hint(word: str, known: Iterable[str]) -> str:
     """Return " (did you mean …?)" for a sentence about an unknown name; empty if no known name is similar."""
     close = get_close_matches(word, [each for each in known if each], n=1)
     return f" (did you mean {close[0]}?)" if close else ""
+
+
+def to_us(seconds: float) -> int:
+    """Convert seconds to whole microseconds."""
+    return round(seconds * 1_000_000)
+
+
+def to_s(us: int) -> float:
+    """Convert microseconds to seconds."""
+    return us / 1_000_000

@@ -1,6 +1,5 @@
 """The wires of an end-effector: lines (binary outputs), links (sensor frames), buses, and all sources of readings."""
 
-from ._claim import Claim
+from ._claim import Claim, Holder, holders_of, program_name
 from ._clock import now_us, tune_interpreter
-from ._processes import Holder, holders_of, program_name
 from ._relay import RELAYED, connect_relay, relay_path

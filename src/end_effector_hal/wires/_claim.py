@@ -1,15 +1,104 @@
-"""An exclusive claim that ends with its process and names its holder."""
+"""Exclusive claims on files and ports, and the names of the processes that hold them.
+
+A claim ends with its process. Other processes are only read: nothing is sent to them.
+"""
 
 from __future__ import annotations
 
+import glob
 import os
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
 from end_effector_hal.errors import LineBusyError, WireError
 from end_effector_hal.owned import open_owned
 from end_effector_hal.vocabulary import printable
-from end_effector_hal.wires._processes import program_name
+
+_PTMX = ("/dev/ptmx", "/dev/pts/ptmx")
+_LINE_REQUEST = "anon_inode:gpio-line"
+"""Name that the kernel gives to the descriptor of a request for lines."""
+
+
+class Holder(NamedTuple):
+    """A process and its command line."""
+
+    pid: int
+    program: str
+
+    def __str__(self) -> str:
+        return f"pid {self.pid} ({self.program})"
+
+
+def holders_of(path: str | Path, *, own: bool = False) -> list[Holder]:
+    """Return the processes that have a file open or locked, as far as this user may see them; [] if the file does not
+    exist.
+
+    The process at the master end of a pty is left out: it is the cable. ``own``: include this process.
+    """
+    device = os.path.realpath(path)
+    found = set(_lockers(device))
+    ends: set[int] = set()
+    for pid, link, target in _open_files():
+        if target == device:
+            found.add(pid)
+        elif target in _PTMX and device == f"/dev/pts/{_tty_index(link)}":
+            ends.add(pid)
+    return _called(found - ends - (set() if own else {os.getpid()}))
+
+
+def holders_of_lines(proc: str = "/proc") -> list[Holder]:
+    """Return the processes that have requested lines of any GPIO chip, as far as this user may see them."""
+    return _called({pid for pid, _, target in _open_files(proc) if target.startswith(_LINE_REQUEST)})
+
+
+def _called(pids: Iterable[int]) -> list[Holder]:
+    return [Holder(pid, program_name(pid)) for pid in sorted(pids)]
+
+
+def _open_files(proc: str = "/proc") -> Iterator[tuple[int, str, str]]:
+    for link in glob.iglob(f"{proc}/[0-9]*/fd/*"):
+        try:
+            yield int(link.split("/")[-3]), link, os.readlink(link)
+        except OSError:
+            continue
+
+
+def _tty_index(link: str) -> str:
+    """Return the number of the slave that belongs to a pty's master; "" if it is unknown."""
+    try:
+        text = Path(link.replace("/fd/", "/fdinfo/")).read_text(encoding="ascii")
+    except OSError:
+        return ""
+    return next((line.split()[1] for line in text.splitlines() if line.startswith("tty-index:")), "")
+
+
+def _lockers(path: str) -> Iterator[int]:
+    """Yield the holders of a flock(2), from the kernel's list, which (unlike the open files) covers all users."""
+    try:
+        status, locks = os.stat(path), Path("/proc/locks").read_text(encoding="ascii")
+    except OSError:
+        return
+    key = f"{os.major(status.st_dev):02x}:{os.minor(status.st_dev):02x}:{status.st_ino}"
+    for line in locks.splitlines():
+        words = line.split()
+        if len(words) >= 6 and words[1] == "FLOCK" and words[5] == key and words[4].isdigit():
+            yield int(words[4])
+
+
+def program_name(pid: int | str = "self") -> str:
+    """Return a process's command line, shortened for messages; "?" if the process has ended."""
+    try:
+        words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return "?"
+    text = [word.decode(errors="replace") for word in words if word]
+    if text and Path(text[0]).name.startswith("python") and len(text) > 1:
+        text = text[1:]
+    if text[:1] == ["-c"]:  # its code says nothing to people
+        text = ["python -c", *text[2:]]
+    return printable(" ".join([Path(text[0]).name, *text[1:3]]), 80) if text else "?"
 
 
 class Claim:

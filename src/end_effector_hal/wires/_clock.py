@@ -1,4 +1,4 @@
-"""The clock that all processes of a machine share, and the tuning of the interpreter for short reaction times."""
+"""The clock that all processes of a machine share, waiting times, and the tuning of the interpreter."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ctypes
 import gc
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 
 
@@ -34,3 +35,32 @@ def tune_interpreter() -> None:
         ctypes.CDLL(None).malloc_trim(0)
     gc.freeze()
     gc.set_threshold(COLLECT_AFTER, 20, 20)
+
+
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
+
+
+class Backoff:
+    """Waits 0.1 s after a failure, doubling with each further one up to 5 s.
+
+    Args:
+        clock: µs.
+    """
+
+    def __init__(self, clock: Callable[[], int] = now_us) -> None:
+        self._clock = clock
+        self._next = 0
+        self._wait_s = FIRST_WAIT_S
+
+    def is_due(self) -> bool:
+        """Return whether the next try may be made now."""
+        return self._clock() >= self._next
+
+    def failed(self) -> None:
+        """Start the next wait, twice as long as the last one."""
+        self._next = self._clock() + round(self._wait_s * 1e6)
+        self._wait_s = min(2 * self._wait_s, LONGEST_WAIT_S)
+
+    def worked(self) -> None:
+        """Reset the waiting time after a success."""
+        self._next, self._wait_s = 0, FIRST_WAIT_S

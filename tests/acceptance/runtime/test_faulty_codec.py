@@ -13,9 +13,9 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.wires import sensors
 from end_effector_hal.wires.lines import read_chip
 from end_effector_hal.wires.link import LinkState
-from end_effector_hal.wires.sensors import _reader
 from end_effector_lab.demo._world import World
 from tests.support.patience import wait_until
 
@@ -74,7 +74,7 @@ def test_a_codec_that_fails_while_gripped_lets_nothing_go(
     world: World, monkeypatch: pytest.MonkeyPatch, fault: Callable[[list[Frame]], Any], why: str
 ) -> None:
     codec = Failing()
-    monkeypatch.setattr(_reader, "codec_of", lambda description, link: codec)
+    monkeypatch.setattr(sensors, "codec_of", lambda description, link: codec)
     with EndEffector.open(world.description) as tool:
         tool.wait_ready(30.0)
         wait_until("a grip", lambda: tool.grip().succeeded)

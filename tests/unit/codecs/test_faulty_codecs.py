@@ -29,10 +29,10 @@ from end_effector_hal.wires.link import (
     LinkReader,
     LinkState,
     PtyPair,
+    _guard,
     _reader,
     open_port,
 )
-from end_effector_hal.wires.link import _codec_calls as calls_module
 from tests.support.patience import PATIENCE_S, wait_until
 from tests.unit.codecs.faulty_codec import AskingCodec, FaultyCodec, FaultyDecoder
 
@@ -386,7 +386,7 @@ def test_a_codec_that_fails_before_its_first_byte(port: str, part: str) -> None:
 def test_a_codec_that_does_not_return_is_down_and_can_be_closed(
     port: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(calls_module, "HUNG_US", 50_000)
+    monkeypatch.setattr(_guard, "HUNG_US", 50_000)
     monkeypatch.setattr(_reader, "CLOSE_S", 0.1)
     heard, codec, goes_on, inside = Heard(), FaultyCodec(), threading.Event(), threading.Event()
 
@@ -417,7 +417,7 @@ def test_a_codec_that_does_not_return_is_down_and_can_be_closed(
 
 @pytest.mark.wall
 def test_a_call_that_returns_too_late_is_a_failure(port: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(calls_module, "HUNG_US", 1)
+    monkeypatch.setattr(_guard, "HUNG_US", 1)
     heard = Heard()
     with PtyPair(port), LinkReader(port, FaultyCodec(), None, heard.frames.append, heard.changes.append):
         wait_until("DOWN", lambda: heard.down("took 0.0 s"))

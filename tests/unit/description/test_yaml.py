@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import examine_text, load
-from end_effector_hal.description.reading import _syntax
-from end_effector_hal.description.reading._syntax import LineStarts, position
-from end_effector_hal.description.reading._yaml import DEPTH, NODES, CountingComposer
+from end_effector_hal.description.reading import _yaml
+from end_effector_hal.description.reading._yaml import DEPTH, NODES, CountingComposer, LineStarts, position
 from end_effector_hal.errors import DescriptionError
 from tests.support.nightly import first_of
 
@@ -263,7 +262,7 @@ def test_places_are_found_without_reading_the_text_again() -> None:
 def counted(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """How many values were read, how many walks over the whole text it took, how many places were kept."""
     work = Counter[str](values=0, walks=0)
-    compose, walk, keep = CountingComposer.compose_node, _syntax.position, LineStarts.position
+    compose, walk, keep = CountingComposer.compose_node, _yaml.position, LineStarts.position
 
     def composing(self: CountingComposer, parent: object, index: object) -> object:
         work["values"] += 1
@@ -278,6 +277,6 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         return keep(self, index)
 
     monkeypatch.setattr(CountingComposer, "compose_node", composing)
-    monkeypatch.setattr(_syntax, "position", walking)
+    monkeypatch.setattr(_yaml, "position", walking)
     monkeypatch.setattr(LineStarts, "position", keeping)
     return work

@@ -10,7 +10,8 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.verification.mutation import CHECKS, _record, kept_record
+from end_effector_hal.verification import mutation
+from end_effector_hal.verification.mutation import CHECKS, kept_record
 from end_effector_hal.verification.proof import requirements_of
 from timed_automata import Network, Template
 from tools.mutants import Mutant, MutantOutcome, MutantVerdict, document_of, mutants, mutation_record, text_of
@@ -41,8 +42,8 @@ def test_an_edge_is_needed_by_what_noticed_an_edit_of_it(
     ]
     record = mutation_record(network.document, verdicts, of=57, seed=3)
     (tmp_path / "kept.json").write_text(text_of(record), encoding="utf-8")
-    monkeypatch.setattr(_record, "KEPT_FILE", tmp_path / "kept.json")
-    assert _record.kept_record.__wrapped__() == record
+    monkeypatch.setattr(mutation, "KEPT_FILE", tmp_path / "kept.json")
+    assert mutation.kept_record.__wrapped__() == record
     assert json.loads(text_of(record)) == json.loads(json.dumps(document_of(record)))
     assert (record.judged, record.of, record.survivors) == (4, 57, (str(four),))
     needs = record.of_edge(template_of(network, "Arming"), 1)

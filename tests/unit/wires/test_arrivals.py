@@ -7,7 +7,7 @@ import pytest
 from end_effector_hal.codecs.described._text import TextDecoder
 from end_effector_hal.description import examine_text
 from end_effector_hal.signals import Frame
-from end_effector_hal.wires.link._arrivals import ArrivalWatch
+from end_effector_hal.wires.link._guard import ArrivalWatch
 
 PERIOD = 20_000
 

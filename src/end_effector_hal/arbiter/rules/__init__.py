@@ -2,7 +2,7 @@
 
 from ._arbiter import LineArbiter
 from ._coils import SecondCoil
-from ._left_behind import DROP_FIRST, UNKNOWN_ROLES, left_behind
+from ._lines import DROP_FIRST, UNKNOWN_ROLES, left_behind
 from ._policy import Exclusion, Need, Policy, Role
 from ._predicates import CLOCKS, FORMER, SKEW_US
 from ._sender_role import SecondSenderError, SenderRole

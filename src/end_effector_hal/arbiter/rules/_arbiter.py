@@ -14,8 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
-from end_effector_hal.arbiter.rules._left_behind import DROP_FIRST, left_behind
-from end_effector_hal.arbiter.rules._lines import OutputLines
+from end_effector_hal.arbiter.rules._lines import DROP_FIRST, OutputLines, left_behind
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write

@@ -1,4 +1,7 @@
-"""The claimed output lines: their levels, the time of their last change, and whether they may be active."""
+"""The claimed output lines: their levels, the time of their last change, and whether they may be active.
+
+`left_behind` finds lines that an earlier arbiter left active and that a new description lacks or gives another role.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from end_effector_hal.arbiter.rules._coils import Coils
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.rules._session import Write
+from end_effector_hal.arbiter.rules._session import ArbiterState, Write
 from end_effector_hal.errors import WireError
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
@@ -168,3 +171,27 @@ class OutputLines:
 
 def _fault(line: str) -> str:
     return f"output {line}"
+
+
+DROP_FIRST = (
+    "Drop first: restore the former description, start the line arbiter and the programs with it, Drop (or switch the "
+    "output off), and end them. Then change the description. Until then no line is touched."
+)
+UNKNOWN_ROLES = (
+    "No record says what the lines drove before the start, because {}: an unlock is refused until a reset. Look at the "
+    "outputs before you reset."
+)
+
+
+def left_behind(state: ArbiterState, policy: Policy) -> str:
+    """Return a sentence about lines that may be active in a role that the policy lacks; empty: there are none."""
+    found = []
+    for line, (role, active) in state.driven.items() if policy.roles else ():
+        now = policy.roles.get(line)
+        if active and (now is None or now.words != role):
+            found.append(f"{line} was {role} and is {now.words if now else 'no output'} in this description")
+    return (
+        f"The description has changed while an output is, or may be, active: {'; '.join(found)}."
+        if found
+        else ""
+    )

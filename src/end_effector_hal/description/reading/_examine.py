@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mean
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
 from end_effector_hal.description.model import Description
+from end_effector_hal.description.reading._yaml import position
 from end_effector_hal.description.rules import (
     channel_faults,
     frame_faults,
@@ -24,7 +25,6 @@ from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
 from ._likely import likely
-from ._syntax import position
 from ._top_keys import read_as_meant
 from ._yaml import Reader
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from end_effector_hal.description._fault import Fault, Keys, Places, closest, did_you_mean
 from end_effector_hal.description._numbers import WORDS, right_key, split
 from end_effector_hal.description._shape import actuator_stanzas, fields_of, homes_of, stanza_at
+from end_effector_hal.description.reading._values import key_hint
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_names
 
-from ._other_words import key_hint
 from ._values import no_choice, out_of_range, wrong_form, wrong_type
 
 if TYPE_CHECKING:

@@ -2,8 +2,7 @@
 
 from ._counterexample import counterexample_run, told_run, write_counterexample
 from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, requirements_of
-from ._free_sensors import FREE_SENSORS, free_constants
-from ._prove import Progress, prove
+from ._prove import FREE_SENSORS, Progress, free_constants, prove
 from ._verdict import Verdict, keep_verdict, kept_verdict, proof_verdict
 
 __all__ = [

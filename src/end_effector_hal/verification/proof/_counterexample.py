@@ -1,4 +1,7 @@
-"""Write a run that refutes a requirement: as text with absolute times, and with the files of a recorded run."""
+"""Write a run that refutes a requirement: as text with absolute times, and with the files of a recorded run.
+
+It also explains in words why a requirement does not hold, with the values that the requirement names.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +10,40 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from end_effector_hal.errors import os_errors
-from end_effector_hal.recording import (
-    COUNTEREXAMPLE,
-    RunInfo,
-    StatesLog,
-    Watched,
-    check_replaceable,
-)
+from end_effector_hal.errors import RangeError, os_errors
+from end_effector_hal.recording import COUNTEREXAMPLE, RunInfo, StatesLog, Watched, check_replaceable
 from end_effector_hal.verification._model_run import has_states, states_of, write_states
-from timed_automata.explain import Explanation, WatchedClock
+from end_effector_hal.verification.proof._finding import Finding
+from timed_automata import Network
+from timed_automata.explain import Explanation, Names, WatchedClock, explain, explain_time
+from timed_automata.queries import parse_query
 
-from ._finding import Finding
-from ._why import names_in, why
+_LIKE = "actuator"
+_ALSO = ("cause_at",)
+
+
+def names_in(network: Network, actuators: Sequence[str]) -> Names:
+    """Return the names of a network's values, with those of the actuators in sequence order."""
+    return Names(network, actuators, _LIKE, _ALSO)
+
+
+def why(finding: Finding, names: Names) -> Explanation:
+    """Return the explanation why a requirement does not hold.
+
+    Args:
+        finding: a finding with a trace.
+        names: the names of the trace's network.
+    """
+    trace = finding.trace
+    assert trace is not None
+    try:
+        return (
+            explain(trace, parse_query(finding.query), names) if finding.query else explain_time(trace, names)
+        )
+    except (RangeError, ArithmeticError, LookupError, TypeError, ValueError, RecursionError):
+        # the last step of the run is what leaves a range; and words never cost a verdict
+        return Explanation(f"{trace.remark.rstrip('.')}.", ())
+
 
 Draw = Callable[[StatesLog, RunInfo, Path], list[Path]]
 

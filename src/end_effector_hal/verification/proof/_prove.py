@@ -1,19 +1,57 @@
-"""Check all requirements in one exploration; search the shortest run for those that do not hold."""
+"""Check all requirements in one exploration; search the shortest run for those that do not hold.
+
+With free sensors, any reading may change to any value at any time, without memory.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from time import perf_counter
 
-from end_effector_hal.errors import RangeError, StoppedError
+from end_effector_hal.errors import RangeError, StoppedError, UsageError
+from end_effector_hal.verification.proof._checks import checks, not_decided, open_checks, without_unused
+from end_effector_hal.verification.proof._finding import (
+    UNMET,
+    Finding,
+    Proof,
+    Requirement,
+    WorstCase,
+    stored_requirements,
+)
+from end_effector_hal.verification.proof._memory import MemoryBound
 from timed_automata import Network, Trace
 from timed_automata.explore import Explorer, Overview, ReactionBound, RunTimeError, Verdict, overview, relaxed
 from timed_automata.queries import Query
 
-from ._checks import checks, not_decided, open_checks, without_unused
-from ._finding import UNMET, Finding, Proof, Requirement, WorstCase, stored_requirements
-from ._memory import MemoryBound
+FREE_SENSORS: Mapping[str, tuple[str, ...]] = {
+    "actuators": ("FREE_SENSORS",),
+    "all": ("FREE_SENSORS", "FREE_TOOL"),
+}
+"""Constants of the UPPAAL file that set sensors free, by the affected sensors: ``all`` includes those of the tool
+changer.
+"""
+
+
+def free_constants(network: Network, which: str) -> dict[str, bool]:
+    """Return the constants of a network's file that set its sensors free.
+
+    Args:
+        network: as its file or its description defines it.
+        which: a key of `FREE_SENSORS`.
+
+    Raises:
+        UsageError: the file does not declare them.
+    """
+    names = FREE_SENSORS[which]
+    if missing := [name for name in names if name not in network.constants]:
+        raise UsageError(
+            f"These automata declare no constant {' and no '.join(missing)}: their sensors cannot be set free.",
+            where=network.document.path,
+            todo="Leave out --free-sensors, or declare and use it as the shipped file does.",
+        )
+    return dict.fromkeys(names, True)
+
 
 Progress = Callable[[str, int], None]
 _FAR = 4  # times the required bound: a worst case beyond is told as "at least"

@@ -1,10 +1,8 @@
 """Check a recorded run: does the controller decide the same, and was it a run of the network."""
 
 from ._chain import SegmentEnd
-from ._differs import Difference
-from ._entry import Entry
-from ._load import ProgramTrace, load_trace, runs_of, traces_of
-from ._replay import Replay, replay
+from ._load import Entry, ProgramTrace, load_trace, runs_of, traces_of
+from ._replay import Difference, Replay, replay
 from ._review import Review, review
 
 __all__ = [

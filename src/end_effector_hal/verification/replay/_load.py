@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -19,6 +19,21 @@ from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.recording import Record, TraceFile, read_trace
 from end_effector_hal.runtime.boundary import DESCRIPTION, KINDS, MODEL, Header
+
+
+class Entry(NamedTuple):
+    """A record, at its place in the order of all records.
+
+    Attributes:
+        at: time, µs on the monotonic clock.
+        kind: a key of `end_effector_hal.runtime.boundary.KINDS`.
+        record: the typed record; None: the rest of its trace cannot be read.
+    """
+
+    at: int
+    kind: str
+    record: Any
+
 
 SUFFIX = ".mcap"
 FARTHEST_US = 2**63 - 1

@@ -16,8 +16,7 @@ from end_effector_hal.description import Channel
 from end_effector_hal.errors import WireError
 from end_effector_hal.signals import Value
 from end_effector_hal.vocabulary import hint
-from end_effector_hal.wires._backoff import Backoff
-from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires._clock import Backoff, now_us
 
 LONGEST = 64
 """Most bytes that are read of a number."""

@@ -18,8 +18,7 @@ from end_effector_hal.description import Description, Inputs
 from end_effector_hal.errors import LineBusyError, ReportedError
 from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.wires._backoff import Backoff
-from end_effector_hal.wires._clock import now_us
+from end_effector_hal.wires._clock import Backoff, now_us
 
 from ._analog import AnalogReader
 from ._gpiod import GpiodInputLines

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires._processes import holders_of_lines
+from end_effector_hal.wires._claim import holders_of_lines
 from end_effector_hal.wires.lines._backend import line_not_found
 
 CONSUMER = "end-effector-hal"

@@ -1,11 +1,17 @@
-"""Checks every result of a decoder before a link uses it."""
+"""Guards a link against its codec and its device.
+
+A codec may be third-party code: any exception in it becomes a `CodecFailure`. The rate of readings is compared with the
+expected rate: this detects lost samples, and devices slower than declared.
+"""
 
 from __future__ import annotations
 
+import threading
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import islice
-from typing import cast
+from typing import TypeVar, cast
 
 from end_effector_hal.codecs import (
     OWN_DECODERS,
@@ -18,10 +24,116 @@ from end_effector_hal.codecs import (
     frame_fault,
     weight,
 )
+from end_effector_hal.errors import LinkError
+from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.link._arrivals import ArrivalWatch
-from end_effector_hal.wires.link._codec_calls import CodecCalls
+
+WINDOW_US, PERIODS = 1_000_000, 20
+"""Length of a counting window: the longer of ``WINDOW_US`` and this number of periods."""
+LEAST = 2 / 3
+"""Least share of the expected samples of a channel. Two consecutive windows below it start an alarm; one window that
+reaches it ends the alarm.
+"""
+LONGEST_MS = 10_000
+
+
+class ArrivalWatch:
+    """Counts the valid readings of each channel; sans-IO.
+
+    Args:
+        period_us: nominal time between two frames.
+        declared: whether the description gives the period.
+        asked: whether the devices are polled: a cycle may then take longer, and only readings missing in a frame
+            count.
+    """
+
+    def __init__(self, period_us: int, *, declared: bool, asked: bool) -> None:
+        self._period_us, self._declared, self._asked = period_us, declared, asked
+        self._since, self._frames, self._came = -1, 0, Counter[str]()
+        self._few, self._lossy = frozenset[str](), frozenset[str]()
+        self.text = ""
+        """The present loss, as a sentence that stays as it was at the start of the alarm; empty: no loss."""
+
+    def take(self, frame: Frame) -> None:
+        """Count one more frame."""
+        span_us = frame.at - self._since
+        if self._since >= 0:
+            self._frames += 1
+            self._came.update([name for name, value in frame.values.items() if value is not None])
+            if span_us < max(WINDOW_US, PERIODS * self._period_us):
+                return
+            self._judge(span_us)
+        self._since, self._frames, self._came = frame.at, 0, Counter()
+
+    def _judge(self, span_us: int) -> None:
+        expected = self._frames if self._asked else span_us / self._period_us
+        few = frozenset(name for name, count in self._came.items() if count < LEAST * expected)
+        before, self._lossy, self._few = self._lossy, few & self._few, few
+        if self._lossy == before:
+            return
+        each_ms, names = round(span_us / self._frames / 1000), ", ".join(sorted(self._lossy))
+        self.text = names and f"More than a third of the samples of {names} are lost: is a wire loose?"
+        if names and not self._asked and self._lossy >= self._came.keys():
+            fits = f": set period_ms: {each_ms}" if self._declared and each_ms <= LONGEST_MS else ""
+            expected_ms = f"{self._period_us / 1000:g} ms"
+            self.text = (
+                f"A frame comes every {each_ms} ms, not every {expected_ms}. "
+                f"Either samples are lost, or the device is slower{fits}."
+            )
+
+
+T = TypeVar("T")
+HUNG_US = 1_000_000
+"""Longest time of a call, µs. A longer call has failed; until it returns, the link is down."""
+TODO = "A new decoder is started; report this to the author of the codec."
+
+
+class CodecFailure(LinkError):
+    """The codec of a link raised an exception or returned a result that is not allowed."""
+
+
+class CodecCalls:
+    """Makes calls into a codec, one at a time. A call that does not return cannot be ended, only reported.
+
+    Args:
+        where: the port, for messages.
+    """
+
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self.name = "the codec"
+        self._busy: tuple[str, int] | None = None
+
+    @property
+    def hung(self) -> tuple[str, int] | None:
+        """A sentence about a call that has not returned for too long, and its start, µs; readable from any thread."""
+        busy = self._busy
+        if busy is None or (lasts := now_us() - busy[1]) < HUNG_US:
+            return None
+        what = f"{self.name} has not returned from {busy[0]} for {lasts // 1_000_000} s."
+        todo = "Nothing is read until it does; report it to the author of the codec."
+        return str(LinkError(what, where=self._where, todo=todo)), busy[1]
+
+    def run(self, what: str, function: Callable[[], T]) -> T:
+        """Call the function; raises CodecFailure for any exception, and if the call took too long."""
+        self._busy = (what, begun := now_us())
+        try:
+            result = function()
+        except BaseException as error:  # SystemExit as well: it would end a thread in silence
+            if isinstance(error, KeyboardInterrupt) and threading.current_thread() is threading.main_thread():
+                raise
+            raise self.failure(f"{what} raised {named(error)}") from error
+        finally:
+            self._busy = None
+        if (took := now_us() - begun) >= HUNG_US:
+            raise self.failure(f"{what} took {took / 1e6:.1f} s")
+        return result
+
+    def failure(self, what: str) -> CodecFailure:
+        """Return the error for a failure of the codec."""
+        return CodecFailure(f"{self.name} failed: {what}.", where=self._where, todo=TODO)
+
 
 MOST_KEPT = 65_536
 """Most bytes and elements that a decoder may keep between two calls."""

@@ -9,7 +9,7 @@ import re
 from typing import TYPE_CHECKING
 
 from end_effector_hal.errors import LinkBusyError, LinkError
-from end_effector_hal.wires._processes import holders_of
+from end_effector_hal.wires._claim import holders_of
 
 if TYPE_CHECKING:
     import serial

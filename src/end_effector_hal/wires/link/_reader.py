@@ -18,8 +18,7 @@ from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.link._codec_calls import CodecCalls, CodecFailure
-from end_effector_hal.wires.link._guard import GuardedDecoder
+from end_effector_hal.wires.link._guard import CodecCalls, CodecFailure, GuardedDecoder
 from end_effector_hal.wires.link._port import open_port
 
 

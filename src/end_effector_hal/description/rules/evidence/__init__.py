@@ -2,5 +2,4 @@
 
 from ._channels import CodecChannels, used_channels
 from ._codec import not_fitted, slow, unproven
-from ._measures import measures_of
-from ._span_search import BIT, Spans, SpanSearch, Wanted, range_kpa, widest
+from ._span_search import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest

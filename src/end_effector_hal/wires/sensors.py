@@ -1,4 +1,4 @@
-"""Reads all sources of a tool's channels, and delivers their frames one at a time."""
+"""The sources of a tool's readings: its sensor links, the inputs of its board, or both."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from end_effector_hal.wires.link import LinkHealth, LinkReader
 
 if TYPE_CHECKING:
     from end_effector_hal.codecs.modbus import BusCodec
-
 
 MOST_OVERTAKEN_US = 20_000
 """Longest delay between the threads of two sources, µs; a longer one has another cause (a relay's backlog)."""
