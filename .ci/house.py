@@ -1,8 +1,9 @@
 """Checks of ``make check`` beside the linters: class names, private modules, and the names that packages export.
 
-A public class name is unique within an import package. A private module (``_name``) is imported only by its own
-package and by sub-packages of that. A package exports what its ``__init__`` imports: every such name must be imported
-somewhere, and from there, not from a package that has it from elsewhere. Names that the Python API describes or a
+A public class name is unique within an import package. A private module (``_name``) is imported only by its room, which
+is a package directly below an import package: inside of a room, a module is imported from its file. A package exports
+what its ``__init__`` imports: every such name must be imported somewhere, and from there, not from a package that has
+it from elsewhere. Names that the Python API describes or a
 plug-in imports are in ``__all__``, which is then the list of exports. The sets below hold exceptions; an exception
 that is no longer needed is also a fault.
 """
@@ -71,8 +72,8 @@ def _private(modules: dict[tuple[str, bool], ast.Module]) -> Iterator[tuple[str,
         package = module if is_package else module.rpartition(".")[0]
         for node in ast.walk(tree):
             for imported in _imported(node, package):
-                owner = _owner(imported)
-                if owner and not f"{package}.".startswith(f"{owner}."):
+                room = ".".join(_owner(imported).split(".")[:2])
+                if room and not f"{package}.".startswith(f"{room}."):
                     yield f"{module} -> {imported}", module
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.kinds.stanza import ChangerEndings, Endings, OwnEndings
+from end_effector_hal.kinds.stanza import ChangerEndings, Endings
+from end_effector_hal.kinds.stanza._endings import OwnEndings
 
 Stanza = Mapping[str, Any]
 

@@ -1,6 +1,7 @@
 """Lines and policies for a rules in virtual time."""
 
-from end_effector_hal.arbiter import Need, Policy
+from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbiter.rules._policy import Need
 
 UNLOCK, BOTTOM, CYLINDER, TOP = LINES = ("unlock", "bottom", "cylinder", "top")
 GRIP = (BOTTOM, CYLINDER, TOP)

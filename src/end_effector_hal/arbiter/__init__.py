@@ -3,7 +3,10 @@
 from ._predicate_publisher import REPEAT_US, PredicatePublisher
 from ._process import connect_arbiter, run_arbiter
 from ._tool_policy import HAL, OUTPUTS, SENSOR_FAULT, arbiter_policy, client_lines, output_lines, wired_lines
-from .client import ArbiterClient, PredicateSender
-from .records import recorded_left_behind
-from .rules import DROP_FIRST, Driven, DrivenLine, Exclusion, LineArbiter, Need, Policy, Role, SecondCoil
-from .server import ArbiterServer, serve
+from .client._client import ArbiterClient
+from .client._sender import PredicateSender
+from .records._records import recorded_left_behind
+from .rules._arbiter import LineArbiter
+from .rules._lines import DROP_FIRST
+from .rules._policy import Policy
+from .server._server import ArbiterServer

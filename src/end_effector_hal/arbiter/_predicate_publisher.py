@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from end_effector_hal.arbiter.client import PredicateSender
+from end_effector_hal.arbiter.client._sender import PredicateSender
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.sensing import Predicates, SensorSet

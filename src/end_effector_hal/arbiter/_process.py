@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from end_effector_hal.arbiter.client import ArbiterClient
-from end_effector_hal.arbiter.server import ArbiterServer, serve
+from end_effector_hal.arbiter.client._client import ArbiterClient
+from end_effector_hal.arbiter.server._server import ArbiterServer, serve
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import LineBusyError, UsageError

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from zlib import crc32
 
-from end_effector_hal.arbiter.rules import Exclusion, Need, Policy, Role, SecondCoil
+from end_effector_hal.arbiter.rules._coils import SecondCoil
+from end_effector_hal.arbiter.rules._policy import Exclusion, Need, Policy, Role
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of

@@ -97,7 +97,7 @@ def codec_of(description: Description, name: str | None = None) -> Codec:
     name = next(iter(links)) if name is None else name
     link = links[name]
     if link.frame is not None:
-        from .described import described_codec
+        from end_effector_hal.codecs.described._described import described_codec
 
         return described_codec(link, description.channels_over(name))
     try:

@@ -9,7 +9,7 @@ from pathlib import Path
 from end_effector_hal.codecs._carrier import carrier_of, codec_of, sources_of
 from end_effector_hal.codecs._codec import shows_noise
 from end_effector_hal.codecs._registry import codec_names, get_codec
-from end_effector_hal.codecs.described import described_codec
+from end_effector_hal.codecs.described._described import described_codec
 from end_effector_hal.description import (
     CodecChannels,
     Description,

@@ -7,46 +7,30 @@ together.
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
-from .model import (
+from .model._channels import (
     PASCAL,
     QUANTITIES,
     Channel,
-    Description,
     DeviceAlarm,
     DigitalInput,
-    EStop,
-    Freshness,
     Inputs,
-    Link,
     ModbusFrame,
     RecordFrame,
     RecordValue,
     RegisterValue,
     TextFrame,
     TextValue,
-    ToolChanger,
-    camel_case,
     mask_shift,
     raw_limits,
-    socket_path,
     type_bits,
 )
-from .reading import examine, examine_text, load
-from .rules import (
-    BIT,
-    CodecChannels,
-    Spans,
-    SpanSearch,
-    Wanted,
-    lost_by_silence,
-    measures_of,
-    not_fitted,
-    range_kpa,
-    slow,
-    unproven,
-    used_channels,
-    widest,
-)
+from .model._description import Description, camel_case, socket_path
+from .model._stanzas import EStop, Freshness, Link, ToolChanger
+from .reading._examine import examine, examine_text, load
+from .rules._outputs import lost_by_silence
+from .rules.evidence._channels import CodecChannels, used_channels
+from .rules.evidence._codec import not_fitted, slow, unproven
+from .rules.evidence._span_search import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest
 
 __all__ = [
     "BIT",

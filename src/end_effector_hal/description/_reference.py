@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.errors import DescriptionError, ReportedError
 from end_effector_hal.kinds.stanza import PRINTABLE, Part
 

@@ -9,7 +9,9 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from end_effector_hal.description.model import Channel, Description, Link, PlainOutput
+from end_effector_hal.description.model._channels import Channel
+from end_effector_hal.description.model._description import Description
+from end_effector_hal.description.model._stanzas import Link, PlainOutput
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 

@@ -29,15 +29,15 @@ from end_effector_hal.kinds.stanza import (
     NO_CHANNEL,
     Actuator,
     BelowAmbient,
-    BlowOff,
     EvidenceConditions,
     Hold,
     Name,
     Samples,
-    Settling,
     Supply,
     named,
 )
+from end_effector_hal.kinds.stanza._part import Settling
+from end_effector_hal.kinds.stanza._tool import BlowOff
 from end_effector_hal.signals import PART, Kind, Streak, Trend
 from end_effector_hal.vocabulary import LEAK, WEAK, Evidence, TableState, to_us
 

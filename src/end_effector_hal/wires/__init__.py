@@ -2,4 +2,4 @@
 
 from ._claim import Claim, Holder, holders_of, program_name
 from ._clock import now_us, tune_interpreter
-from ._relay import RELAYED, connect_relay, relay_path
+from ._relay import RELAYED, relay_path

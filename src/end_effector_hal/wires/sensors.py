@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING, cast
 from end_effector_hal.codecs import Codec, codec_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.signals import Frame
-from end_effector_hal.wires import connect_relay, relay_path
-from end_effector_hal.wires.inputs import InputsHealth, InputsReader, RelayedInputs
-from end_effector_hal.wires.link import LinkHealth, LinkReader
+from end_effector_hal.wires import relay_path
+from end_effector_hal.wires._relay import connect_relay
+from end_effector_hal.wires.inputs import InputsHealth, InputsReader
+from end_effector_hal.wires.inputs._relayed import RelayedInputs
+from end_effector_hal.wires.link import LinkHealth
+from end_effector_hal.wires.link._reader import LinkReader
 
 if TYPE_CHECKING:
     from end_effector_hal.codecs.modbus import BusCodec

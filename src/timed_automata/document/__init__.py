@@ -1,6 +1,6 @@
 """A UPPAAL file as an XML document whose texts keep their position, and the wording of faults."""
 
-from ._document import Document, DrawnEdge, DrawnLocation, Label, Note, StoredQuery, Template
+from ._document import Document, DrawnEdge, DrawnLocation, Label, StoredQuery, Template
 from ._text import Span, Text, did_you_mean, fault, refused
 from ._xml_file import load_document, load_source, read_document, write_document
 
@@ -9,7 +9,6 @@ __all__ = [
     "DrawnEdge",
     "DrawnLocation",
     "Label",
-    "Note",
     "Span",
     "StoredQuery",
     "Template",

@@ -2,7 +2,10 @@
 
 from ._explorer import Explorer, RunTimeError, verify
 from ._overview import Overview, overview
-from .properties import CoverageReport, Extreme, ReactionBound, Verdict, relaxed
+from .properties._coverage_report import CoverageReport
+from .properties._responses import relaxed
+from .properties._room import ReactionBound
+from .properties._verdict import Extreme, Verdict
 
 __all__ = [
     "CoverageReport",

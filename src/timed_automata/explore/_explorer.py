@@ -8,36 +8,19 @@ from functools import partial
 
 from timed_automata.document import StoredQuery, Text
 from timed_automata.errors import RangeError
-from timed_automata.explore.properties import (
-    FoundExtreme,
-    Reachability,
-    Verdict,
-    answer,
-    extreme_clock,
-    extreme_integer,
-    reachability,
-    taken,
-    timelock,
-    zeno_run,
-)
-from timed_automata.explore.search import (
-    Lasso,
-    LassoSearch,
-    Leg,
-    NoRunError,
-    Only,
-    OutOfRangeError,
-    Progress,
-    Search,
-    Start,
-    Within,
-    ZoneCondition,
-    anywhere,
-    concrete,
-    without_collector,
-)
-from timed_automata.explore.states import DiscreteSpace, InvariantGuardedSpace, SymbolicSpace
-from timed_automata.explore.zones import Limits, QueryLimits, limits_of
+from timed_automata.explore.properties._extremes import FoundExtreme, extreme_clock, extreme_integer
+from timed_automata.explore.properties._reachability import Reachability, answer, reachability, timelock
+from timed_automata.explore.properties._verdict import Verdict
+from timed_automata.explore.properties._zeno import taken, zeno_run
+from timed_automata.explore.search import Search, without_collector
+from timed_automata.explore.search._concrete import Leg, NoRunError, anywhere, concrete
+from timed_automata.explore.search._conditions import Only, Within, ZoneCondition
+from timed_automata.explore.search._liveness import Lasso, LassoSearch, Start
+from timed_automata.explore.search._reach import OutOfRangeError, Progress
+from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
+from timed_automata.explore.states._symbolic import InvariantGuardedSpace
+from timed_automata.explore.zones import Limits
+from timed_automata.explore.zones._limits import QueryLimits, limits_of
 from timed_automata.language import ast
 from timed_automata.network import Network, Trace
 from timed_automata.queries import (

@@ -9,35 +9,21 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from timed_automata.explore.properties import (
-    BoundedResponse,
-    Coverage,
-    CoverageReport,
-    LeadsTo,
-    ReactionBound,
-    Room,
-    bounded,
-    open_channels,
-    taken,
-    zeno_cycle,
-)
-from timed_automata.explore.search import (
-    Deadlocks,
-    Progress,
-    SearchNode,
-    Stage,
-    WidestFirst,
-    ZoneCondition,
-    without_collector,
-)
-from timed_automata.explore.states import (
-    DiscreteSpace,
-    InvariantGuardedSpace,
-    SlicedSemantics,
-    StateRecord,
-    SymbolicSpace,
-)
-from timed_automata.explore.zones import Limit, Limits, QueryLimits, limits_of, tested_clocks
+from timed_automata.explore.properties import Coverage
+from timed_automata.explore.properties._coverage_report import CoverageReport, open_channels
+from timed_automata.explore.properties._responses import BoundedResponse, LeadsTo, bounded
+from timed_automata.explore.properties._room import ReactionBound, Room
+from timed_automata.explore.properties._zeno import taken, zeno_cycle
+from timed_automata.explore.search import without_collector
+from timed_automata.explore.search._conditions import ZoneCondition
+from timed_automata.explore.search._deadlock import Deadlocks
+from timed_automata.explore.search._reach import Progress, WidestFirst
+from timed_automata.explore.search._stages import SearchNode, Stage
+from timed_automata.explore.states import DiscreteSpace, StateRecord, SymbolicSpace
+from timed_automata.explore.states._semantics import SlicedSemantics
+from timed_automata.explore.states._symbolic import InvariantGuardedSpace
+from timed_automata.explore.zones import Limit, Limits
+from timed_automata.explore.zones._limits import QueryLimits, limits_of, tested_clocks
 from timed_automata.language import ast
 from timed_automata.network import Network
 from timed_automata.queries import (

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.arbiter.client import PredicateSender
+from end_effector_hal.arbiter.client._sender import PredicateSender
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.runtime import EndEffector

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.arbiter.records import FileStorage, Journal
+from end_effector_hal.arbiter.records import Journal
+from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import Program, open_program

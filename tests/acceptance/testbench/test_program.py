@@ -18,7 +18,7 @@ import pytest
 
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualLines
-from end_effector_hal.wires.link import LinkReader
+from end_effector_hal.wires.link._reader import LinkReader
 from tests.support.nightly import first_of
 from tests.support.patience import PATIENCE_S
 

@@ -13,7 +13,8 @@ from end_effector_hal.codecs import get_codec
 from end_effector_hal.errors import LinkBusyError, LinkError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.link import LinkReader, LinkState, PtyPair, _reader, open_port
+from end_effector_hal.wires.link import LinkState, PtyPair, _reader, open_port
+from end_effector_hal.wires.link._reader import LinkReader
 
 pytestmark = pytest.mark.wall
 

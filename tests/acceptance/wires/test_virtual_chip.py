@@ -7,15 +7,8 @@ import threading
 import pytest
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires.lines import (
-    ChipState,
-    ChipWatcher,
-    Edge,
-    LineState,
-    VirtualChip,
-    VirtualLines,
-    read_chip,
-)
+from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip, VirtualLines, read_chip
+from end_effector_hal.wires.lines._chip_log import ChipState, LineState
 
 pytestmark = pytest.mark.wall
 

@@ -11,7 +11,8 @@ from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules import ArbiterState, Session, read_arbiter_state
+from end_effector_hal.arbiter.rules import Session
+from end_effector_hal.arbiter.rules._session import ArbiterState, read_arbiter_state
 from end_effector_hal.verification.lemmas import COILS_FILE
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.seen import SeenStep, seen

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy, SecondCoil
+from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules import ArbiterState
-from end_effector_hal.arbiter.rules._coils import Coils
+from end_effector_hal.arbiter.rules._coils import Coils, SecondCoil
+from end_effector_hal.arbiter.rules._session import ArbiterState
 from tests.support.nightly import first_of
 from tests.unit.arbiter.coil_runs import BACK, JAW, MS, CoilRun, model_text, random_coil_run
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy, SecondCoil
-from end_effector_hal.arbiter.records import FileStorage
+from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.records._journal import Journal, JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
+from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.rules._coils import SecondCoil
+from end_effector_hal.arbiter.rules._session import ArbiterState, read_arbiter_state
 from end_effector_hal.errors import UsageError, WireError
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import MS, TOKEN, S

@@ -7,7 +7,8 @@ import sys
 from collections.abc import Mapping
 from types import FrameType
 
-from end_effector_hal.arbiter.rules import LineArbiter, Policy
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.vocabulary import LastWillStep
 
 MOST_CALLS = 14

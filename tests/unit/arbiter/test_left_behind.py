@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.arbiter import LineArbiter, Policy, Role, SecondCoil
+from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.records import NO_ANSWER, Records
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules import DrivenLine, left_behind, read_arbiter_state
-from end_effector_hal.arbiter.rules._session import ArbiterState
+from end_effector_hal.arbiter.rules._coils import SecondCoil
+from end_effector_hal.arbiter.rules._lines import left_behind
+from end_effector_hal.arbiter.rules._policy import Role
+from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, read_arbiter_state
 from end_effector_hal.errors import LineRefusedError, UsageError
 from tests.support.keeping import BOTTOM, CYLINDER, GRIP, MS, TOKEN, TOP, UNLOCK, Lines, S
 from tests.support.keeping import POLICY as WITHOUT_ROLES

@@ -11,7 +11,7 @@ from end_effector_hal.arbiter import LineArbiter
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._records import recall
-from end_effector_hal.arbiter.rules import UNKNOWN_ROLES
+from end_effector_hal.arbiter.rules._lines import UNKNOWN_ROLES
 from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord, read_arbiter_state
 from end_effector_hal.errors import LineBusyError, LineRefusedError
 from end_effector_hal.vocabulary import LastWillStep

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 import pytest
 
-from end_effector_hal.arbiter import Exclusion, LineArbiter, Need, Policy
-from end_effector_hal.arbiter.rules import ArbiterState
-from end_effector_hal.arbiter.rules._session import SessionRecord
+from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbiter.rules._policy import Exclusion, Need
+from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord
 from end_effector_hal.errors import LineRefusedError
 from end_effector_hal.wires.lines import ComposedLines, LineHandover, RemoteLines
 from tests.support.keeping import MS, TOKEN, S

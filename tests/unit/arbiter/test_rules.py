@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from end_effector_hal.arbiter import Exclusion, Policy
+from end_effector_hal.arbiter import Policy
 from end_effector_hal.arbiter.protocol import LastWillRunsError
+from end_effector_hal.arbiter.rules._policy import Exclusion
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
 from end_effector_hal.vocabulary import LastWillStep
 from tests.support.keeping import (

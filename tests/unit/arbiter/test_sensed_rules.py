@@ -5,7 +5,8 @@ from functools import partial
 
 import pytest
 
-from end_effector_hal.arbiter import Exclusion, LineArbiter, Policy
+from end_effector_hal.arbiter import LineArbiter, Policy
+from end_effector_hal.arbiter.rules._policy import Exclusion
 from end_effector_hal.arbiter.rules._session import ArbiterState
 from end_effector_hal.errors import LineRefusedError, UsageError
 from end_effector_hal.vocabulary import LastWillStep

@@ -21,18 +21,17 @@ from end_effector_hal.codecs.conformance import check_frames
 from end_effector_hal.errors import LinkError, UsageError
 from end_effector_hal.signals import Frame, Kind
 from end_effector_hal.wires.link import (
-    WEIGHED_AFTER,
     CodecCalls,
-    CodecFailure,
     GuardedDecoder,
     LinkHealth,
-    LinkReader,
     LinkState,
     PtyPair,
     _guard,
     _reader,
     open_port,
 )
+from end_effector_hal.wires.link._guard import WEIGHED_AFTER, CodecFailure
+from end_effector_hal.wires.link._reader import LinkReader
 from tests.support.patience import PATIENCE_S, wait_until
 from tests.unit.codecs.faulty_codec import AskingCodec, FaultyCodec, FaultyDecoder
 

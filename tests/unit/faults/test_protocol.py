@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.faults import LONGEST, MOST_TEXT, FaultRequest, socket_of_testbench
-from end_effector_hal.wires.rpc import read_message
+from end_effector_hal.wires.rpc._messages import read_message
 
 RIGHT = {"id": 1, "word": "check", "scenario": "nominal", "until_us": 5}
 

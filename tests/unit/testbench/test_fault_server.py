@@ -16,7 +16,8 @@ from end_effector_hal.description import load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.faults import LONGEST
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.rpc import VALID_US, ClientLimits
+from end_effector_hal.wires.rpc import ClientLimits
+from end_effector_hal.wires.rpc._messages import VALID_US
 from end_effector_lab.testbench import FaultServer, Testbench, open_inputs, open_ports, write_virtual_copy
 from tests.support.patience import wait_until
 

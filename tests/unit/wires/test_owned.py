@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from end_effector_hal.arbiter import ArbiterServer, Policy
-from end_effector_hal.arbiter.records import FileStorage
+from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.data_logger._commands_log import CommandsLog

@@ -17,7 +17,8 @@ from end_effector_hal.description import Description, load
 from end_effector_hal.errors import LinkError
 from end_effector_hal.wires.bus import BusLink
 from end_effector_hal.wires.bus._lines import BusLines
-from end_effector_hal.wires.link import LinkReader, open_port
+from end_effector_hal.wires.link import open_port
+from end_effector_hal.wires.link._reader import LinkReader
 from end_effector_hal.wires.sensors import SensorReader
 from end_effector_lab.testbench import open_ports
 

@@ -1,4 +1,1 @@
 """Clients of the arbiter's socket: for programs that write lines, and for the process that reads the sensors."""
-
-from ._client import ArbiterClient
-from ._sender import PredicateSender

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
-from end_effector_hal.arbiter.rules import Driven, read_driven, read_faults, read_levels
+from end_effector_hal.arbiter.rules import Driven
+from end_effector_hal.arbiter.rules._session import read_driven, read_faults, read_levels
 from end_effector_hal.errors import UsageError
 
 _log = logging.getLogger("end_effector_hal.arbiter")

@@ -10,16 +10,12 @@ from typing import Protocol
 
 from end_effector_hal.arbiter.records._journal import JournalEntry
 from end_effector_hal.arbiter.records._session_store import SessionStore
-from end_effector_hal.arbiter.rules import (
-    FORMER,
-    UNKNOWN_ROLES,
-    ArbiterState,
-    Driven,
-    DrivenLine,
-    LineArbiter,
-    Policy,
-    left_behind,
-)
+from end_effector_hal.arbiter.rules import Driven
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from end_effector_hal.arbiter.rules._lines import UNKNOWN_ROLES, left_behind
+from end_effector_hal.arbiter.rules._policy import Policy
+from end_effector_hal.arbiter.rules._predicates import FORMER
+from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from end_effector_hal.arbiter.protocol import read_json, write_json
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import FileStorage, Storage
-from end_effector_hal.arbiter.rules import ArbiterState, read_arbiter_state
+from end_effector_hal.arbiter.rules._session import ArbiterState, read_arbiter_state
 from end_effector_hal.errors import UsageError
 from end_effector_hal.wires import now_us
 

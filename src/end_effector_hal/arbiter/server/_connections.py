@@ -8,7 +8,8 @@ import struct
 from collections import Counter
 from operator import attrgetter
 
-from end_effector_hal.arbiter.rules import Session, process_words
+from end_effector_hal.arbiter.rules import Session
+from end_effector_hal.arbiter.rules._session import process_words
 from end_effector_hal.vocabulary import LONGEST_MESSAGE
 from end_effector_hal.wires import now_us, program_name
 from end_effector_hal.wires.rpc import Listener, Peer, Peers

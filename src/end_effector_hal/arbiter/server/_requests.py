@@ -16,7 +16,9 @@ from end_effector_hal.arbiter.protocol import (
     read_request,
 )
 from end_effector_hal.arbiter.records import Records
-from end_effector_hal.arbiter.rules import CLOCKS, SKEW_US, LineArbiter, SecondSenderError, SenderRole
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from end_effector_hal.arbiter.rules._predicates import CLOCKS, SKEW_US
+from end_effector_hal.arbiter.rules._sender_role import SecondSenderError, SenderRole
 from end_effector_hal.arbiter.server._connections import Connection
 from end_effector_hal.errors import ArbiterError, ReportedError
 from end_effector_hal.wires import now_us

@@ -13,16 +13,14 @@ from typing import Protocol
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.arbiter.protocol import write_message
-from end_effector_hal.arbiter.records import (
-    FileStorage,
-    Journal,
-    JournalThread,
-    Records,
-    SessionStore,
-    recorded_left_behind,
-    this_boot,
-)
-from end_effector_hal.arbiter.rules import DROP_FIRST, LineArbiter, Policy
+from end_effector_hal.arbiter.records import Journal, Records, SessionStore
+from end_effector_hal.arbiter.records._journal import JournalThread
+from end_effector_hal.arbiter.records._records import recorded_left_behind
+from end_effector_hal.arbiter.records._session_store import this_boot
+from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.arbiter.rules._arbiter import LineArbiter
+from end_effector_hal.arbiter.rules._lines import DROP_FIRST
+from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.errors import ArbiterError, UsageError, WireError

@@ -1,5 +1,3 @@
 """Codecs that a description declares: `link: {frame: …}` with `channels`, instead of the name of a codec."""
 
-from ._codec import DescribedCodec
-from ._described import described_codec
 from ._field import CHECKSUMS

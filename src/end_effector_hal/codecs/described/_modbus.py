@@ -7,16 +7,9 @@ from itertools import groupby
 
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine, by_place
 from end_effector_hal.codecs.described._field import Field, RawType
-from end_effector_hal.codecs.modbus import (
-    COILS,
-    DISCRETE_INPUTS,
-    HOLDING,
-    INPUT,
-    ModbusDevice,
-    ModbusMaster,
-    ModbusRtu,
-    Read,
-)
+from end_effector_hal.codecs.modbus import ModbusMaster, ModbusRtu, Read
+from end_effector_hal.codecs.modbus._codec import ModbusDevice
+from end_effector_hal.codecs.modbus._read import COILS, DISCRETE_INPUTS, HOLDING, INPUT
 from end_effector_hal.description import Channel, ModbusFrame, RegisterValue
 from end_effector_hal.signals import Frame, Kind, Value
 

@@ -1,3 +1,1 @@
 """Reads a description from YAML, or finds every fault that it has, with its place and a helpful message."""
-
-from ._examine import examine, examine_text, load

@@ -10,17 +10,14 @@ from pydantic import ValidationError
 
 from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mean
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.reading._yaml import position
-from end_effector_hal.description.rules import (
-    channel_faults,
-    frame_faults,
-    limit_faults,
-    order_faults,
-    output_faults,
-    rule_faults,
-    shared_faults,
-)
+from end_effector_hal.description.rules._order import order_faults
+from end_effector_hal.description.rules._outputs import output_faults
+from end_effector_hal.description.rules._shared import shared_faults
+from end_effector_hal.description.rules._stanzas import limit_faults, rule_faults
+from end_effector_hal.description.rules.frames._declared import channel_faults
+from end_effector_hal.description.rules.frames._frames import frame_faults
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not

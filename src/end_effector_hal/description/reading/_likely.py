@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from end_effector_hal.description._fault import Keys, Places
 from end_effector_hal.description._shape import fields_of, stanza_at
-from end_effector_hal.description.model import Channel, Description
+from end_effector_hal.description.model._channels import Channel
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
 
 _UNREAD = "unread"

@@ -10,7 +10,7 @@ from typing import Any, get_origin
 
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, closest
 from end_effector_hal.description._shape import fields_of, part_in, top_mappings
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds.stanza import Part
 
 

@@ -18,7 +18,7 @@ from end_effector_hal.description._numbers import (
     with_unit,
     wrong_scale,
 )
-from end_effector_hal.description.model import HEXADECIMAL
+from end_effector_hal.description.model._channels import HEXADECIMAL
 from end_effector_hal.kinds.stanza import PRINTABLE, Condition
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from end_effector_hal.description._fault import Fault, Keys, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import Description
-
-from .evidence import CodecChannels
-from .frames import link_of
+from end_effector_hal.description.model._description import Description
+from end_effector_hal.description.rules.evidence._channels import CodecChannels
+from end_effector_hal.description.rules.frames._frames import link_of
 
 CODE = "EE-229"
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import camel_case
+from end_effector_hal.description.model._description import camel_case
 from end_effector_hal.kinds import get_kind
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 from end_effector_hal.signals import Kind

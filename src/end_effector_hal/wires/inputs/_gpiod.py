@@ -13,7 +13,8 @@ from typing import Any
 
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import WireError
-from end_effector_hal.wires.lines import busy, chip_requests, find_lines, load_gpiod, open_chip
+from end_effector_hal.wires.lines import load_gpiod, open_chip
+from end_effector_hal.wires.lines._gpiod import busy, chip_requests, find_lines
 
 from ._lines import Edges, LineEdge
 

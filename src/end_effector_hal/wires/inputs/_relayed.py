@@ -16,7 +16,8 @@ from end_effector_hal.errors import LinkError, UsageError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires._relay import connect_relay
-from end_effector_hal.wires.rpc import Client, read_message, record_line
+from end_effector_hal.wires.rpc import Client, record_line
+from end_effector_hal.wires.rpc._messages import read_message
 
 from ._reader import InputsHealth
 

@@ -12,7 +12,8 @@ from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import WireError
 from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip, line_not_found
+from end_effector_hal.wires.lines import ChipWatcher, Edge, VirtualChip
+from end_effector_hal.wires.lines._backend import line_not_found
 
 from ._lines import Edges, LineEdge
 

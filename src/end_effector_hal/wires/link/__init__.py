@@ -1,6 +1,6 @@
 """Links: they deliver sensor frames from a serial port."""
 
-from ._guard import WEIGHED_AFTER, CodecCalls, CodecFailure, GuardedDecoder
+from ._guard import CodecCalls, GuardedDecoder
 from ._port import open_port
 from ._pty import PtyPair
-from ._reader import LinkHealth, LinkReader, LinkState
+from ._reader import LinkHealth, LinkState

@@ -50,6 +50,6 @@ record by the table, passes it on, and awaits the answers to its requests. Both 
 
 from ._client import Client, ask
 from ._listener import Listener, no_socket
-from ._messages import VALID_US, Reply, RpcRequest, read_message, record_line
+from ._messages import Reply, RpcRequest, record_line
 from ._peers import Peer, Peers
 from ._server import ClientLimits, Server

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from timed_automata.document import DrawnEdge
 from timed_automata.explore.properties._zeno import Taken
-from timed_automata.explore.states import Action, StateRecord
+from timed_automata.explore.states import StateRecord
+from timed_automata.explore.states._discrete import Action
 from timed_automata.language import names_in
 from timed_automata.network import Edge, Network, Process
 

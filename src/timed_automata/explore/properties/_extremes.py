@@ -7,23 +7,15 @@ from dataclasses import dataclass
 from itertools import islice
 
 from timed_automata.explore.properties._verdict import Extreme
-from timed_automata.explore.search import Ending, Progress, Search, SearchNode, ZoneCondition
+from timed_automata.explore.search import Search
+from timed_automata.explore.search._concrete import Ending
+from timed_automata.explore.search._conditions import ZoneCondition
+from timed_automata.explore.search._reach import Progress
+from timed_automata.explore.search._stages import SearchNode
 from timed_automata.explore.states import DiscreteSpace, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import (
-    INFINITY,
-    LARGEST,
-    NEVER,
-    Limit,
-    Limits,
-    QueryLimits,
-    Zone,
-    at_most,
-    below,
-    constrained,
-    largest,
-    limits_of,
-    merged,
-)
+from timed_automata.explore.zones import INFINITY, Limit, Limits, Zone, constrained
+from timed_automata.explore.zones._limits import NEVER, QueryLimits, largest, limits_of, merged
+from timed_automata.explore.zones._zone import LARGEST, at_most, below
 from timed_automata.queries import Formula
 
 MOST = 1 << 24  # a supremum beyond is called unbounded (4.6 hours in milliseconds)

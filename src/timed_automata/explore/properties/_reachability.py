@@ -6,18 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from timed_automata.explore.properties._verdict import Verdict
-from timed_automata.explore.search import (
-    MOST_DOUBTS,
-    Deadlocks,
-    Ending,
-    NoRunError,
-    Search,
-    SearchNode,
-    ZoneCondition,
-    concrete,
-)
+from timed_automata.explore.search import Search
+from timed_automata.explore.search._concrete import Ending, NoRunError, concrete
+from timed_automata.explore.search._conditions import ZoneCondition
+from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
+from timed_automata.explore.search._stages import SearchNode
 from timed_automata.explore.states import StateRecord
-from timed_automata.explore.zones import Limit, Zone, limits_of
+from timed_automata.explore.zones import Limit, Zone
+from timed_automata.explore.zones._limits import limits_of
 from timed_automata.network import Network
 from timed_automata.queries import Query, compile_formula, mentions_deadlock
 

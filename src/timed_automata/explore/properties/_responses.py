@@ -5,26 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from timed_automata.explore.properties._verdict import Extreme
-from timed_automata.explore.search import (
-    LassoSearch,
-    Only,
-    Progress,
-    SearchNode,
-    Start,
-    Within,
-    ZoneCondition,
-)
+from timed_automata.explore.search._conditions import Only, Within, ZoneCondition
+from timed_automata.explore.search._liveness import LassoSearch, Start
+from timed_automata.explore.search._reach import Progress
+from timed_automata.explore.search._stages import SearchNode
 from timed_automata.explore.states import SymbolicSpace
-from timed_automata.explore.zones import (
-    INFINITY,
-    NEVER,
-    Limit,
-    at_most,
-    below,
-    constrained,
-    limits_of,
-    merged,
-)
+from timed_automata.explore.zones import INFINITY, Limit, constrained
+from timed_automata.explore.zones._limits import NEVER, limits_of, merged
+from timed_automata.explore.zones._zone import at_most, below
 from timed_automata.language import ast
 from timed_automata.network import Network
 from timed_automata.queries import (

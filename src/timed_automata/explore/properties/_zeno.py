@@ -18,16 +18,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from timed_automata.compiler import Bound
-from timed_automata.explore.search import (
-    Leg,
-    NoRunError,
-    Search,
-    anywhere,
-    components,
-    concrete,
-    shortest_cycle,
-)
-from timed_automata.explore.states import Action, Move, StateRecord
+from timed_automata.explore.search import Search
+from timed_automata.explore.search._concrete import Leg, NoRunError, anywhere, concrete
+from timed_automata.explore.search._cycles import components, shortest_cycle
+from timed_automata.explore.states import Move, StateRecord
+from timed_automata.explore.states._discrete import Action
 from timed_automata.network import Trace
 
 Taken = tuple[StateRecord, StateRecord, Move]  # from, to, by

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from timed_automata.compiler import Bound
 from timed_automata.explore.search._conditions import Grow, freely
 from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import AT_MOST_ZERO, INFINITY, Zone, at_most, below, constraints_of
+from timed_automata.explore.zones import AT_MOST_ZERO, INFINITY, Zone, constraints_of
+from timed_automata.explore.zones._zone import at_most, below
 from timed_automata.network import Trace, TraceStep, changes_between
 
 _MARGINS = tuple(Fraction(1, parts) for parts in (1, 2, 5, 10, 100, 1000))  # by which strict bounds are kept

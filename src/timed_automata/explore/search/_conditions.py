@@ -8,16 +8,8 @@ from typing import NamedTuple
 
 from timed_automata.explore.search._deadlock import Deadlocks
 from timed_automata.explore.states import StateRecord
-from timed_automata.explore.zones import (
-    Constraint,
-    Zone,
-    constrained,
-    constraints_of,
-    everything,
-    intersection,
-    subtract,
-    up,
-)
+from timed_automata.explore.zones import Zone, constrained, constraints_of, subtract, up
+from timed_automata.explore.zones._zone import Constraint, everything, intersection
 from timed_automata.queries import Formula
 
 ZoneCase = tuple[tuple[Constraint, ...], bool | None]

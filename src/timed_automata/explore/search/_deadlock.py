@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from timed_automata.explore.states import PlannedMove, StateRecord
-from timed_automata.explore.zones import (
-    Constraint,
-    Zone,
-    constrained,
-    constraints_of,
-    down,
-    everything,
-    included,
-    subtract,
-)
+from timed_automata.explore.states import StateRecord
+from timed_automata.explore.states._symbolic import PlannedMove
+from timed_automata.explore.zones import Zone, constrained, constraints_of, included, subtract
+from timed_automata.explore.zones._zone import Constraint, down, everything
 
 MOST_DOUBTS = 20  # deadlocks in widened zones that turn out to be none: then a finer search is cheaper
 Way = tuple[Constraint, ...]

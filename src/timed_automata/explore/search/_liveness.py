@@ -18,17 +18,10 @@ from timed_automata.explore.search._conditions import Within
 from timed_automata.explore.search._cycles import components, shortest_cycle
 from timed_automata.explore.search._deadlock import MOST_DOUBTS, Deadlocks
 from timed_automata.explore.search._reach import EVERY, OutOfRangeError, Progress
-from timed_automata.explore.states import Action, Move, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import (
-    Zone,
-    constrained,
-    constraints_of,
-    down,
-    everything,
-    included,
-    subtract,
-    unbounded,
-)
+from timed_automata.explore.states import Move, StateRecord, SymbolicSpace
+from timed_automata.explore.states._discrete import Action
+from timed_automata.explore.zones import Zone, constrained, constraints_of, included, subtract
+from timed_automata.explore.zones._zone import down, everything, unbounded
 
 
 class Start(NamedTuple):

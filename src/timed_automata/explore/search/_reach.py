@@ -13,8 +13,11 @@ from operator import attrgetter, le, not_
 from timed_automata.errors import RangeError
 from timed_automata.explore.search._concrete import Leg
 from timed_automata.explore.search._stages import SearchNode, Stage, Stages
-from timed_automata.explore.states import Action, Form, StateRecord, SymbolicSpace
-from timed_automata.explore.zones import Zone, guard_bits, packed
+from timed_automata.explore.states import StateRecord, SymbolicSpace
+from timed_automata.explore.states._discrete import Action
+from timed_automata.explore.states._symbolic import Form
+from timed_automata.explore.zones import Zone
+from timed_automata.explore.zones._zone import guard_bits, packed
 
 Progress = Callable[[int], None]
 EVERY = 1000  # states between two words on progress

@@ -23,8 +23,10 @@ from typing import NamedTuple
 from timed_automata.compiler import Values
 from timed_automata.explore.search._concrete import Leg
 from timed_automata.explore.search._cycles import components, strong
-from timed_automata.explore.states import Action, Move, StateRecord
-from timed_automata.explore.zones import Zone, packed
+from timed_automata.explore.states import Move, StateRecord
+from timed_automata.explore.states._discrete import Action
+from timed_automata.explore.zones import Zone
+from timed_automata.explore.zones._zone import packed
 from timed_automata.network import Network, Process
 
 

@@ -10,17 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from operator import itemgetter
 
-from timed_automata.explore.zones import (
-    AT_MOST_ZERO,
-    INFINITY,
-    Constraint,
-    UniqueZones,
-    Widening,
-    Zone,
-    delay,
-    extrapolated,
-    tighten,
-)
+from timed_automata.explore.zones import AT_MOST_ZERO, INFINITY, Zone, extrapolated
+from timed_automata.explore.zones._extrapolation import Widening
+from timed_automata.explore.zones._zone import Constraint, UniqueZones, delay, tighten
 
 
 class Rearrangement:

@@ -9,17 +9,9 @@ from timed_automata.compiler import Bound
 from timed_automata.errors import ModelError
 from timed_automata.explore.states._discrete import Action, DiscreteSpace, DiscreteState, Move
 from timed_automata.explore.states._plan import Plan, Rearrangement
-from timed_automata.explore.zones import (
-    IMPOSSIBLE,
-    Constraint,
-    Limit,
-    Limits,
-    UniqueZones,
-    Widening,
-    Zone,
-    as_constraints,
-    widening,
-)
+from timed_automata.explore.zones import Limit, Limits, Zone, as_constraints, widening
+from timed_automata.explore.zones._extrapolation import Widening
+from timed_automata.explore.zones._zone import IMPOSSIBLE, Constraint, UniqueZones
 
 
 class PlannedMove(NamedTuple):

@@ -18,7 +18,9 @@ from end_effector_hal.runtime import EndEffector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.inputs import GpiodInputLines, InputsReader, LineEdge
+from end_effector_hal.wires.inputs import InputsReader
+from end_effector_hal.wires.inputs._gpiod import GpiodInputLines
+from end_effector_hal.wires.inputs._lines import LineEdge
 from tests.acceptance.gpiochip.inside.simulated import SimulatedChip
 from tests.support.patience import wait_until
 

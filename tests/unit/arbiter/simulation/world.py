@@ -12,10 +12,11 @@ from types import SimpleNamespace
 from typing import Any
 
 from end_effector_hal import runtime
-from end_effector_hal.arbiter import HAL, ArbiterClient, Policy, Role, arbiter_policy, client_lines
+from end_effector_hal.arbiter import HAL, ArbiterClient, Policy, arbiter_policy, client_lines
 from end_effector_hal.arbiter.client import _client
 from end_effector_hal.arbiter.protocol import write_message
-from end_effector_hal.arbiter.rules import FORMER
+from end_effector_hal.arbiter.rules._policy import Role
+from end_effector_hal.arbiter.rules._predicates import FORMER
 from end_effector_hal.arbiter.server import _requests
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import load, profile_path

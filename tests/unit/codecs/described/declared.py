@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from end_effector_hal.codecs import codec_of
-from end_effector_hal.codecs.described import DescribedCodec
+from end_effector_hal.codecs.described._codec import DescribedCodec
 from end_effector_hal.description import Description, examine_text
 
 TOOL = """\

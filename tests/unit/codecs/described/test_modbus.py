@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.codecs.conformance import EXAMPLES
-from end_effector_hal.codecs.described import DescribedCodec
+from end_effector_hal.codecs.described._codec import DescribedCodec
 from end_effector_hal.codecs.polled_conformance import PolledCodecConformance
 from end_effector_hal.signals import Frame, Kind, Value
 

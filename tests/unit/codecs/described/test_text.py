@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.codecs.conformance import EXAMPLES, CodecConformance
-from end_effector_hal.codecs.described import DescribedCodec
+from end_effector_hal.codecs.described._codec import DescribedCodec
 from end_effector_hal.signals import Frame, Value
 
 from .declared import declared

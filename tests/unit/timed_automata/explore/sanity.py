@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from timed_automata import Network, Trace
 from timed_automata.explore import CoverageReport, Explorer
-from timed_automata.explore.properties import Coverage, open_channels, taken
+from timed_automata.explore.properties import Coverage
+from timed_automata.explore.properties._coverage_report import open_channels
+from timed_automata.explore.properties._zeno import taken
 from timed_automata.explore.search import Search
 from timed_automata.explore.states import SymbolicSpace
 from timed_automata.explore.zones import Limits

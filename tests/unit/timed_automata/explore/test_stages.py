@@ -9,8 +9,9 @@ from tests.support.nightly import NIGHTLY, PHASES, examples
 from tests.unit.timed_automata.explore.models import Template, network
 from tests.unit.timed_automata.explore.random_networks import networks
 from timed_automata import Network
-from timed_automata.explore.search import Search, Stage, WidestFirst
-from timed_automata.explore.search._stages import Stages
+from timed_automata.explore.search import Search
+from timed_automata.explore.search._reach import WidestFirst
+from timed_automata.explore.search._stages import Stage, Stages
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
 from timed_automata.explore.zones import Limits
 

@@ -6,10 +6,11 @@ import tracemalloc
 
 from tests.unit.timed_automata.explore.classics import fischer
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata.explore.search import Search, SearchNode
+from timed_automata.explore.search import Search
+from timed_automata.explore.search._stages import SearchNode
 from timed_automata.explore.states import DiscreteSpace, SymbolicSpace
-from timed_automata.explore.zones import Limits, UniqueZones, included
-from timed_automata.explore.zones._zone import INFINITY, at_most, below
+from timed_automata.explore.zones import Limits, included
+from timed_automata.explore.zones._zone import INFINITY, UniqueZones, at_most, below
 
 
 def test_moves_that_are_alike_but_for_their_clocks_share_a_plan() -> None:

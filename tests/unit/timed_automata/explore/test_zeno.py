@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 
 from tests.support.nightly import examples
 from timed_automata.compiler import Bound
-from timed_automata.explore.properties import _zeno, zeno_cycle
-from timed_automata.explore.search import components
-from timed_automata.explore.states import Action, Move
+from timed_automata.explore.properties import _zeno
+from timed_automata.explore.properties._zeno import zeno_cycle
+from timed_automata.explore.search._cycles import components
+from timed_automata.explore.states import Move
+from timed_automata.explore.states._discrete import Action
 
 
 class Step(NamedTuple):

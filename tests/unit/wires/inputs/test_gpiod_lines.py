@@ -12,7 +12,8 @@ import pytest
 
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
-from end_effector_hal.wires.inputs import GpiodInputLines, LineEdge
+from end_effector_hal.wires.inputs._gpiod import GpiodInputLines
+from end_effector_hal.wires.inputs._lines import LineEdge
 from end_effector_hal.wires.lines import _gpiod as module
 from tests.support.input_kernel import InputKernel
 

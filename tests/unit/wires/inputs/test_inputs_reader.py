@@ -10,11 +10,12 @@ from types import SimpleNamespace
 import pytest
 
 from end_effector_hal.description import Description
-from end_effector_hal.description.reading import examine_text
+from end_effector_hal.description.reading._examine import examine_text
 from end_effector_hal.errors import LineBusyError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import Claim, now_us
-from end_effector_hal.wires.inputs import GpiodInputLines, InputsHealth, InputsReader
+from end_effector_hal.wires.inputs import InputsHealth, InputsReader
+from end_effector_hal.wires.inputs._gpiod import GpiodInputLines
 from end_effector_hal.wires.lines import VirtualChip, VirtualPins
 from end_effector_hal.wires.lines import _gpiod as module
 from end_effector_hal.wires.sensors import SensorReader

@@ -10,7 +10,8 @@ import pytest
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.inputs import LineEdge, VirtualInputLines
+from end_effector_hal.wires.inputs._lines import LineEdge
+from end_effector_hal.wires.inputs._virtual import VirtualInputLines
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines, VirtualPins
 from tests.support.patience import wait_until
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
-from end_effector_hal.description.model import Description, EStop, ToolChanger
+from end_effector_hal.description.model._description import Description
+from end_effector_hal.description.model._stanzas import EStop, ToolChanger
 from end_effector_hal.kinds import kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Part, Supply
 from end_effector_hal.signals import Kind

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions
 from end_effector_hal.signals import Kind

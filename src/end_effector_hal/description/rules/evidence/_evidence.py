@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.description._fault import Fault
 from end_effector_hal.description._numbers import number
-from end_effector_hal.description.model import Description
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import EvidenceConditions
 from end_effector_hal.signals import Kind

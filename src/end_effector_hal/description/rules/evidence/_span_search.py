@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from math import inf
 
-from end_effector_hal.description.model import COUNTS, PASCAL, Description
+from end_effector_hal.description.model._channels import COUNTS, PASCAL
+from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules.evidence._channels import used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Condition

@@ -8,7 +8,7 @@ from typing import Any
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import Channel
+from end_effector_hal.description.model._channels import Channel
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 
 from ._frames import CODE, OVER_LINK, declared_format, key_fault, link_of, link_paths

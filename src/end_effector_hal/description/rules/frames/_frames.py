@@ -8,7 +8,7 @@ from posixpath import normpath
 
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import Channel, LinkFrame
+from end_effector_hal.description.model._channels import Channel, LinkFrame
 
 CODE = "EE-228"
 MOST_LINKS = 16

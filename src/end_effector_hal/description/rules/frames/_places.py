@@ -8,7 +8,7 @@ from typing import Any
 
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model import Channel, raw_limits, type_bits
+from end_effector_hal.description.model._channels import Channel, raw_limits, type_bits
 
 from ._frames import ENDS, key_fault, link_of, value_fault
 
