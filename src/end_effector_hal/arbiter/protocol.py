@@ -186,18 +186,12 @@ def _check(message: dict[str, Any], deepest: int) -> None:
         raise UsageError(f"a message may be nested at most {deepest} levels deep.")
 
 
-def _integer(text: str) -> int:
-    if len(text.lstrip("-")) > DIGITS:
-        _no_number(text)
-    return int(text)
-
-
 def _no_number(_text: str) -> object:
-    raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
+    raise UsageError(_NO_NUMBER)
 
 
 _ENCODER = json.JSONEncoder(separators=(",", ":"))
-_DECODER = json.JSONDecoder(parse_int=_integer, parse_float=_no_number, parse_constant=_no_number)
+_DECODER = json.JSONDecoder(parse_float=_no_number, parse_constant=_no_number)
 
 
 class LastWillRunsError(LineBusyError):

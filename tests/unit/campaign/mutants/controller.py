@@ -298,11 +298,11 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "invalid:top_vacuum @ rest + none", "expected",
     ),
     "a bit that is believed although the other one contradicts": WrongProduct(
-        _replaced(ToolDetector, "sample", _one_bit_is_enough), "sensing/detectors/_tool.py: ToolDetector.sample",
+        _replaced(ToolDetector, "sample", _one_bit_is_enough), "sensing/detectors.py: ToolDetector.sample",
         "unlocked-shows:tool_changer:1 @ rest + none", "expected",
     ),
     "an unlock that does not wait for the vacuum": WrongProduct(
-        _replaced(ReleaseDetector, "sample", _gone_is_enough), "sensing/detectors/_release.py: ReleaseDetector.sample",
+        _replaced(ReleaseDetector, "sample", _gone_is_enough), "sensing/detectors.py: ReleaseDetector.sample",
         "grip; wait 2; drop; wait 1.5; unlock", "unlock",
     ),
     "a stand that nobody looks at": WrongProduct(
@@ -316,30 +316,30 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "a frozen sensor that is believed": WrongProduct(
         lambda patch: patch.setattr(FrozenDetector, "sample", lambda *_: False),
-        "sensing/detectors/_frozen.py: FrozenDetector.sample",
+        "sensing/detectors.py: FrozenDetector.sample",
         "frozen-after:bottom_vacuum:0 @ grip GRIPPED, between + none", "no alarm",
     ),
     "a weak vacuum that counts as a grip": WrongProduct(
-        _replaced(VacuumDetector, "sample", _partial_is_confirmed), "kinds/vacuum/_detector.py: VacuumDetector.sample",
+        _replaced(VacuumDetector, "sample", _partial_is_confirmed), "kinds/vacuum.py: VacuumDetector.sample",
         "", "evidence",
         cell="nominal @ grip GRIPPED, between + kill hal",
     ),
     "a loss that is noticed only below 20 kPa": WrongProduct(
-        _replaced(VacuumDetector, "sample", _lost_at_once_only), "kinds/vacuum/_detector.py: VacuumDetector.sample",
+        _replaced(VacuumDetector, "sample", _lost_at_once_only), "kinds/vacuum.py: VacuumDetector.sample",
         "grip; wait 2; scenario leak-grows:top_vacuum:2; wait 14; cancel", "evidence",
         cell="lost-after:top_vacuum:0.1 @ grip GRIPPED, between + none",
     ),
     "a vacuum that is gone as soon as it is lost": WrongProduct(
-        _replaced(VacuumDetector, "sample", _gone_when_lost), "kinds/vacuum/_detector.py: VacuumDetector.sample",
+        _replaced(VacuumDetector, "sample", _gone_when_lost), "kinds/vacuum.py: VacuumDetector.sample",
         "", "evidence",
     ),
     "a cylinder that is retracted as soon as it moves": WrongProduct(
-        _replaced(CylinderDetector, "sample", _gone_when_lost), "kinds/cylinder/_detector.py: CylinderDetector.sample",
+        _replaced(CylinderDetector, "sample", _gone_when_lost), "kinds/cylinder.py: CylinderDetector.sample",
         "grip; wait 0.6; cancel", "evidence",
     ),
     "a share of no air that counts as extended": WrongProduct(
         lambda patch: patch.setattr(CylinderDetector, "_threshold_pa", _share_of_any_air),
-        "kinds/cylinder/_detector.py: CylinderDetector._threshold_pa", "supply:0 @ grip cylinder on + none",
+        "kinds/cylinder.py: CylinderDetector._threshold_pa", "supply:0 @ grip cylinder on + none",
         "lifting is allowed",
     ),
 }  # fmt: skip
