@@ -2,26 +2,15 @@
 
 from ._bench import Bench
 from ._board_sensors import BoardSensors
-from ._noise import Noise
-from ._ports import Port, PtyPort, SerialPort
-from ._possible import offered_faults, possible_faults
-from ._scenario import FAULTS, TOOL_CHANGER, Effect, Fault, Scenario, parse_scenario, plain_number
+from ._faults import offered_faults, possible_faults
+from ._modbus import CommandedRegisters
+from ._places import lines_of, open_inputs, open_ports, open_sensors, write_description, write_virtual_copy
+from ._ports import Port
+from ._program import run_testbench
+from ._records import edges_of
+from ._scenario import FAULTS, TOOL_CHANGER, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import SensorBoard, Sent, carried
-from ._testbench import Testbench, Watcher
-from .modbus import CommandedRegisters
-from .program import (
-    Events,
-    FaultServer,
-    Record,
-    edges_of,
-    lines_of,
-    open_inputs,
-    open_ports,
-    open_sensors,
-    run_testbench,
-    write_description,
-    write_virtual_copy,
-)
+from ._testbench import Testbench
 
 __all__ = [
     "FAULTS",
@@ -29,20 +18,12 @@ __all__ = [
     "Bench",
     "BoardSensors",
     "CommandedRegisters",
-    "Effect",
-    "Events",
     "Fault",
-    "FaultServer",
-    "Noise",
     "Port",
-    "PtyPort",
-    "Record",
     "Scenario",
     "SensorBoard",
     "Sent",
-    "SerialPort",
     "Testbench",
-    "Watcher",
     "carried",
     "edges_of",
     "lines_of",

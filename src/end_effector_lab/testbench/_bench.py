@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from random import Random
 
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.codecs.described import CHECKSUMS
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.description import ToolChanger as Changer
 from end_effector_hal.errors import UsageError
@@ -16,11 +15,10 @@ from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind, Value
 
 from ._evidence import shown_by_conditions
-from ._noise import Noise
+from ._noise import Noise, disturbed, of_another_unit
 from ._scenario import (
     TOOL_CHANGER,
     Effect,
-    LinkEffect,
     Scenario,
     device_physics,
     did_you_mean,
@@ -91,7 +89,6 @@ class Station:
         self.due = at + after if after is not None and self.active and self._works else None
 
 
-LONGEST_BURST = 16
 NOISE_KPA = 0.1
 NOISE_QUANTITY = 0.001
 """Noise of quantities other than pressures, in their unit."""
@@ -417,39 +414,3 @@ class Bench:
     def _supply_kpa(self) -> float:
         kpa = self.scenario.supply_kpa
         return self._description.supply.nominal_kpa if kpa is None else kpa
-
-
-def disturbed(data: bytes, effect: LinkEffect, random: Random, *, babble: bool = False) -> bytes:
-    """Return ``data`` as it arrives; with ``babble``, the same number of random bytes."""
-    if babble:
-        return random.randbytes(len(data))
-    if effect.bursts and random.random() < effect.bursts:
-        data = _burst(data, random)
-    if effect.noise:
-        data = bytes(b ^ random.randint(1, 255) if random.random() < effect.noise else b for b in data)
-    if effect.flips:
-        data = bytes(b ^ _flips(effect.flips, random) for b in data)
-    if effect.dropped:
-        data = bytes(b for b in data if random.random() >= effect.dropped)
-    if effect.doubled:
-        data = b"".join(bytes([b]) * (1 + (random.random() < effect.doubled)) for b in data)
-    return data
-
-
-HIGHEST_UNIT = 247
-
-
-def of_another_unit(answer: bytes) -> bytes:
-    """Return the answer that the next device on a Modbus line would send, with the right checksum."""
-    body = bytes([answer[0] % HIGHEST_UNIT + 1]) + answer[1:-2]
-    return body + CHECKSUMS["crc16-modbus"].of(body).to_bytes(2, "little")
-
-
-def _burst(data: bytes, random: Random) -> bytes:
-    length = random.randint(2, LONGEST_BURST)
-    start = random.randrange(max(1, len(data) - length))
-    return data[:start] + random.randbytes(len(data[start : start + length])) + data[start + length :]
-
-
-def _flips(rate: float, random: Random) -> int:
-    return sum(1 << bit for bit in range(8) if random.random() < rate)

@@ -11,7 +11,7 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.signals import Frame, Kind, Value
 
 from ._bench import Bench
-from .modbus import CommandedRegisters
+from ._modbus import CommandedRegisters
 
 
 def carried(

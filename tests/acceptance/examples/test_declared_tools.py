@@ -19,7 +19,8 @@ from end_effector_hal.wires.lines import VirtualLines
 from end_effector_hal.wires.link import PtyPair
 from end_effector_hal.wires.sensors import SensorReader
 from end_effector_lab.processes import EEHAL
-from end_effector_lab.testbench import PtyPort, Testbench
+from end_effector_lab.testbench import Testbench
+from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.nightly import first_of
 from tests.support.patience import PATIENCE_S

@@ -19,7 +19,8 @@ from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires.link import LinkState
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
-from end_effector_lab.testbench import PtyPort, Testbench, open_sensors
+from end_effector_lab.testbench import Testbench, open_sensors
+from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.patience import wait_until
 

@@ -21,7 +21,9 @@ from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import ChipWatcher, Edge
 from end_effector_lab.demo._world import START_S, World
 from end_effector_lab.processes import EEHAL
-from end_effector_lab.testbench import PtyPort, Testbench, Watcher
+from end_effector_lab.testbench import Testbench
+from end_effector_lab.testbench._ports import PtyPort
+from end_effector_lab.testbench._testbench import Watcher
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.acceptance.link_campaign.episode import Found
 from tests.acceptance.link_campaign.faults import KINDS, NOMINAL

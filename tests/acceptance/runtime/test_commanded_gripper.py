@@ -19,7 +19,7 @@ from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
-from end_effector_lab.testbench import PtyPort
+from end_effector_lab.testbench._ports import PtyPort
 from tests.support.patience import PATIENCE_S, wait_until
 from tests.support.robotiq import Gripper2F85, SimulatedEPick
 from tests.support.rtu_server import RtuServer

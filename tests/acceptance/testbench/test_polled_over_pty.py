@@ -11,7 +11,8 @@ from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualLines
 from end_effector_hal.wires.link._reader import LinkReader
-from end_effector_lab.testbench import PtyPort, Testbench
+from end_effector_lab.testbench import Testbench
+from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.patience import PATIENCE_S
 

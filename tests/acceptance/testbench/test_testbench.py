@@ -13,7 +13,8 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import LinkError, ReportedError, UsageError
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.wires import now_us
-from end_effector_lab.testbench import Testbench, Watcher
+from end_effector_lab.testbench import Testbench
+from end_effector_lab.testbench._testbench import Watcher
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.wall

@@ -14,7 +14,7 @@ CHANNELS = {
     "end_effector_hal/codecs/_ees1.py",
     "end_effector_hal/codecs/modbus/_codec.py",
     "end_effector_hal/codecs/polled_conformance.py",
-    "end_effector_lab/testbench/program/_places.py",
+    "end_effector_lab/testbench/_places.py",
 }
 """Codecs and a wiring whose channels have the names of kinds."""
 NAMES = {"vacuum", "cylinder", "gripper", "magnet"}

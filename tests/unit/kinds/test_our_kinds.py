@@ -18,7 +18,7 @@ from end_effector_hal.kinds.magnet import Magnet
 from end_effector_hal.kinds.vacuum import Vacuum, VacuumState
 from end_effector_lab.testbench.physics import Cylinder as CylinderPhysics
 from end_effector_lab.testbench.physics import Fingers, HoldingMagnet, VacuumCircuit, physics_of
-from end_effector_lab.testbench.physics import _registry as physics_registry
+from end_effector_lab.testbench.physics import _device as physics_registry
 from end_effector_lab.testbench.physics.conformance import PhysicsConformance
 
 

@@ -15,7 +15,8 @@ from end_effector_hal.page.link import TestbenchLink
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.page.web import FaultCommands
 from end_effector_hal.wires import now_us
-from end_effector_lab.testbench import FaultServer, Testbench, open_inputs, open_ports, write_virtual_copy
+from end_effector_lab.testbench import Testbench, open_inputs, open_ports, write_virtual_copy
+from end_effector_lab.testbench._faults import FaultServer
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.wall

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench.program._commands import Commands, Voice, lines_of
+from end_effector_lab.testbench._program import Commands, Voice, lines_of
 
 
 class Told:

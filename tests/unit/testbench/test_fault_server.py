@@ -18,7 +18,8 @@ from end_effector_hal.faults import LONGEST
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits
 from end_effector_hal.wires.rpc._messages import VALID_US
-from end_effector_lab.testbench import FaultServer, Testbench, open_inputs, open_ports, write_virtual_copy
+from end_effector_lab.testbench import Testbench, open_inputs, open_ports, write_virtual_copy
+from end_effector_lab.testbench._faults import FaultServer
 from tests.support.patience import wait_until
 
 pytestmark = pytest.mark.wall

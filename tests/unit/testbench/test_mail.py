@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_lab.testbench import Events, Record
-from end_effector_lab.testbench.program._commands import Voice
-from end_effector_lab.testbench.program._run import Mail
+from end_effector_lab.testbench._program import Mail, Voice
+from end_effector_lab.testbench._records import Events, Record
 
 
 def test_nothing_is_done_before_it_is_delivered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,7 @@ from statistics import mean, stdev
 
 import pytest
 
-from end_effector_lab.testbench import Noise
+from end_effector_lab.testbench._noise import Noise
 
 
 def test_depends_on_seed_purpose_and_time_only() -> None:

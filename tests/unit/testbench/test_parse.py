@@ -4,7 +4,8 @@ import pytest
 
 from end_effector_hal.description import Channel, Description
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import FAULTS, Effect, Scenario, parse_scenario
+from end_effector_lab.testbench import FAULTS, Scenario, parse_scenario
+from end_effector_lab.testbench._scenario import Effect
 
 
 @pytest.mark.parametrize(

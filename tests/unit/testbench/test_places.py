@@ -4,7 +4,8 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import PtyPort, SerialPort, open_inputs, open_ports
+from end_effector_lab.testbench import open_inputs, open_ports
+from end_effector_lab.testbench._ports import PtyPort, SerialPort
 from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import Events, Record
+from end_effector_lab.testbench._records import Events, Record
 
 
 def test_events(tmp_path: Path) -> None:

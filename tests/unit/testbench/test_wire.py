@@ -5,7 +5,7 @@ from random import Random
 import pytest
 
 from end_effector_lab.testbench import Scenario
-from end_effector_lab.testbench._bench import LONGEST_BURST, disturbed
+from end_effector_lab.testbench._noise import LONGEST_BURST, disturbed
 
 DATA = bytes(10_000)
 

@@ -15,7 +15,7 @@ from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import LEASE_US, ChangerFault, ChangerState, EndEffectorState
-from end_effector_lab.testbench.physics import _magnet
+from end_effector_lab.testbench.physics import _grippers as _magnet
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 from tests.unit.wires.bus.test_handshake import TOOL as HANDSHAKE_TOOL

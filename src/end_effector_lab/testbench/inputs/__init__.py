@@ -4,7 +4,5 @@ Your own inputs are a class with the methods of `LineInputs`, and a test that in
 ``conformance``.
 """
 
-from ._gpio import GpioInputs
-from ._gpio_sim import GpioSimInputs
-from ._inputs import Clock, LineInputs, Monotonic, OnEdge, clock_of
-from ._virtual import VirtualInputs
+from ._gpio import GpioInputs, GpioSimInputs
+from ._virtual import Clock, LineInputs, Monotonic, OnEdge, VirtualInputs, clock_of

@@ -16,7 +16,7 @@ import pytest
 
 from end_effector_hal.wires import now_us
 
-from ._inputs import LineInputs
+from ._virtual import LineInputs
 
 A, B = "SODIMM_206", "SODIMM_208"
 LONGEST_S = 20.0

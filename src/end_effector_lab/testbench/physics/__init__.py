@@ -6,14 +6,21 @@ which is computed from one switching to the next and is much faster; an entry po
 ``conformance``.
 """
 
-from ._course import Course
-from ._cylinder import Cylinder
-from ._device import ACTUATOR, CHANGER, LEAKS, PARTS, PRESSURE, STICKS, Device, Plant, SolvedDevice
-from ._fingers import Fingers
-from ._magnet import HoldingMagnet
-from ._parts import STEP_S, STEP_US, Model, Sensor, SolvedModel, Supply, Valve
-from ._registry import physics_of
-from ._tool_changer import ToolChanger
+from ._cylinder import Cylinder, ToolChanger
+from ._device import (
+    ACTUATOR,
+    CHANGER,
+    LEAKS,
+    PARTS,
+    PRESSURE,
+    STICKS,
+    Device,
+    Plant,
+    SolvedDevice,
+    physics_of,
+)
+from ._grippers import Fingers, HoldingMagnet
+from ._parts import STEP_S, STEP_US, Course, Model, Sensor, SolvedModel, Supply, Valve
 from ._vacuum import VacuumCircuit
 
 __all__ = [

@@ -1,13 +1,12 @@
-"""A pneumatic cylinder with a spring return."""
+"""Pistons between two position switches: a cylinder with a spring return, and a tool changer."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from ._course import Course
-from ._device import ACTUATOR, PRESSURE, SolvedDevice
-from ._parts import CLOSE_KPA, STEP_S, Sensor, Supply, Valve
+from ._device import ACTUATOR, CHANGER, PRESSURE, Device, SolvedDevice
+from ._parts import CLOSE_KPA, STEP_S, Course, Sensor, Supply, Valve
 
 RETRACT_S = 0.4
 TRAVEL_KPA, RETURN_KPA = 270.0, 90.0
@@ -121,3 +120,42 @@ class Cylinder(SolvedDevice):
 def _a_step_before(seconds: float | None) -> float | None:
     """Return the time one step earlier; None if that is not in the future."""
     return seconds - STEP_S if seconds is not None and seconds > STEP_S else None
+
+
+_LOCK_STEP = STEP_S / 0.15  # from one end to the other
+
+
+class ToolChanger(Device):
+    """A piston between two switches; in between, both are off.
+
+    Args:
+        valve: unlocks when open.
+    """
+
+    traits: ClassVar = frozenset({CHANGER})
+
+    def __init__(self, valve: Valve | None = None, *, start: int = 0) -> None:
+        super().__init__(valve or Valve(30_000), start)
+        self.position = 0.0  # 0 locked, 1 unlocked
+
+    @property
+    def pressure_kpa(self) -> None:
+        return None
+
+    @property
+    def bits(self) -> Mapping[str, bool]:
+        return {"locked": self.position <= _SWITCH, "unlocked": self.position >= 1 - _SWITCH}
+
+    @property
+    def settled(self) -> bool:
+        return self.valve.settled and self.position == (1.0 if self.valve.is_open else 0.0)
+
+    def settle(self, active: bool) -> None:
+        self.valve.is_open = active
+        self.position = 1.0 if active else 0.0
+
+    def step(self) -> None:
+        if self.valve.advance(self.now):
+            self.position = min(self.position + _LOCK_STEP, 1.0)
+        else:
+            self.position = max(self.position - _LOCK_STEP, 0.0)

@@ -1,11 +1,14 @@
-"""Base classes of all driven devices, and the plant that advances all devices of one tool together."""
+"""Base classes of all driven devices, the plant that advances those of one tool together, and the physics by kind."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
 from copy import copy
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.plugins import Plugins
 
 from ._parts import STEP_US, Model, SolvedModel, Supply, Valve
 
@@ -206,3 +209,30 @@ class Plant(Model):
             self.supply.begin()
             for model in self._solved:
                 model.begin()
+
+
+GROUP = "end_effector_hal.physics"
+OWN = {
+    "vacuum": "end_effector_lab.testbench.physics:VacuumCircuit",
+    "cylinder": "end_effector_lab.testbench.physics:Cylinder",
+    "gripper": "end_effector_lab.testbench.physics:Fingers",
+    "magnet": "end_effector_lab.testbench.physics:HoldingMagnet",
+}
+
+
+def physics_of(kind: str) -> type[Device]:
+    """Return the physics of a kind of actuator.
+
+    Raises:
+        UsageError: the kind has no physics (the message lists those that have), or it cannot be loaded.
+    """
+    return _PHYSICS.get(kind)
+
+
+def _checked(physics: Any) -> type[Device]:
+    if not (isinstance(physics, type) and issubclass(physics, Device)):
+        raise UsageError("this is no subclass of end_effector_lab.testbench.physics.Device.")
+    return physics
+
+
+_PHYSICS: Plugins[type[Device]] = Plugins(GROUP, "simulated kind of actuator", OWN, _checked, make=False)

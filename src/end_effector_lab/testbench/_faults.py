@@ -1,18 +1,16 @@
-"""The socket of a testbench: over it a page shows the present faults, and selects others.
-
-The bench never waits for the socket, and no error of the socket ends a testbench: without it there is a warning, and
-no page has a panel. Only the testbench checks a scenario; a request that comes too late changes nothing.
-"""
+"""Selects the faults that a tool can have, and serves them to a page over a socket."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.faults import (
     LONGEST,
+    FaultNumber,
+    FaultOffer,
     FaultRequest,
     TestbenchHeader,
     TestbenchScenario,
@@ -21,8 +19,54 @@ from end_effector_hal.faults import (
 from end_effector_hal.recording import content_hash
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits, Reply, Server, record_line
-from end_effector_lab.testbench._possible import offered_faults
-from end_effector_lab.testbench._testbench import Testbench
+
+from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
+from ._testbench import Testbench
+
+
+def possible_faults(description: Description) -> Iterator[str]:
+    """Yield the faults that a tool can have, with their places and without their numbers."""
+    for offer in offered_faults(description):
+        if offer.anywhere:
+            yield offer.name
+        else:
+            yield from (f"{offer.name}:{place}" for place in offer.places)
+
+
+def offered_faults(description: Description) -> Iterator[FaultOffer]:
+    """Yield the faults that a tool can have, with the data that a user interface needs to offer them: meaning, usage,
+    places and number.
+    """
+    traits = traits_of(description)
+    alarms = tuple(name for name, channel in description.channels.items() if channel.alarm)
+    asking = links_that_ask(description)
+    named = tuple(description.named_links)
+    for fault in FAULTS:
+        if fault.on:
+            places = tuple(name for name, each in traits.items() if not each.isdisjoint(fault.on))
+            if places:
+                yield _offer(fault, places, anywhere=False)
+        elif fault.channel:
+            if alarms:
+                yield _offer(fault, alarms, anywhere=False)
+        elif fault.link == "polled":
+            if asking:
+                yield _offer(fault, tuple(name for name in named if name in asking))
+        elif fault.link:
+            if description.links or fault.link == "also":
+                yield _offer(fault, named)
+        else:
+            yield _offer(fault)
+
+
+def _offer(fault: Fault, places: tuple[str, ...] = (), *, anywhere: bool = True) -> FaultOffer:
+    number = _number(fault.number) if fault.number else None
+    return FaultOffer(fault.name, fault.meaning, fault.usage, places, anywhere, number)
+
+
+def _number(number: Number) -> FaultNumber:
+    return FaultNumber(number.name, number.low, number.high, number.default, number.whole)
+
 
 _log = logging.getLogger("end_effector_lab.testbench")
 LOOK_S = 0.1

@@ -1,18 +1,22 @@
-"""Opens the inputs, sensors and ports that options of the command line name."""
+"""Opens the inputs, sensors and ports that options name, and copies a description to virtual ones."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from ruamel.yaml import YAML
+
 from end_effector_hal.codecs import board_inputs, codec_of, line_of
 from end_effector_hal.description import Description, Inputs
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
+from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires.inputs import input_lines, pulls_of
-from end_effector_lab.testbench._bench import Bench
-from end_effector_lab.testbench._board_sensors import BoardSensors
-from end_effector_lab.testbench._ports import Port, PtyPort, SerialPort
-from end_effector_lab.testbench._scenario import TOOL_CHANGER
-from end_effector_lab.testbench.inputs import (
+
+from ._bench import Bench
+from ._board_sensors import BoardSensors
+from ._ports import Port, PtyPort, SerialPort
+from ._scenario import TOOL_CHANGER
+from .inputs import (
     GpioInputs,
     GpioSimInputs,
     LineInputs,
@@ -179,3 +183,41 @@ def _preset(description: Description) -> dict[str, str]:
             f"the preset rpi3 has no pin for {', '.join(unknown)}.", todo="Use --lines gpiod:LINE=NAME,..."
         )
     return {line: RPI3[channel] for line, channel in channels.items()}
+
+
+NAME = "end_effector.yaml"
+
+
+def write_virtual_copy(description: Description, folder: Path) -> Path:
+    """Write the copy and make its virtual chip in ``folder``, which will also contain the port and the socket.
+
+    Returns:
+        The path of the copy.
+
+    Raises:
+        UsageError: the copy cannot be written.
+    """
+    folder = folder.absolute()
+    with os_errors("Cannot be made", folder):
+        owned_folder(folder)
+    virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
+    write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
+    chip = open_inputs(None, virtual)
+    assert isinstance(chip, VirtualInputs)
+    chip.make_chip()
+    return folder / NAME
+
+
+def write_description(description: Description, path: Path, what: str) -> None:
+    """Write a description that this program made; the path of its automata is kept. Raises UsageError.
+
+    Args:
+        description: the description.
+        path: path of the file.
+        what: text for its first line.
+    """
+    content = description.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}
+    with os_errors("Cannot be written", path), path.open("w", encoding="utf-8") as file:
+        file.write(f"# Written by eehal: {what}.\n")
+        YAML(typ="safe", pure=True).dump(content, file)
