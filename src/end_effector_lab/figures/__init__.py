@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 from ._recorded_run import STYLES, RecordedRun
 
 if TYPE_CHECKING:
+    from ._automaton import draw_template
     from ._paper import paper
-    from ._save import save
+    from ._style import save
     from ._timeline import timeline
-    from .automata import draw_template
 
 __all__ = [
     "STYLES",
@@ -19,15 +19,14 @@ __all__ = [
     "save",
     "timeline",
 ]
-_MODULES = {"draw_template": "automata"}
-"""Modules of functions that are not in the module of their own name."""
+_MADE_IN = {"draw_template": "_automaton", "paper": "_paper", "save": "_style", "timeline": "_timeline"}
 
 
 def __getattr__(name: str) -> Any:
     """Import a drawing function, and matplotlib with it, at its first use."""
-    if name not in __all__:
+    if name not in _MADE_IN:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_MODULES.get(name, f'_{name}')}", __name__), name)
+    return getattr(import_module(f".{_MADE_IN[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,4 @@
-"""Text placement without overlaps; everything in inches."""
+"""Text placement without overlaps, also beside a plot; everything in inches."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 
@@ -149,3 +150,35 @@ def packed(parts: Iterable[str], between: str, size: float, weight: str, width: 
 def first_fitting(texts: Iterable[str], size: float, width: float) -> str | None:
     """Return the first text that fits into a width."""
     return next((text for text in texts if width_of(text, size) <= width), None)
+
+
+BESIDE_SIZE = 9.0
+"""Size of this text, points."""
+
+
+def write_beside(axes: Axes, labels: Sequence[tuple[float, str, str]], height_in: float) -> None:
+    """Write ``(value, text, colour)`` beside the plot, whose limits are set; a text may have several lines.
+
+    Args:
+        axes: the plot.
+        labels: the texts, at values of the plot's y axis.
+        height_in: height of the plot, inches.
+    """
+    low, high = axes.get_ylim()
+    heights = [
+        height_of(BESIDE_SIZE) * (text.count("\n") + 1) * (high - low) / height_in for _, text, _ in labels
+    ]
+    places = spread([at for at, _, _ in labels], heights, low, high)
+    for place, (_, text, colour) in zip(places, labels, strict=True):
+        axes.annotate(
+            text,
+            (1.0, place),
+            xycoords=("axes fraction", "data"),
+            xytext=(6, 0),
+            textcoords="offset points",
+            color=colour,
+            fontsize=BESIDE_SIZE,
+            va="center",
+            linespacing=1.15,
+            annotation_clip=False,
+        )

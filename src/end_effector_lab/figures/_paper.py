@@ -15,9 +15,9 @@ from matplotlib.ticker import MaxNLocator
 from end_effector_hal.recording import RunInfo, StatesLog
 
 from ._labels import Box, Point, Sheet, height_of, width_of
-from ._save import DPI
-from ._style import INK, drawing
-from .parts import WIDTH_IN, Lane, Segment, lanes_of, need_rows, span_of
+from ._lanes import Lane, Segment, lanes_of
+from ._page import WIDTH_IN, need_rows, span_of
+from ._style import DPI, INK, drawing
 
 UNIT_IN = 0.2
 TEXT = 8.5

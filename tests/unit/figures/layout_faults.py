@@ -5,9 +5,8 @@ from __future__ import annotations
 from itertools import combinations
 from math import dist, hypot
 
+from end_effector_lab.figures._automaton_layout import RADIUS, layout_of
 from end_effector_lab.figures._labels import Box
-from end_effector_lab.figures.automata._arrow import RADIUS
-from end_effector_lab.figures.automata._layout import layout_of
 
 CLEAR, APART, TOGETHER = (
     2,

@@ -10,8 +10,7 @@ from matplotlib.patches import Circle, PathPatch, Polygon
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_lab.figures import draw_template, save
-from end_effector_lab.figures.automata._arrow import HEAD, RADIUS, arrow_between
-from end_effector_lab.figures.automata._layout import layout_of
+from end_effector_lab.figures._automaton_layout import HEAD, RADIUS, arrow_between, layout_of
 from tests.unit.figures.figure_facts import texts
 from tests.unit.figures.layout_faults import layout_faults
 from timed_automata import load_document, read_document

@@ -15,7 +15,7 @@ from end_effector_hal.recording import Recording, pressure_channels, read_pressu
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Kind
 from end_effector_hal.vocabulary import Evidence
-from end_effector_lab.figures.parts._panels import panels_of
+from end_effector_lab.figures._panels import panels_of
 from end_effector_lab.testbench import Bench, SensorBoard
 from end_effector_lab.virtual import VirtualTool
 

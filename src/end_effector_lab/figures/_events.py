@@ -11,10 +11,10 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from end_effector_hal.recording import Moment
-from end_effector_lab.figures._labels import Box, Sheet, height_of, width_of
-from end_effector_lab.figures._style import MARKERS, plain
 
+from ._labels import Box, Sheet, height_of, width_of
 from ._page import Page, write_name
+from ._style import MARKERS, plain
 
 TEXT = 9.5
 ROW_IN = height_of(TEXT) + 0.06

@@ -1,4 +1,4 @@
-"""Functions that draw a template with matplotlib."""
+"""Functions that draw a template as in Fig. 5 of the paper."""
 
 from __future__ import annotations
 
@@ -11,12 +11,22 @@ from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_lab.figures._labels import width_of, wrapped
-from end_effector_lab.figures._style import INK, MUTED, drawing, plain
 from timed_automata import Template
 
-from ._arrow import RADIUS, Arrow
-from ._layout import COLOURS, FONT_PT, LEGEND, LINE_PX, PX_PER_IN, Disc, Words, layout_of
+from ._automaton_layout import (
+    COLOURS,
+    FONT_PT,
+    LEGEND,
+    LINE_PX,
+    PX_PER_IN,
+    RADIUS,
+    Arrow,
+    Disc,
+    Words,
+    layout_of,
+)
+from ._labels import width_of, wrapped
+from ._style import INK, MUTED, drawing, plain
 
 _MARGIN, _GAP = 24, 26
 _TITLE_PT, _TITLE_PX = 13.5, 26

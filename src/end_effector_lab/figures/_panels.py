@@ -14,10 +14,9 @@ from matplotlib.ticker import MaxNLocator
 from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.recording import BEGUN, AlarmRow, PressuresLog, RunInfo
 from end_effector_hal.vocabulary import LEAK, display_name
-from end_effector_lab.figures._labels import height_of, width_of
-from end_effector_lab.figures._style import BAND, BAND_INK, CURVES, PROOFS, SUPPLY, THRESHOLDS
 
-from ._beside import BESIDE_SIZE, write_beside
+from ._labels import BESIDE_SIZE, height_of, width_of, write_beside
+from ._style import BAND, BAND_INK, CURVES, PROOFS, SUPPLY, THRESHOLDS
 
 LEAST_HEIGHT_IN = 1.1
 _GAP_S = 1.5
