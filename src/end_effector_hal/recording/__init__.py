@@ -1,56 +1,20 @@
 """Write the recording of a run as the run happens, read it back, and describe it in words."""
 
-from ._files import append_whole, lock
-from ._limits import RecordingLimits
-from ._of_model import COUNTEREXAMPLE, MODEL_RUN, check_replaceable
-from ._of_tool import (
-    content_hash,
-    hash_of,
-    pressure_channels,
-    product_version,
-    run_info,
-    switch_channels,
-)
+from ._alarms import BEGUN, ENDED, AlarmRow, changed_alarms, read_alarms
+from ._compare import RunTables, Tolerances, compare_runs
+from ._compared_pressures import RunDifference, count_differences
+from ._events import EventRow, EventsWriter, event_row
+from ._files import RecordingLimits, append_whole, lock
+from ._levels import ChangerRow, SwitchesLog, read_changer, read_switches
+from ._of_tool import content_hash, hash_of, pressure_channels, product_version, run_info
+from ._pressures import KPA, PressuresLog, read_pressures
 from ._recording import Recording
-from ._run import RunInfo, read_run
-from ._watched import Watched
-from .comparison import RunDifference, RunTables, Tolerances, compare_runs, count_differences
-from .story import (
-    AttemptOutcome,
-    Grip,
-    GripDecision,
-    Moment,
-    ReleaseCause,
-    Story,
-    read_story,
-)
-from .tables import (
-    BEGUN,
-    ENDED,
-    KPA,
-    AlarmRow,
-    AlarmsWriter,
-    ChangerRow,
-    ChangerWriter,
-    EventRow,
-    EventsWriter,
-    PressuresLog,
-    PressuresWriter,
-    StatesLog,
-    StatesRow,
-    StatesWriter,
-    SwitchesLog,
-    SwitchesWriter,
-    changed_alarms,
-    event_row,
-    read_alarms,
-    read_changer,
-    read_events,
-    read_pressures,
-    read_states,
-    read_switches,
-)
-from .trace import Gap, Opening, Record, TraceFile, TraceWriter, read_trace
+from ._run import COUNTEREXAMPLE, MODEL_RUN, RunInfo, Watched, check_replaceable, read_run
+from ._states import StatesLog, StatesRow, StatesWriter, read_states
+from ._story import AttemptOutcome, Grip, GripDecision, Moment, ReleaseCause, Story
+from ._story_reader import read_story
+from ._trace_file import Record, TraceFile, read_trace
+from ._trace_writer import Gap, Opening, TraceWriter
 
 __all__ = [
     "BEGUN",
@@ -59,10 +23,8 @@ __all__ = [
     "KPA",
     "MODEL_RUN",
     "AlarmRow",
-    "AlarmsWriter",
     "AttemptOutcome",
     "ChangerRow",
-    "ChangerWriter",
     "EventRow",
     "EventsWriter",
     "Gap",
@@ -71,7 +33,6 @@ __all__ = [
     "Moment",
     "Opening",
     "PressuresLog",
-    "PressuresWriter",
     "Record",
     "Recording",
     "RecordingLimits",
@@ -84,7 +45,6 @@ __all__ = [
     "StatesWriter",
     "Story",
     "SwitchesLog",
-    "SwitchesWriter",
     "Tolerances",
     "TraceFile",
     "TraceWriter",
@@ -102,7 +62,6 @@ __all__ = [
     "product_version",
     "read_alarms",
     "read_changer",
-    "read_events",
     "read_pressures",
     "read_run",
     "read_states",
@@ -110,5 +69,4 @@ __all__ = [
     "read_switches",
     "read_trace",
     "run_info",
-    "switch_channels",
 ]

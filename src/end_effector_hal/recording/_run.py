@@ -1,4 +1,4 @@
-"""``run.json``: the origin of a recording, written at its start."""
+"""``run.json``: the origin of a recording, written at its start; of a counterexample also what it violates."""
 
 from __future__ import annotations
 
@@ -6,12 +6,52 @@ import json
 import os
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from pydantic import FiniteFloat, TypeAdapter, ValidationError
+
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.owned import open_owned
-from end_effector_hal.recording._watched import Watched, read_watched
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """The course of a variable, of the location of a process, or of a clock.
+
+    Attributes:
+        name: ``evidence[cups]``, ``Gripper``, ``Observer.x``.
+        wrong: whether it belongs to the part of the requirement that does not hold at the end.
+        values: pairs of a start time, s, and the value from then on, in words; empty for a clock.
+        points: for a clock: points (s, s), joined by lines.
+        limits: for a clock: the limits with which it is compared, in words and s.
+        deadline_s: for a clock: the time at which it passed the violated limit; None: it has not passed a limit.
+    """
+
+    name: str
+    wrong: bool = False
+    values: tuple[tuple[FiniteFloat, str], ...] = ()
+    points: tuple[tuple[FiniteFloat, FiniteFloat], ...] = ()
+    limits: tuple[tuple[str, FiniteFloat], ...] = ()
+    deadline_s: FiniteFloat | None = None
+
+    def document(self) -> dict[str, object]:
+        """Return the fields as JSON, without the empty ones."""
+        return {key: value for key, value in asdict(self).items() if value not in ((), None)}
+
+
+_WATCHED = TypeAdapter(Watched)
+
+
+def read_watched(content: object) -> Watched | None:
+    """Return the object in JSON content; None: the content has another form, or no values."""
+    try:
+        found = _WATCHED.validate_python(content)
+    except ValidationError:
+        return None
+    return found if found.values or found.points else None
+
 
 FILE_NAME = "run.json"
 SCHEMA_VERSION = 1
@@ -153,3 +193,29 @@ def _len(value: object) -> int:
 
 def _not_read(path: Path, why: str) -> str:
     return f"{path} can only be read in part: {why}."
+
+
+MODEL_RUN = "run of the model"
+"""First words of the scenario of a simulated run of the model."""
+COUNTEREXAMPLE = "counterexample"
+"""Scenario of a run that refutes a requirement."""
+_RECORDED = ("*.mcap", "states*.csv", "events*.csv", "pressures*.csv", "alarms*.csv")
+
+
+def check_replaceable(folder: Path) -> None:
+    """Check that a run of the model may be written into a folder, where it may replace files of the same names.
+
+    Args:
+        folder: need not exist.
+
+    Raises:
+        UsageError: the folder contains a recording, or cannot be read.
+    """
+    with os_errors("Cannot be read", folder):
+        recorded = [each for pattern in _RECORDED for each in folder.glob(pattern)]
+        has_run = (folder / FILE_NAME).exists()
+    scenario = read_run(folder).scenario
+    of_model = scenario == COUNTEREXAMPLE or scenario.startswith(MODEL_RUN)
+    if any(each.suffix == ".mcap" for each in recorded) or ((recorded or has_run) and not of_model):
+        what = "This folder contains a recording: a run of the model would overwrite its files."
+        raise UsageError(what, where=str(folder), todo="Name another folder with -o.")

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError, os_errors
-from end_effector_hal.recording.tables import (
+from end_effector_hal.recording import (
     BEGUN,
-    ON,
     AlarmRow,
     ChangerRow,
     PressuresLog,
     StatesLog,
     SwitchesLog,
-    column_of,
 )
 from end_effector_hal.vocabulary import ChangerState
 
@@ -104,7 +102,7 @@ def _switches(log: SwitchesLog | None) -> list[_Columns]:
     if log is None:
         return []
     rows = [["NaN" if level is None else str(int(level)) for level in levels] for _, levels in log.rows]
-    return [_Columns(tuple(f"{channel}{ON}" for channel in log.channels), log.times_s, rows)]
+    return [_Columns(log.columns, log.times_s, rows)]
 
 
 def _pressures(log: PressuresLog | None) -> list[_Columns]:
@@ -118,4 +116,4 @@ def _pressures(log: PressuresLog | None) -> list[_Columns]:
         ]
         for _, values in log.samples
     ]
-    return [_Columns(tuple(column_of(channel, log.units) for channel in log.channels), log.times_s, rows)]
+    return [_Columns(log.columns, log.times_s, rows)]

@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from end_effector_hal.cli import main
-from end_effector_hal.recording import EventsWriter, PressuresWriter, StatesWriter
+from end_effector_hal.recording import EventsWriter, StatesWriter
+from end_effector_hal.recording._pressures import PressuresWriter
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
 
 

@@ -26,15 +26,9 @@ from end_effector_hal.page.recorded import (
 from end_effector_hal.page.recorded import _differences as differences_module
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._recordings import ServedRecording, make_recordings_app
-from end_effector_hal.recording import (
-    BEGUN,
-    AlarmRow,
-    AlarmsWriter,
-    PressuresWriter,
-    RunTables,
-    StatesLog,
-    StatesWriter,
-)
+from end_effector_hal.recording import BEGUN, AlarmRow, RunTables, StatesLog, StatesWriter
+from end_effector_hal.recording._alarms import AlarmsWriter
+from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_hal.vocabulary import display_name, received_alarms
 from end_effector_lab.recorded import report_html
 from tests.support.recorded_tool import recorded

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import AlarmRow, AlarmsWriter, read_alarms, read_story
+from end_effector_hal.recording import AlarmRow, read_alarms, read_story
+from end_effector_hal.recording._alarms import AlarmsWriter
 from end_effector_hal.vocabulary import WEAK, Alarm, received_alarms
 from tests.support.trace_recordings import INFO, NOMINAL
 

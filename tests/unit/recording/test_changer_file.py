@@ -3,7 +3,8 @@
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import ChangerRow, ChangerWriter, read_changer
+from end_effector_hal.recording import ChangerRow, read_changer
+from end_effector_hal.recording._levels import ChangerWriter
 from end_effector_hal.vocabulary import ChangerState
 
 

@@ -9,8 +9,6 @@ import pytest
 
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import (
-    AlarmsWriter,
-    PressuresWriter,
     RecordingLimits,
     StatesWriter,
     _files,
@@ -18,6 +16,8 @@ from end_effector_hal.recording import (
     read_pressures,
     read_states,
 )
+from end_effector_hal.recording._alarms import AlarmsWriter
+from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_hal.vocabulary import received_alarms
 from tests.support.full_disk import FullDisk
 

@@ -4,8 +4,8 @@ import pytest
 
 from end_effector_hal.control import COMMANDS, EventKind, ToolEvent
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import EventRow, EventsWriter, event_row, read_events
-from end_effector_hal.recording.tables._events import COLUMNS
+from end_effector_hal.recording import EventRow, EventsWriter, event_row
+from end_effector_hal.recording._events import COLUMNS, read_events
 from end_effector_hal.vocabulary import Cause, EndEffectorState
 from tests.support.trace_recordings import NAMES
 

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.recording import TraceWriter, read_trace
-from end_effector_hal.recording.trace import _trace_writer
-from end_effector_hal.recording.trace._indexed import NAME, TooLongError, remove_leftovers, write_indexed
+from end_effector_hal.recording import TraceWriter, _trace_writer, read_trace
+from end_effector_hal.recording._indexed import NAME, TooLongError, remove_leftovers, write_indexed
 from tests.support.patience import wait_until
 from tests.unit.recording.test_trace_file import FILES, KINDS, Seen
 

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import PressuresWriter, read_pressures
+from end_effector_hal.recording import read_pressures
+from end_effector_hal.recording._pressures import PressuresWriter
 
 CHANNELS = ("bottom", "supply")
 

@@ -3,7 +3,8 @@
 import pytest
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import SwitchesWriter, read_switches
+from end_effector_hal.recording import read_switches
+from end_effector_hal.recording._levels import SwitchesWriter
 
 
 def test_what_is_read_is_what_was_written_and_it_is_continued(tmp_path):

@@ -17,8 +17,8 @@ import pytest
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import TraceWriter, read_trace
-from end_effector_hal.recording.trace._segment import MAGIC
-from end_effector_hal.recording.trace._trace_file import FOOTER_BYTES
+from end_effector_hal.recording._segment import MAGIC
+from end_effector_hal.recording._trace_file import FOOTER_BYTES
 from tests.support.places import ROOT
 
 

@@ -21,11 +21,10 @@ from end_effector_hal.recording import (
     RecordingLimits,
     TraceWriter,
     _files,
+    _trace_writer,
     read_trace,
 )
-from end_effector_hal.recording._files import lock
-from end_effector_hal.recording._limits import make_room
-from end_effector_hal.recording.trace import _trace_writer
+from end_effector_hal.recording._files import lock, make_room
 from tests.support.patience import PATIENCE_S, wait_until
 
 

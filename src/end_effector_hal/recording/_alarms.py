@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import TableWriter, read_lines
 from end_effector_hal.vocabulary import Alarm, alarm_changes, received_alarms
+
+from ._files import RecordingLimits
+from ._rows import TableWriter, read_lines
 
 COLUMNS = ("time_s", "event", "id", "about", "alarm")
 BEGUN, OVER, ENDED = "begun", "over", "ended"

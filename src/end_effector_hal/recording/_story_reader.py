@@ -6,9 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from end_effector_hal.control import EventKind
-from end_effector_hal.recording._run import RunInfo
-from end_effector_hal.recording.story._moments import moments_of
-from end_effector_hal.recording.story._story import (
+from end_effector_hal.vocabulary import Cause, EndEffectorState
+
+from ._alarms import AlarmRow
+from ._events import EventRow
+from ._run import RunInfo
+from ._states import StatesLog
+from ._story import (
     FAILED,
     Attempt,
     AttemptOutcome,
@@ -21,9 +25,7 @@ from end_effector_hal.recording.story._story import (
     Reset,
     Story,
 )
-from end_effector_hal.recording.story._verdict import verdict_of
-from end_effector_hal.recording.tables import AlarmRow, EventRow, StatesLog
-from end_effector_hal.vocabulary import Cause, EndEffectorState
+from ._verdict import moments_of, verdict_of
 
 _ENDS = {
     EventKind.CONFIRMED: AttemptOutcome.CONFIRMED,

@@ -9,10 +9,10 @@ from typing import TypeVar
 
 from end_effector_hal.control import COMMANDS, EventKind, ToolEvent
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._files import numbered_files
-from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState
+
+from ._files import RecordingLimits, numbered_files
+from ._rows import Line, TableWriter, read_header, read_lines
 
 Value = TypeVar("Value")
 COLUMNS = ("time_s", "event", "actuator", "attempt", "old", "new", "cause", "command")

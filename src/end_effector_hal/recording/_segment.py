@@ -18,8 +18,8 @@ from pydantic import TypeAdapter
 from pydantic_core import to_json
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._files import append_whole, lock, next_number, still_there
-from end_effector_hal.recording._limits import MEGABYTE
+
+from ._files import MEGABYTE, append_whole, lock, next_number, still_there
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, ATTACHMENT, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x09, 0x0F

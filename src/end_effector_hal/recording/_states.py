@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._events import EventRow, read_events
-from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
+
+from ._events import EventRow, read_events
+from ._files import RecordingLimits
+from ._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s", "end_effector", "command")
 

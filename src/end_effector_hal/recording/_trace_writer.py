@@ -13,14 +13,10 @@ from time import monotonic, time_ns
 from typing import NamedTuple
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.recording._limits import MEGABYTE, RecordingLimits, make_room
-from end_effector_hal.recording.trace._indexed import (
-    TooLongError,
-    remove_leftovers,
-    start_indexing,
-    write_indexed,
-)
-from end_effector_hal.recording.trace._segment import SegmentFile
+
+from ._files import MEGABYTE, RecordingLimits, make_room
+from ._indexed import TooLongError, remove_leftovers, start_indexing, write_indexed
+from ._segment import SegmentFile
 
 _log = logging.getLogger("end_effector_hal.recording")
 MOST_WAITING = 3_000

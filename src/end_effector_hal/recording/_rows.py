@@ -15,8 +15,8 @@ from typing import TypeVar
 from end_effector_hal._closing import Closing
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.owned import open_owned
-from end_effector_hal.recording._files import append_whole, lock, numbered_files, read_file, still_there
-from end_effector_hal.recording._limits import RecordingLimits, make_room
+
+from ._files import RecordingLimits, append_whole, lock, make_room, numbered_files, read_file, still_there
 
 Row = TypeVar("Row")
 LONGEST_S = 1e9
@@ -255,6 +255,23 @@ def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -
         return tuple(checked_names(names)[len(fixed) :])
     except UsageError as error:
         raise first.fault(error.what) from None
+
+
+def read_rows(
+    lines: Iterator[Line], read: Callable[[Line, float], Row], time_of: Callable[[Row], float]
+) -> list[Row]:
+    """Return the rows of the complete lines; a segment begins with the last row of the one before it, left out here.
+
+    ``read``: reads a row from its line and the earliest time that it may have, s.
+    """
+    rows: list[Row] = []
+    for line in lines:
+        if not line.complete:
+            break
+        row = read(line, time_of(rows[-1]) if rows else 0.0)
+        if not rows or row != rows[-1]:
+            rows.append(row)
+    return rows
 
 
 def checked_names(names: Sequence[str]) -> Sequence[str]:

@@ -1,15 +1,4 @@
-"""Compare two recordings.
-
-Rule 1: the zero of both is their first command, so that one recording may begin earlier than the other; a change
-before it is never reported as a difference in time.
-
-Rule 2: the changes of a line are aligned by their text, not by their time; numbers within an alarm are ignored.
-
-Rule 3: a change that is in both is a difference if it is earlier or later than the changes before it suggest: an
-additional time-out in one run is reported once, not again for every later change.
-
-Rule 4: a pressure differs where neither value is near a value of the other run within the time tolerance.
-"""
+"""Compare the tables of two recordings."""
 
 from __future__ import annotations
 
@@ -20,10 +9,59 @@ from difflib import SequenceMatcher
 from math import inf
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording.comparison._pressures import Shifts, pressure_differences
-from end_effector_hal.recording.comparison._run_difference import RunDifference
-from end_effector_hal.recording.comparison._run_tables import Change, RunTables
-from end_effector_hal.vocabulary import display_name
+from end_effector_hal.kinds import recorded_kind
+from end_effector_hal.vocabulary import Command, display_name
+
+from ._alarms import BEGUN, AlarmRow
+from ._compared_pressures import RunDifference, Shifts, pressure_differences
+from ._levels import ChangerRow, SwitchesLog
+from ._pressures import PressuresLog
+from ._run import RunInfo
+from ._states import StatesLog
+
+Change = tuple[float, str]
+"""Time of a change, s, and the new value."""
+
+
+@dataclass(frozen=True)
+class RunTables:
+    """Tables of one recording; times in seconds since its start."""
+
+    log: StatesLog
+    info: RunInfo
+    pressures: PressuresLog | None = None
+    changer: tuple[ChangerRow, ...] = ()
+    alarms: tuple[AlarmRow, ...] = ()
+    switches: SwitchesLog | None = None
+
+    @property
+    def first_command_s(self) -> float:
+        """Time of the first command; without a command, the time of the first row."""
+        rows = self.log.rows
+        return next((row.time_s for row in rows if row.command is not Command.NONE), rows[0].time_s)
+
+    def lines(self) -> Iterator[tuple[str, list[Change]]]:
+        """Yield each line of the figure with its changes in words."""
+        rows = self.log.rows
+        yield "end_effector", _changes([(row.time_s, row.end_effector.label) for row in rows])
+        yield "command", _changes([(row.time_s, row.command.label) for row in rows])
+        for index, name in enumerate(self.log.actuators):
+            words = recorded_kind(name, self.info.actuators).states
+            yield name, _changes([(row.time_s, words(row.actuators[index]).label) for row in rows])
+        yield "tool_changer", _changes([(row.time_s, row.state.label) for row in self.changer])
+        # an alarm may come again: each is a change
+        yield (
+            "alarms",
+            [
+                (row.time_s, f"{'' if row.event == BEGUN else f'{row.event}: '}{row.text}")
+                for row in self.alarms
+            ],
+        )
+
+
+def _changes(rows: list[Change]) -> list[Change]:
+    return [row for row, before in zip(rows, [(0.0, ""), *rows], strict=False) if row[1] != before[1]]
+
 
 MOST_CHANGES = 2_000
 """Maximum number of changes of one line; the time of the alignment grows with its square."""

@@ -16,8 +16,7 @@ from pathlib import Path
 from subprocess import DEVNULL, Popen
 from typing import IO
 
-from end_effector_hal.recording._files import lock, still_there
-from end_effector_hal.recording._limits import MEGABYTE
+from ._files import MEGABYTE, lock, still_there
 
 CHUNK_BYTES = 64 * 1024
 """Size of a chunk, bytes; a file that is cut off later loses at most one chunk in addition to the cut part."""

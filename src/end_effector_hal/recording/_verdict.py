@@ -1,20 +1,16 @@
-"""Summarize a story in one sentence."""
+"""Summarize a story: in one sentence, and as the moments that a figure marks."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from itertools import groupby
 
-from end_effector_hal.recording.story._story import (
-    AttemptOutcome,
-    Grip,
-    GripDecision,
-    Release,
-    ReleaseCause,
-    Story,
-)
-from end_effector_hal.recording.tables import StatesLog
-from end_effector_hal.vocabulary import EndEffectorState, display_name
+from end_effector_hal.vocabulary import LATCHED_ERRORS, EndEffectorState, display_name
+
+from ._alarms import BEGUN, AlarmRow
+from ._states import StatesLog
+from ._story import AttemptOutcome, Grip, GripDecision, Moment, Release, ReleaseCause, Story
 
 _HELD = {GripDecision.ABORTED: ReleaseCause.ABORT, GripDecision.CANCELLED: ReleaseCause.CANCEL}
 """The release that normally follows each decision; without it, outputs stay active, as declared."""
@@ -116,3 +112,60 @@ def _of_release(release: Release, story: Story) -> str:
         several = len(release.deactivated) > 1 and release.cause is not ReleaseCause.DROP
         return f"{done} in reverse order" if several else done
     return f"{done} in the order {', '.join(map(display_name, release.deactivated))}"
+
+
+_TOGETHER_S = 0.2
+
+
+def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) -> tuple[Moment, ...]:
+    """Return the moments that a figure marks, in order of time.
+
+    They are commands, time-outs, aborts, GRIPPED, losses, alarms and failed releases.
+    """
+    found = [
+        Moment(each.time_s, "command", each.command.upper()) for each in log.events or () if each.command
+    ]
+    for grip in story.grips:
+        found += _grip_moments(grip)
+    found += [
+        Moment(loss.time_s, "lost", ": ".join(filter(None, ("grip lost", loss.who)))) for loss in story.losses
+    ]
+    found += _warnings(alarms)
+    for release in story.releases:
+        if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
+            found.append(Moment(release.end_s, "lost", "release error"))
+    return tuple(sorted(found, key=lambda moment: moment.time_s))
+
+
+def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:
+    """Return a moment for each alarm that began; equal alarms of several actuators share one.
+
+    Latched errors are left out because the states already show them.
+    """
+    found: dict[str, Moment] = {}
+    moments = []
+    for row in alarms:
+        last = found.get(row.title)
+        if row.event != BEGUN or row.id in LATCHED_ERRORS:
+            continue
+        if last is None or row.time_s - last.time_s > _TOGETHER_S:
+            found[row.title] = Moment(row.time_s, "alarm", row.title)
+            moments.append(found[row.title])
+    return moments
+
+
+def _grip_moments(grip: Grip) -> list[Moment]:
+    found = []
+    for attempt in grip.failed:
+        name = display_name(attempt.actuator)
+        of = f"/{attempt.of}" if attempt.of else ""
+        last = attempt.actuator == grip.culprit and attempt is grip.of(attempt.actuator)[-1]
+        what = "time-out" if attempt.outcome is AttemptOutcome.TIMED_OUT else "empty"
+        text = f"{name} {what} {attempt.number}{of}{' – abort' if last else ''}"
+        found.append(Moment(attempt.end_s or 0.0, "abort" if last else "timeout", text))
+    if grip.decided_s is not None:
+        if grip.decision is GripDecision.GRIPPED:
+            found.append(Moment(grip.decided_s, "gripped", "GRIPPED"))
+        elif grip.decision is GripDecision.ABORTED and grip.culprit is None:
+            found.append(Moment(grip.decided_s, "abort", "abort"))
+    return found

@@ -9,8 +9,9 @@ from operator import itemgetter
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording._limits import RecordingLimits
-from end_effector_hal.recording.tables._rows import Line, TableWriter, read_header, read_lines
+
+from ._files import RecordingLimits
+from ._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
@@ -46,6 +47,11 @@ class PressuresLog:
     def times_s(self) -> tuple[float, ...]:
         """The time of each sample, seconds since the start."""
         return tuple(time_s for time_s, _ in self.samples)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The name of each channel's column."""
+        return tuple(column_of(channel, self.units) for channel in self.channels)
 
     def curve(self, channel: str) -> tuple[float | None, ...]:
         """Return the values of one channel, kPa."""

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import UsageError, os_errors
-from end_effector_hal.recording._files import read_file
-from end_effector_hal.recording.trace._segment import MAGIC
+
+from ._files import read_file
+from ._segment import MAGIC
 
 DATA_END_BYTES = 13
 """Size of the record DATA_END, bytes: opcode, length, checksum."""

@@ -1,0 +1,173 @@
+"""``switches.csv`` and ``tool_changer.csv``: one row per change.
+
+The levels of switches are 1 on, 0 off, empty without a valid reading; the state of the tool changer is the integer of
+``ChangerState``.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import ChangerState
+
+from ._files import RecordingLimits
+from ._rows import Line, TableWriter, read_header, read_lines, read_rows
+
+FIXED = ("time_s",)
+ON = "_on"
+"""Ending of a column name, after the name of the channel."""
+CHANGER_COLUMNS = ("time_s", "tool_changer")
+_LEVELS = {"0": False, "1": True, "": None}
+
+Levels = tuple[bool | None, ...]
+
+
+@dataclass(frozen=True)
+class SwitchesLog:
+    """Rows in order of time: seconds since the start, and the levels from then on; None: unknown."""
+
+    channels: tuple[str, ...]
+    rows: tuple[tuple[float, Levels], ...]
+    source: str = ""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The name of each channel's column."""
+        return _columns(self.channels)
+
+    @property
+    def times_s(self) -> tuple[float, ...]:
+        """The time of each row, seconds since start."""
+        return tuple(time_s for time_s, _ in self.rows)
+
+    def levels(self, channel: str) -> tuple[bool | None, ...]:
+        """Return the levels of one channel, one for each row."""
+        index = self.channels.index(channel)
+        return tuple(levels[index] for _, levels in self.rows)
+
+
+class ChangerRow(NamedTuple):
+    """The state of the tool changer from ``time_s`` (seconds since start) until the next row."""
+
+    time_s: float
+    state: ChangerState
+
+
+class _ChangesWriter(TableWriter):
+    """Writes a row when what it shows has changed; a row begins with its time."""
+
+    _last: tuple[float, Any] | None = None
+
+    @abstractmethod
+    def _text(self, row: tuple[float, Any]) -> str:
+        """Return a row with its line end."""
+
+    def _change(self, time_s: float, shown: object) -> bool:
+        self._check_time(time_s)
+        with self._lock:
+            if self._last is not None and self._last[1] == shown:
+                return False
+            row = (max(round(time_s, 6), self._last[0] if self._last else 0.0), shown)
+            self._file.append(self._text(row))
+            self._last = row
+        return True
+
+    def _opening(self) -> str:
+        return self._text(self._last) if self._last is not None else ""
+
+
+class SwitchesWriter(_ChangesWriter):
+    """Writes a row when a level has changed; thread-safe.
+
+    Raises:
+        UsageError: the file cannot be written, or is another kind of file.
+    """
+
+    def __init__(
+        self, path: str | Path, channels: Sequence[str], limits: RecordingLimits | None = None
+    ) -> None:
+        self.channels = tuple(channels)
+        columns = _columns(channels)
+        super().__init__(path, (*FIXED, *columns), limits)
+        self._last = self._resumed(lambda line: _switches_row(line, columns, 0.0))
+
+    def write(self, time_s: float, levels: Mapping[str, bool | None]) -> bool:
+        """Write the levels from ``time_s`` on (missing: unknown); return False when they equal the last row."""
+        return self._change(time_s, tuple(levels.get(channel) for channel in self.channels))
+
+    def _text(self, row: tuple[float, Levels]) -> str:
+        cells = ("" if level is None else str(int(level)) for level in row[1])
+        return ",".join((f"{row[0]:.6f}", *cells)) + "\n"
+
+
+class ChangerWriter(_ChangesWriter):
+    """Writes a row when the state of the tool changer has changed; thread-safe.
+
+    Raises:
+        UsageError: the file cannot be written, or is another kind of file.
+    """
+
+    def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
+        super().__init__(path, CHANGER_COLUMNS, limits)
+        self._last = self._resumed(lambda line: _changer_row(line, 0.0))
+
+    def write(self, time_s: float, state: ChangerState) -> bool:
+        """Write the state that holds from ``time_s`` on; return False when it equals the last row."""
+        return self._change(time_s, state)
+
+    def _text(self, row: tuple[float, ChangerState]) -> str:
+        return f"{row[0]:.6f},{int(row[1])}\n"
+
+
+def read_switches(path: str | Path) -> SwitchesLog | None:
+    """Return the switches of a recording; None: the recording has no table of switches.
+
+    Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
+    """
+    if not Path(path).exists():
+        return None
+    lines = read_lines(path)
+    columns = read_header(lines, path, FIXED)
+    if not columns or not all(column.endswith(ON) and column != ON for column in columns):
+        raise UsageError("This is not a table of switches.", where=f"{path}:1")
+    rows = read_rows(lines, lambda line, earliest_s: _switches_row(line, columns, earliest_s), itemgetter(0))
+    return SwitchesLog(tuple(column.removesuffix(ON) for column in columns), tuple(rows), str(path))
+
+
+def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
+    """Return the states of the tool changer in a recording; empty: the recording has no table of them.
+
+    Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
+    """
+    if not Path(path).exists():
+        return ()
+    lines = read_lines(path)
+    if read_header(lines, path, CHANGER_COLUMNS):
+        raise UsageError("This is not a table of a tool changer.", where=f"{path}:1")
+    return tuple(read_rows(lines, _changer_row, itemgetter(0)))
+
+
+def _columns(channels: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{channel}{ON}" for channel in channels)
+
+
+def _switches_row(line: Line, columns: tuple[str, ...], earliest_s: float) -> tuple[float, Levels]:
+    time, *cells = line.fields((*FIXED, *columns))
+    for column, cell in zip(columns, cells, strict=True):
+        if cell not in _LEVELS:
+            raise line.fault(f"{column} is {cell[:40]!r}, expected is 1, 0 or nothing.")
+    return line.seconds(time, earliest_s), tuple(_LEVELS[cell] for cell in cells)
+
+
+def _changer_row(line: Line, earliest_s: float) -> ChangerRow:
+    time, state = line.fields(CHANGER_COLUMNS)
+    value = line.number_of(state, CHANGER_COLUMNS[1])
+    if value not in set(ChangerState):
+        raise line.fault(f"tool_changer is {state[:40]}, expected is 0 to {max(ChangerState):d}.")
+    return ChangerRow(line.seconds(time, earliest_s), ChangerState(int(value)))
