@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from end_effector_hal.description import load, profile_path, schema
-from end_effector_hal.page.view import RULES
+from end_effector_hal.page.view._interlocks import RULES
 from end_effector_hal.verification.lemmas import BUS_FILE, COILS_FILE, DEATHS_FILE
 from end_effector_hal.verification.proof import requirements_of
 from timed_automata import load_network

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from end_effector_hal.page.view import RULES
+from end_effector_hal.page.view._interlocks import RULES
 from tests.support.places import DOCS, ROOT
 
 sys.path.insert(0, str(DOCS))

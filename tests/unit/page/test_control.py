@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.page.web import ControlLease
+from end_effector_hal.page.web._control import ControlLease
 
 S = 1_000_000
 

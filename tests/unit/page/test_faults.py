@@ -12,7 +12,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.faults import FaultOffer, TestbenchHeader
 from end_effector_hal.page.view import FaultsView, ToolView
-from end_effector_hal.page.web import FaultCommands
+from end_effector_hal.page.web._control import FaultCommands
 from end_effector_hal.recording import content_hash
 
 S = 1_000_000

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from end_effector_hal.page.web import Asked, Guard, PageAddress
+from end_effector_hal.page.web import PageAddress
+from end_effector_hal.page.web._guard import Asked, Guard
 
 ADDRESS = PageAddress("127.0.0.1", 8137)
 GUARD = Guard(ADDRESS)

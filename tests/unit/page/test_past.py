@@ -17,9 +17,8 @@ from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.recorded import _folder
 from end_effector_hal.page.recorded._folder import MOST_TABLE_BYTES, list_recordings
-from end_effector_hal.page.web import PageAddress, _past, _second_rank
-from end_effector_hal.page.web._past import PastRecordings
-from end_effector_hal.page.web._past_routes import past_routes
+from end_effector_hal.page.web import PageAddress, _past
+from end_effector_hal.page.web._past import PastRecordings, past_routes
 from end_effector_hal.page.web._recordings import make_recordings_app
 from end_effector_hal.recording import EventsWriter, StatesWriter
 from tests.support.recorded_tool import RecordedTool
@@ -285,7 +284,7 @@ def test_a_reader_that_computes_for_ever_is_ended(tmp_path: Path, monkeypatch: p
     (tmp_path / "reader_of_this_test.py").write_text("while True: pass")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setattr(_past, "_MODULE", "reader_of_this_test")
-    monkeypatch.setattr(_second_rank, "MOST_CPU_S", 1)
+    monkeypatch.setattr(_past, "MOST_CPU_S", 1)
 
     async def run() -> bytes:
         return await PastRecordings(tmp_path, profile_path()).listing()

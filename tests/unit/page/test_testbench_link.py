@@ -13,7 +13,7 @@ import pytest
 from end_effector_hal.description import Description, load
 from end_effector_hal.page.link import TestbenchLink
 from end_effector_hal.page.view import FaultsView, ToolView
-from end_effector_hal.page.web import FaultCommands
+from end_effector_hal.page.web._control import FaultCommands
 from end_effector_hal.wires import now_us
 from end_effector_lab.testbench import Testbench, open_inputs, open_ports, write_virtual_copy
 from end_effector_lab.testbench._faults import FaultServer

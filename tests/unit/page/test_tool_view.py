@@ -18,7 +18,8 @@ from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.hal_main._aggregate import Margins
 from end_effector_hal.nodes.transport import AMBIENT_PA
-from end_effector_hal.page.view import STALE_US, ToolView
+from end_effector_hal.page.view import ToolView
+from end_effector_hal.page.view._tool_view import STALE_US
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.boundary import STREAMED, Published, RecordedController
 from end_effector_hal.runtime.boundary._open import header_of

@@ -4,10 +4,9 @@ The document has the view of every moment, so that the browser can scrub without
 `eehal report` writes it into a file.
 """
 
-from ._compared import ComparedRecording
-from ._differences import compare_recordings
+from ._differences import ComparedRecording, compare_recordings
 from ._document import FoldedRecording, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
-from ._judged import judge_recording
+from ._summary import judge_recording
 from ._tables import RecordedTables

@@ -19,7 +19,7 @@ from end_effector_hal.errors import ReportedError, UsageError
 from ._document import read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS, list_recordings, recording_folders
-from ._judged import judge_recording
+from ._summary import judge_recording
 from ._tables import STATES, RecordedTables
 
 

@@ -18,12 +18,11 @@ from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
 
-from ._compared import ComparedRecording, TablesBuilder
+from ._differences import ComparedRecording, TablesBuilder
 from ._files import TOLD, RecordingFiles
-from ._samples import Samples
+from ._samples import Samples, Tracks
 from ._summary import Summary
 from ._tables import RecordedTables
-from ._tracks import Tracks
 
 MOST_STEPS = 18_000
 """Largest number of shown moments in which only readings have changed: 0.1 s apart in half an hour."""

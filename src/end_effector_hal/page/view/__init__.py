@@ -3,7 +3,6 @@
 from ._cards import Cards
 from ._curves import Curve
 from ._faults import FaultsView
-from ._interlocks import RULES
 from ._log import EventLog
 from ._timeline import FRESH_US
-from ._tool_view import STALE_US, ToolView
+from ._tool_view import ToolView

@@ -12,7 +12,7 @@ from end_effector_hal.verification.mutation import CHECKS, kept_record
 from end_effector_hal.verification.proof import requirements_of
 from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, Network, Step, Template
 
-from ._place import in_file
+from ._log import in_file
 
 _BOUND = re.compile(r"\b(?P<clock>[A-Za-z_]\w*)\s*<=?\s*(?P<bound>[^&|]+)")
 _TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(\[(?P<index>\w+)\])?")

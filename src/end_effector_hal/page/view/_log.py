@@ -20,7 +20,11 @@ from end_effector_hal.vocabulary import (
 )
 from timed_automata import Document, Step, Template
 
-from ._place import in_file
+
+def in_file(where: str) -> str:
+    """Return ``line:column`` of ``file:line:column``: the file's path may differ on the program's machine."""
+    return ":".join(where.rsplit(":", 2)[1:])
+
 
 KEPT = 1_000
 """Number of entries that are kept."""

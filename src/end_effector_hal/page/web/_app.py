@@ -24,13 +24,10 @@ from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
 from end_effector_hal.vocabulary import display_name
 from end_effector_hal.wires import now_us
 
-from ._address import PageAddress
-from ._control import ControlLease
-from ._faults import FAULT_WORDS, FaultCommands
-from ._guard import Asked, Guard
+from ._control import FAULT_WORDS, ControlLease, FaultCommands
+from ._guard import Asked, Guard, PageAddress
 from ._hub import Hub
-from ._past import PastRecordings
-from ._past_routes import past_routes
+from ._past import PastRecordings, past_routes
 
 Ask = Callable[[str, str], Awaitable[Answer]]
 LONGEST = 2_000

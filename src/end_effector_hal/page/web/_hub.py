@@ -13,8 +13,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.wires import now_us
 
-from ._control import ControlLease
-from ._faults import FaultCommands
+from ._control import ControlLease, FaultCommands
 
 MOST_PAGES = 12
 PERIOD_S = 0.1

@@ -1,18 +1,54 @@
-"""The recordings of a folder, for the live page; separate processes list and read them."""
+"""The recordings of a folder, for the live page; separate processes of lower priority list and read them."""
 
 from __future__ import annotations
 
 import asyncio
+import os
 import re
+import resource
 import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
 
-from end_effector_hal.errors import UsageError
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route
+
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.page import page_html
 from end_effector_hal.page.recorded import PROGRESS
 
-from ._second_rank import MOST_CPU_S, bound, step_back
+_NICE = 10
+"""Niceness: a tenth of the processor beside a busy process, so no tool is late and reading still advances."""
+MOST_CPU_S = 180
+"""Processor time limit, independent of other load; half an hour of a tool needs 20 s."""
+_MOST_BYTES = 4 << 30
+"""Address space limit, bytes; half an hour of a tool at 50 Hz needs a quarter of it."""
+
+
+def step_back(pid: int, *, session: bool = False) -> None:
+    """Lower the priority of a process that has not started its threads yet.
+
+    Args:
+        pid: id of the process.
+        session: whether it leads its own session: Linux may share the processor between sessions first (autogroup),
+            and within them by niceness.
+    """
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, pid, max(_NICE, os.getpriority(os.PRIO_PROCESS, pid)))
+    if session:
+        with suppress(OSError):
+            Path(f"/proc/{pid}/autogroup").write_text(str(_NICE), encoding="ascii")
+
+
+def bound(pid: int) -> None:
+    """Limit a reader's memory and processor time, so that a huge recording ends only its reader."""
+    cpu = (MOST_CPU_S, MOST_CPU_S + 5)  # at the first it gets SIGXCPU, which says why it ended
+    for limit, most in ((resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES)), (resource.RLIMIT_CPU, cpu)):
+        with suppress(OSError):
+            resource.prlimit(pid, limit, most)
+
 
 LIST_S, READ_S = 60.0, 1800.0
 """Elapsed-time limits, seconds, for a file that hangs; a slow reader is ended by its processor-time limit."""
@@ -140,3 +176,46 @@ class PastRecordings:
                     said = text
         await child.wait()
         return await printed, said
+
+
+def past_routes(past: PastRecordings) -> list[Route]:
+    """Return ``/past`` and the routes below it; the addresses contain ids and no paths."""
+
+    async def listing(_: Request) -> Response:
+        try:
+            return Response(await past.listing(), media_type="application/json")
+        except ReportedError as error:
+            return PlainTextResponse(f"{error}\n", 503)
+
+    async def page(request: Request) -> Response:
+        past.forget(request.path_params["id"])
+        return Response(page_html("Recording", recorded=True), media_type="text/html; charset=utf-8")
+
+    async def overview(_: Request) -> Response:
+        return JSONResponse({"count": 1, "grown": False})
+
+    async def document(request: Request) -> Response:
+        return await answer(request, verdict=False)
+
+    async def verdict(request: Request) -> Response:
+        return await answer(request, verdict=True)
+
+    async def answer(request: Request, *, verdict: bool) -> Response:
+        task = past.reading(request.path_params["id"], verdict=verdict)
+        if task is None:
+            return PlainTextResponse("There is no such recording.\n", 404)
+        if not task.done():
+            progress = past.progress(request.path_params["id"], verdict=verdict)
+            return JSONResponse({"progress": progress}, 202)
+        try:
+            return Response(task.result(), media_type="application/json")
+        except ReportedError as error:
+            return PlainTextResponse(f"{error}\n", 404 if "no such recording" in str(error) else 500)
+
+    return [
+        Route("/past", listing),
+        Route("/past/{id}/", page),
+        Route("/past/{id}/recordings", overview),
+        Route("/past/{id}/recording/0", document),
+        Route("/past/{id}/recording/0/verdict", verdict),
+    ]

@@ -24,8 +24,8 @@ from end_effector_hal.page.recorded import (
     read_recording,
 )
 
-from ._address import PageAddress
 from ._app import Guarded, static_route
+from ._guard import PageAddress
 
 
 class ServedRecording:

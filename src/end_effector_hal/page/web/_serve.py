@@ -22,15 +22,13 @@ from end_effector_hal.page.recorded import RecordedTables, RecordingFiles, Recor
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.wires import now_us
 
-from ._address import PageAddress
 from ._app import make_app
 from ._connection import BoundedConnection
-from ._control import ControlLease
-from ._faults import FaultCommands
+from ._control import ControlLease, FaultCommands
+from ._guard import PageAddress
 from ._hub import Hub
-from ._past import PastRecordings
+from ._past import PastRecordings, step_back
 from ._recordings import ServedRecording, make_recordings_app
-from ._second_rank import step_back
 
 Ready = Callable[[str], None]
 
