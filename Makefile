@@ -164,7 +164,7 @@ kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and wit
 	@for ros in $(PROCESSES); do \
 		$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros $$ros || exit; done
 
-matrix-processes: setup ## some cells of `eehal matrix` on real processes: they must end as in virtual time (SAMPLE=50, 5 minutes)
+matrix-processes: setup ## some cells of `eehal matrix` on real processes: they must end as in virtual time (SAMPLE=50)
 	@$(ROS_ENV) && python -m tests.acceptance.matrix.run --sample $(or $(SAMPLE),50)
 
 fmea: setup ## the FMEA of the shipped tool and of each example again (half an hour)

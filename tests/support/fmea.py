@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_lab.matrix import Cell, cells_of, moments, thinned
+from end_effector_lab.trials import Cell, cells_of, moments, thinned
 
 from .places import DOCS, ROOT
 

@@ -17,7 +17,7 @@ from ._options import playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_lab.campaign import Campaign
+    from end_effector_lab.trials import Campaign
     from end_effector_lab.workers import Workers
 
 RUNS = 1000
@@ -92,7 +92,7 @@ def _run(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.campaign import (
+    from end_effector_lab.trials import (
         UNREACHED,
         campaign_folder,
         never_reached,
@@ -145,12 +145,11 @@ def _run(
 
 
 def _play(description: Description, file: Path, output: Path, *, processes: bool, as_json: bool) -> int:
-    from end_effector_lab.campaign import CoverageMap, play_case, play_on_processes, read_case
-    from end_effector_lab.matrix import no_log
+    from end_effector_lab.trials import no_log, play_case, play_on_processes, read_case
 
     case = read_case(file, description)
     with no_log():
-        played = play_case(description, case, CoverageMap(description), log=True)
+        played = play_case(description, case)
     real = None
     if processes:
         with Progress("On real processes", shown=not as_json):
@@ -160,7 +159,7 @@ def _play(description: Description, file: Path, output: Path, *, processes: bool
         found = case.as_json() | played.as_json()
         print_document(found | ({"processes": real._asdict(), "same": same} if real else {}))
     else:
-        for line in played.log:
+        for line in played.log():
             click.echo(line)
         for what in played.failures.values():
             click.echo(f"failed: {what}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,8 @@ from ._options import playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_lab.matrix import Cell
     from end_effector_lab.results import ResultsFolder
+    from end_effector_lab.trials import Cell, Played
     from end_effector_lab.workers import Workers
 
 
@@ -50,12 +50,12 @@ def command(
 ) -> None:
     """Play every fault of the testbench at every moment of a grip and a drop, with every command, in virtual time.
 
-    The allowed outcomes of each cell are computed from the description, by rules that share no code with the
-    controller; the monitor judges each run as well. FOLDER receives report.html, report.json, cells.jsonl and
+    The rules of `eehal campaign` judge each cell, which ends as its runs do: with a grip and a drop after the fault is
+    removed. FOLDER receives report.html, report.json, cells.jsonl and
     fmea.csv, the failure modes and effects of the tool, with empty columns for severity and occurrence.
 
     A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped,
-    or a result is not explained.
+    or a rule objects.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -80,14 +80,14 @@ def command(
 
 
 def _whole(description: Description, as_json: bool) -> list[Cell]:
-    from end_effector_lab.matrix import cells_of, moments
+    from end_effector_lab.trials import cells_of, moments
 
     with Progress("Playing the run without a fault", shown=not as_json):
         return list(cells_of(description, moments(description)))
 
 
 def _chosen(whole: list[Cell], only: str, every: int) -> list[Cell]:
-    from end_effector_lab.matrix import thinned
+    from end_effector_lab.trials import thinned
 
     chosen = [each for each in whole if only in each.id]
     if not chosen:
@@ -104,16 +104,16 @@ def _all(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.matrix import matrix_folder, summary
+    from end_effector_lab.trials import figures, matrix_folder
 
     with matrix_folder(description, output) as results:
         played = _played(description, cells, results, workers, shown=not as_json)
-        found = summary(cells, played, left_out)
+        found = figures(cells, played.values(), left_out)
         kept = _write(description, cells, played, found, results)
     if as_json:
         click.echo(json_text(found))
     else:
-        _tell(found, [each for each in played if not each["explained"]], output)
+        _tell(found, [each for each in played.values() if each.objections], output)
     for path in kept:
         click.echo(f"not lost: what somebody had written there is {path}", err=True)
     return 4 if found["dropped"] or found["unexplained"] else 0
@@ -121,8 +121,8 @@ def _all(
 
 def _played(
     description: Description, cells: list[Cell], results: ResultsFolder, workers: Workers, *, shown: bool
-) -> list[dict[str, Any]]:
-    from end_effector_lab.matrix import play_all
+) -> dict[str, Played]:
+    from end_effector_lab.trials import play_all
 
     begun, first = time.monotonic(), list[int]()
     with Progress(f"{len(cells)} cells", shown=shown) as progress:
@@ -140,37 +140,31 @@ def _played(
 def _write(
     description: Description,
     cells: list[Cell],
-    played: list[dict[str, Any]],
+    played: dict[str, Played],
     found: dict[str, Any],
     results: ResultsFolder,
 ) -> list[Path]:
     """Write the results; return the copies of files that a person had changed."""
-    from end_effector_lab.matrix import FIGURES, FMEA, PAGE, fmea, page, signed_cells
+    from end_effector_lab.trials import FIGURES, FMEA, PAGE, fmea, page, signed_cells
 
     signed = signed_cells(results.read(FMEA))
-    table = fmea(description, cells, {each["id"]: each for each in played}, signed).encode()
+    table = fmea(description, cells, played, signed).encode()
     kept = [
-        results.write(PAGE, page(description.name, found, played).encode()),
+        results.write(PAGE, page(description.name, found, cells, played).encode()),
         results.write(FIGURES, (json.dumps(found, indent=1) + "\n").encode()),
         results.write(FMEA, table, keep=signed_cells(table) != signed),
     ]
     return [path for path in kept if path is not None]
 
 
-def _tell(found: dict[str, object], wrong: list[dict[str, object]], output: Path) -> None:
-    from end_effector_lab.matrix import let_go
+def _tell(found: dict[str, Any], wrong: list[Played], output: Path) -> None:
+    from end_effector_lab.trials import let_go
 
-    dimensions = found["dimensions"]
-    assert isinstance(dimensions, dict)
-    click.echo(" x ".join(f"{count} {name}" for name, count in dimensions.items()))
-    outcomes = found["outcomes"]
-    assert isinstance(outcomes, dict)
-    for name, count in outcomes.items():
+    click.echo(" x ".join(f"{count} {name}" for name, count in found["dimensions"].items()))
+    for name, count in found["outcomes"].items():
         click.echo(f"{count:7} {name}")
     for each in wrong[:20]:
-        objections = each["objections"]
-        assert isinstance(objections, list | tuple)
-        said = f"{each['id']}: {each['outcome']}; {'; '.join(map(str, objections))}"
+        said = f"{each.id}: {each.outcome}; {'; '.join(each.objections)}"
         click.echo(f"not explained: {printable(said, 5000)}")
     click.echo(
         f"{found['cells']} cells, {found['dropped']} dropped, {let_go(found)}{found['unexplained']} unexplained, "
@@ -183,7 +177,7 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
 
     from end_effector_hal.cli import figures
     from end_effector_lab.figures import RecordedRun
-    from end_effector_lab.matrix import cell_folder, disturbances, record
+    from end_effector_lab.trials import cell_folder, disturbances, record
 
     cell = next((each for each in cells if each.id == name), None)
     if cell is None:
@@ -198,12 +192,12 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
         figure = drawing.save(run.figure("timeline"), new / "timeline.png")
     figure = folder / figure.name
     if as_json:
-        print_document(played.as_json() | {"figure": str(figure)})
+        print_document(asdict(played) | {"figure": str(figure)})
     else:
-        click.echo(f"{played.outcome} (expected: {', '.join(played.expected)}, {played.why})")
+        click.echo(played.outcome)
         for objection in played.objections:
             click.echo(f"not explained: {objection}")
         if played.told:
             click.echo(f"after {played.told_after:g} s: {played.told}")
         click.echo(str(figure))
-    return 0 if played.explained else 4
+    return 4 if played.objections else 0

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_lab.campaign import CoverageMap, case_from_words, play_case, play_on_processes
+from end_effector_lab.trials import case_from_words, play_case, play_on_processes
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
 SHIPPED = load(profile_path())
@@ -26,5 +26,5 @@ SHIPPED = load(profile_path())
 def test_it_ends_the_same(words: str, tmp_path: Path) -> None:
     case = case_from_words(words, SHIPPED)
     real = play_on_processes(SHIPPED, case, tmp_path)
-    assert real == play_case(SHIPPED, case, CoverageMap(SHIPPED)).end
+    assert real == play_case(SHIPPED, case).end
     assert real.moved

@@ -16,9 +16,8 @@ from distributed import Client
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import WorkersError
-from end_effector_lab.campaign import Campaign, run_campaign
-from end_effector_lab.matrix import cells_of, matrix_folder, moments, play_all
 from end_effector_lab.processes import EEHAL
+from end_effector_lab.trials import Campaign, cells_of, matrix_folder, moments, play_all, run_campaign
 from end_effector_lab.workers import Workers, _cluster, cluster_workers, local_workers
 from tests.support.nightly import NIGHTLY
 from tests.support.patience import wait_until

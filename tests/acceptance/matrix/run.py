@@ -1,135 +1,123 @@
-"""``make matrix-processes``: some cells of ``eehal matrix`` on real processes; each must end as is allowed."""
+"""``make matrix-processes``: some cells of ``eehal matrix`` on real processes; each must end as in virtual time."""
 
 from __future__ import annotations
 
 import argparse
 import json
-import queue
 import shutil
-import signal
 import sys
-import threading
 import time
+from collections import defaultdict
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from pathlib import Path
+from random import Random
 from tempfile import mkdtemp
+from typing import NamedTuple
 
-from rich.console import Console
+import click
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_lab.matrix import Cell, Moment
-from tests.acceptance.kill_matrix.prepare import at_rest
-from tests.acceptance.kill_matrix.system_plain import PlainSystem
-from tests.acceptance.kill_matrix.waiting import Late, Stopped, stopping
-from tests.acceptance.matrix.play import RealCell, Row
-from tests.acceptance.matrix.sample import playable, sample
+from end_effector_lab.trials import Cell, cells_of, moments, no_log, play_case, play_on_processes
 
-console = Console(width=190, highlight=False)
+RANDOM = {
+    "noise",
+    "flips",
+    "bursts",
+    "lost-bytes",
+    "doubled-bytes",
+    "no-answers",
+    "twice-answers",
+    "wrong-answers",
+}
+"""Faults that come by chance: no two runs in real time are the same."""
 
 
-class Sample:
-    """Plays cells on some systems at once; a system in which a cell does not end as is allowed is not used again."""
+class Row(NamedTuple):
+    """What became of a cell.
 
-    def __init__(
-        self, description: Description, cells: list[tuple[Cell, Moment | None]], folder: Path, systems: int
-    ) -> None:
-        self._description, self._folder, self._total = description, folder, len(cells)
-        self._left: queue.SimpleQueue[tuple[Cell, Moment | None]] = queue.SimpleQueue()
-        for each in cells:
-            self._left.put(each)
-        self._again: set[Cell] = set()
-        self.rows: list[Row] = []
-        self._threads = [
-            threading.Thread(target=self._work, args=(number,)) for number in range(min(systems, len(cells)))
-        ]
+    Attributes:
+        virtual, real: how it ended in virtual time, and on real processes.
+        same: whether the state and the active outputs are the same.
+    """
 
-    def run(self) -> None:
-        """Until all were played."""
-        for thread in self._threads:
-            thread.start()
-        for thread in self._threads:
-            while thread.is_alive():
-                thread.join(0.2)  # signals are handled between
+    cell: str
+    virtual: str
+    real: str
+    same: bool
+    seconds: float
 
-    def _work(self, number: int) -> None:
-        count = 0
-        try:
-            while not self._left.empty():
-                count += 1
-                with PlainSystem(self._folder / f"{number}-{count}", self._description) as system:
-                    while self._play(system):
-                        pass
-        except Stopped:
-            return
-        except (ReportedError, Late) as error:
-            console.print(f"system {number} cannot be started: {error}", style="red")
 
-    def _play(self, system: PlainSystem) -> bool:
-        """Whether this system can be used further."""
-        try:
-            cell, event = self._left.get_nowait()
-        except queue.Empty:
-            return False
-        try:
-            at_rest(system)
-        except Late as late:  # what an earlier cell has left: not of this one
-            if cell in self._again:
-                self.rows.append(Row(cell, "", "", 0.0, (f"could not be begun: {late}",)))
-            else:
-                self._again.add(cell)
-                self._left.put((cell, event))
-            return False
-        try:
-            row = RealCell(system, cell, event).run()
-        except (Late, ReportedError) as error:
-            row = Row(cell, "", "", 0.0, (f"could not be played: {error}",))
-        self.rows.append(row)
-        mark = "FAIL" if row.faults else "same" if row.same else "ok  "
-        told = row.real if row.same else f"{row.real} (virtual: {row.virtual})"
-        console.print(
-            f"{len(self.rows):3}/{self._total} {mark} {row.seconds:5.1f} s  {cell.id}: "
-            f"{'. '.join([told, *row.faults])}",
-            markup=False,
-        )
-        return not row.faults
+def playable(description: Description) -> list[Cell]:
+    """The cells whose moment lies far from any event: no process meets one to the millisecond, or is restarted at once.
+
+    Raises:
+        UsageError: the tool does not grip without a fault.
+    """
+    when = moments(description)
+    far = {when[0].name, *(moment.name for moment in when if moment.name.endswith(", between"))}
+    every = cells_of(description, when)
+    return [
+        cell for cell in every if not cell.at_once and cell.name not in RANDOM and cell.moment.name in far
+    ]
+
+
+def sample(cells: list[Cell], size: int, seed: int) -> list[Cell]:
+    """So many, each fault as often as any other; the same seed gives the same."""
+    random, by_fault = Random(seed), defaultdict[str, list[Cell]](list)
+    for cell in random.sample(cells, len(cells)):
+        by_fault[cell.name].append(cell)
+
+    def in_turns() -> Iterator[Cell]:
+        while left := [each for each in by_fault.values() if each]:
+            yield from (each.pop() for each in random.sample(left, len(left)))
+
+    return list(islice(in_turns(), size))
+
+
+def played(description: Description, cell: Cell, folder: Path) -> Row:
+    """Play a cell in both ways."""
+    begun = time.monotonic()
+    virtual = play_case(description, cell.case).end
+    assert virtual is not None
+    try:
+        real = play_on_processes(description, cell.case, folder)
+    except ReportedError as error:
+        return Row(cell.id, str(virtual), str(error), False, time.monotonic() - begun)
+    same = (real.state, real.active) == (virtual.state, virtual.active)
+    return Row(cell.id, str(virtual), str(real), same, time.monotonic() - begun)
 
 
 def main() -> int:
     arguments = _arguments()
-    try:
-        description = load_tool(arguments.description)
-        cells = sample(description, arguments.sample, arguments.seed)
-        if arguments.cell:
-            cells = [(cell, event) for cell, event in playable(description) if arguments.cell in cell.id]
-    except ReportedError as error:
-        Console(stderr=True, highlight=False, soft_wrap=True).print(error, markup=False)
-        return error.exit_code
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, lambda *_: stopping.set())
-    begun, folder = time.monotonic(), Path(mkdtemp(prefix="eehal-matrix-"))
-    played = Sample(description, cells, folder, arguments.systems)
-    played.run()
-    rows = played.rows
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    arguments.output.write_text(json.dumps([_json(row) for row in rows], indent=1) + "\n", encoding="utf-8")
-    allowed, same = sum(not row.faults for row in rows), sum(row.same for row in rows)
-    console.print(
-        f"{allowed} of {len(cells)} cells end as is allowed, {same} as in virtual time; "
-        f"{time.monotonic() - begun:.0f} s; {arguments.output}"
-    )
-    if allowed == len(cells):
-        shutil.rmtree(folder, ignore_errors=True)
+    description = load_tool(arguments.description)
+    cells = playable(description)
+    if arguments.cell:
+        cells = [cell for cell in cells if arguments.cell in cell.id]
     else:
-        console.print(f"logs: {folder}")
-    return int(allowed != len(cells))
-
-
-def _json(row: Row) -> dict[str, object]:
-    return {
-        "id": row.cell.id, "virtual": row.virtual, "real": row.real, "same": row.same,
-        "seconds": round(row.seconds, 1), "faults": row.faults,
-    }  # fmt: skip
+        cells = sample(cells, arguments.sample, arguments.seed)
+    begun, folder, rows = time.monotonic(), Path(mkdtemp(prefix="eehal-matrix-")), list[Row]()
+    with no_log(), ThreadPoolExecutor(arguments.systems) as systems:
+        todo = ((description, cell, folder / str(number)) for number, cell in enumerate(cells))
+        for row in systems.map(played, *zip(*todo, strict=True)):
+            rows.append(row)
+            told = row.real if row.same else f"{row.real} (virtual: {row.virtual})"
+            mark = "same" if row.same else "FAIL"
+            click.echo(f"{len(rows):3}/{len(cells)} {mark} {row.seconds:5.1f} s  {row.cell}: {told}")
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    arguments.output.write_text(
+        json.dumps([row._asdict() for row in rows], indent=1) + "\n", encoding="utf-8"
+    )
+    same, took = sum(row.same for row in rows), time.monotonic() - begun
+    click.echo(f"{same} of {len(cells)} cells end as in virtual time; {took:.0f} s; {arguments.output}")
+    if same == len(cells):
+        shutil.rmtree(folder, ignore_errors=True)
+        return 0
+    click.echo(f"logs: {folder}")
+    return 1
 
 
 def _arguments() -> argparse.Namespace:

@@ -21,7 +21,7 @@ ELSEWHERE = {
     "demo": "tests/unit/demo/test_demo.py",
     "testbench": "tests/acceptance/testbench/test_program.py",
     "import": "tests/unit/commands/test_import.py",
-    "campaign": "tests/unit/campaign/test_campaign.py",
+    "campaign": "tests/unit/trials/test_campaign.py",
     "matrix": "tests/unit/matrix/test_matrix.py",
 }
 CALLS: dict[str, tuple[str, ...]] = {

@@ -12,7 +12,7 @@ import pytest
 
 from tests.support.fmea import fmea_page
 from tests.support.places import DOCS
-from tests.unit.campaign.mutants.page import wrong_products
+from tests.unit.trials.mutants.page import wrong_products
 
 sys.path.insert(0, str(DOCS))
 from _site import COMMITTED, committed_page, with_levels

@@ -8,7 +8,7 @@ from io import StringIO
 
 import pytest
 
-from end_effector_lab.matrix import fmea, play
+from end_effector_lab.trials import fmea, play
 from tests.support.fmea import EVERY, KEPT, chosen, rows_of
 from tests.support.places import ROOT
 
@@ -37,7 +37,7 @@ def again(name: str, faults: Collection[str]) -> tuple[list[dict[str, str]], lis
     """The rows of some failure modes: played now, and as they are kept. Virtual time from a seed: the same anywhere."""
     description, cells, _ = chosen(name)
     some = [cell for cell in cells if cell.fault in faults]
-    played = {cell.id: play(description, cell).as_json() for cell in some}
+    played = {cell.id: play(description, cell) for cell in some}
     rows = list(csv.DictReader(StringIO(fmea(description, some, played))))
     modes = {(row["item"], row["failure mode"]) for row in rows}
     return rows, [row for row in rows_of(name) if (row["item"], row["failure mode"]) in modes]

@@ -16,8 +16,8 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import Program
 from end_effector_hal.signals import Frame
-from end_effector_lab.campaign import Case, CaseSource, CoverageMap, play_case
 from end_effector_lab.testbench import SensorBoard, Sent
+from end_effector_lab.trials import Case, CaseSource, play_case
 from end_effector_lab.virtual import VirtualTool
 from tests.support.nightly import first_of
 from tests.support.places import ROOT
@@ -152,17 +152,17 @@ def test_a_frame_that_is_asked_for_is_played() -> None:
 
 @pytest.mark.parametrize("seed", first_of(range(8), 1, 2))
 def test_random_runs_are_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    case, known = CaseSource(SHIPPED).fresh(Random(seed)), CoverageMap(SHIPPED)
-    assert ended(case, known) == with_every_frame(case, known, monkeypatch)
+    case = CaseSource(SHIPPED).fresh(Random(seed))
+    assert ended(case) == with_every_frame(case, monkeypatch)
 
 
-def ended(case: Case, known: CoverageMap) -> list[Any]:
-    played = play_case(SHIPPED, case, known, log=True)
-    log = [_SECONDS.sub("", line) for line in played.log]
-    return [played.failures, played.moments, played.grips, played.seconds, played.end, log]
+def ended(case: Case) -> list[Any]:
+    played = play_case(SHIPPED, case)
+    log = [_SECONDS.sub("", line) for line in played.log()]
+    return [played.failures, played.moments, played.grips, played.tool.at, played.end, log]
 
 
-def with_every_frame(case: Case, known: CoverageMap, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def with_every_frame(case: Case, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     with monkeypatch.context() as patched:
         patched.setattr(VirtualTool, "_leap_of", lambda self, sources: None)
-        return ended(case, known)
+        return ended(case)

@@ -1,0 +1,218 @@
+"""The grid of cases: every fault, at every place, at every moment of a grip and a drop, with every command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count, islice, pairwise
+from math import ceil, gcd, sqrt
+
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.testbench import offered_faults
+from end_effector_lab.virtual import VirtualTool, switchings
+
+from ._case import ALL, KILL, NOMINAL, SCENARIO, START, Case, Happening
+from ._effects import GRIP, HELD, RELEASE, REST
+from ._play import LONGEST_US, STAND_BY, tool_at_rest
+
+GOLDEN = (1 + sqrt(5)) / 2
+NOTHING, BOTH = "none", "kill both"
+COMMANDS = (NOTHING, "cancel", "drop", "lock", "unlock", "kill hal", "kill arbiter", BOTH)
+"""Commands of the cells. `hal` is the program with the sensor reader; a killed process is restarted a second later."""
+AT_ONCE = ", at once"
+"""Suffix of a kill: the process is restarted at the same instant."""
+GRIP_US, HOLD_US, DEAD_US, NEAR_US = 1_500_000, 1_000_000, 1_000_000, 1_000
+GRIP_AFTER_US = 700_000
+"""Time of the grip after a fault at rest, µs: two contradicting sensors are a fault after 0.5 s (IL-04)."""
+GRIPPED = EndEffectorState.GRIPPED
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A time at which a cell disturbs the run without a fault: a grip, a hold and a drop.
+
+    Attributes:
+        name: such as ``grip cylinder on`` or ``held, between``.
+        at: time after the tool has come to rest, µs.
+        phase: phase of the run at that time, of `PHASES`.
+        engaged: actuators whose outputs are active then, in the order of the sequence.
+        before: the commands of the run until then.
+    """
+
+    name: str
+    at: int
+    phase: str
+    engaged: tuple[str, ...]
+    before: tuple[Happening, ...] = ()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One fault, from one moment on, and a command at the same instant.
+
+    Attributes:
+        fault: in the words of the testbench.
+        moment: the time of both.
+        command: one of `COMMANDS`.
+        at_once: whether a killed process is restarted at once, not a second later.
+    """
+
+    fault: str
+    moment: Moment
+    command: str
+    at_once: bool = False
+
+    @property
+    def id(self) -> str:
+        """The name of the cell within the grid of its tool."""
+        return f"{self.fault} @ {self.moment.name} + {self.words}"
+
+    @property
+    def words(self) -> str:
+        """The command, with its suffix."""
+        return f"{self.command}{AT_ONCE if self.at_once else ''}"
+
+    @property
+    def name(self) -> str:
+        """The name of the fault alone."""
+        return self.fault.partition(":")[0]
+
+    @property
+    def case(self) -> Case:
+        """The happenings of the cell: the commands of the run, the fault, and what follows it."""
+        at = self.moment.at
+        happenings = [*self.moment.before, Happening(at, f"{SCENARIO} {self.fault}")]
+        if self.command.startswith(KILL):
+            name = ALL if self.command == BOTH else self.command.removeprefix(f"{KILL} ")
+            again = at if self.at_once else at + DEAD_US
+            happenings += [Happening(at, f"{KILL} {name}"), Happening(again, f"{START} {name}")]
+        elif self.command != NOTHING:
+            happenings.append(Happening(at, self.command))
+        elif self.moment.phase == REST:
+            happenings.append(Happening(at + GRIP_AFTER_US, "grip"))
+        return Case(0, tuple(happenings))
+
+
+def faults_of(description: Description) -> tuple[str, ...]:
+    """Return every fault that the tool can have, at each of its places, with the numbers of `_numbers`."""
+    found: list[str] = []
+    for offer in offered_faults(description):
+        places = [*([""] if offer.anywhere else []), *offer.places]
+        for place in places:
+            numbers = _numbers(description, offer.name, place)
+            found += [":".join(filter(None, (offer.name, place, number))) for number in numbers]
+    return tuple(dict.fromkeys(found))
+
+
+def cells_of(description: Description, when: Sequence[Moment]) -> Iterator[Cell]:
+    """Yield all cells in a fixed order; immediate restarts come last, without another fault."""
+    for fault in faults_of(description):
+        for moment in when:
+            for command in COMMANDS:
+                yield Cell(fault, moment, command)
+    for moment in when:
+        for command in COMMANDS:
+            if command.startswith(KILL):
+                yield Cell(NOMINAL, moment, command, at_once=True)
+
+
+def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
+    """Return one cell of every ``every``, spread evenly over faults, moments and commands, in the order of the grid.
+
+    A plain stride has factors in common with the number of commands and would meet few of them. The step of the golden
+    ratio, coprime to the number of cells, rounded up to whole rows of commands, meets each of them once in as many
+    cells as there are commands (Kronecker's sequence).
+    """
+    total = len(cells) + -len(cells) % (len({cell.command for cell in cells}) or 1)
+    step = next(step for step in count(round(total / GOLDEN) or 1) if gcd(step, total) == 1)
+    spread = (at for number in range(total) if (at := number * step % total) < len(cells))
+    return [cells[at] for at in sorted(islice(spread, ceil(len(cells) / every)))]
+
+
+def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
+    """Return representative numbers: a value on each side of the description's limit."""
+    part = description.actuators.get(place)
+    match fault:
+        case "fails":
+            attempts = part.attempts if part else 3
+            return (str(attempts - 1), str(attempts)) if attempts > 1 else (str(attempts),)
+        case "leak":
+            return ("4", "40")
+        case "leak-grows":
+            return ("2",)
+        case "lost-after":
+            return ("0.1", "1")
+        case "shows":
+            limits = kind_of(part).limits(part, description.supply) if part else {}
+            there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
+            below = part is not None and kind_of(part).below_ambient
+            return ("0", f"{-min(there, 100.0) if below else there:g}")
+        case "frozen-after" | "silent-after" | "babble-after" | "reboot-after":
+            return ("0",)
+        case "locked-shows" | "unlocked-shows" | "stand-shows":
+            return ("0", "1")
+        case "supply":
+            return ("0", f"{description.supply.refuse_kpa - 50:g}", f"{description.supply.warn_kpa - 20:g}")
+        case "noise" | "flips" | "bursts" | "lost-bytes" | "doubled-bytes":
+            return ("0.001", "0.2")
+        case "late-answers":
+            return ("50",)
+        case "no-answers" | "twice-answers" | "wrong-answers":
+            return ("0.2", "1")
+    return ("",)
+
+
+def moments(description: Description) -> tuple[Moment, ...]:
+    """Return moments at each event of the run without a fault, a millisecond before and after it, and between two.
+
+    Raises:
+        UsageError: the run does not succeed without a fault.
+    """
+    tool = tool_at_rest(VirtualTool(description))
+    origin, before = tool.at, list[Happening]()
+    events: list[tuple[int, str]] = []
+
+    def play(command: str, phase: str, over: EndEffectorState) -> None:
+        """Give a command, and note what happens until the tool is in the state ``over``."""
+        edges = len(tool.edges)
+        before.append(Happening(tool.at - origin, command))
+        tool.command(command)
+        if not tool.run_until(tool.at + LONGEST_US, lambda: tool.status.ee == over):
+            raise UsageError(f"{description.name} does not {command} without a fault: {tool.status.reason}")
+        moved = switchings(description, tool.edges[edges:])
+        events.extend((each.at - origin, f"{phase} {each}") for each in moved)
+        whole_ms = -(-(tool.at - origin) // NEAR_US) * NEAR_US
+        events.append((whole_ms, f"{phase} {over.name}"))
+
+    tool.run_until(origin + GRIP_US)
+    play("grip", GRIP, GRIPPED)
+    held_at = tool.at - origin
+    tool.run(HOLD_US / 1e6)
+    play("drop", RELEASE, STAND_BY)
+    switched = [each._replace(at=each.at - origin) for each in switchings(description, tool.edges)]
+
+    def moment(name: str, at: int) -> Moment:
+        active = {each.name: each.active for each in switched if each.at <= at}
+        engaged = tuple(name for name in description.sequence if active.get(name))
+        given = tuple(each for each in before if each.at <= at)
+        phase = (REST, HELD if at >= held_at else GRIP, RELEASE)[len(given)]
+        return Moment(name, at, phase, engaged, given)
+
+    return tuple(moment(*each) for each in _near(events))
+
+
+def _near(events: Sequence[tuple[int, str]]) -> Iterator[tuple[str, int]]:
+    """Yield the names and times of the moments near the events; nothing is done after the last one."""
+    yield REST, GRIP_US - HOLD_US // 2
+    different = sorted(dict(events).items())
+    for at, name in different:
+        yield f"{name} -1ms", at - NEAR_US
+        if at < different[-1][0]:
+            yield name, at
+            yield f"{name} +1ms", at + NEAR_US
+    for (first, name), (second, _) in pairwise(different):
+        if second - first > 4 * NEAR_US:
+            yield f"{name}, between", (first + second) // 2

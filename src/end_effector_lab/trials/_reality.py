@@ -1,0 +1,207 @@
+"""The real state of the devices, independent of sensors and of the program, and since when it has lasted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from end_effector_hal.arbiter import HAL
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.description import Description
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.signals import Kind
+from end_effector_hal.vocabulary import ChangerFault, ChangerState, to_us
+from end_effector_lab.testbench import TOOL_CHANGER
+from end_effector_lab.virtual import VirtualTool
+
+from ._effects import LYING
+
+SEEN_US = 1_500_000
+"""Time after which a fact has been read, filtered and reported, µs: a link counts as down after 1 s."""
+BELIEVED_US = 1_000_000
+"""Time after the end of a false reading for which it may still be believed, µs: filters, and readings that are not
+stale yet.
+"""
+NOISE_KPA, FRAMES_US = 1.0, 100_000
+"""Largest difference between a reading and the real value, kPa, and its longest duration, µs."""
+NOT_KNOWN = frozenset({*LYING, "locked-shows", "unlocked-shows", "invalid", "reboot-after", "babble-after"})
+_LOOSE = {
+    "unlocked": "the tool is not locked", "absent": "there is no tool", "fault": "the tool changer is in FAULT",
+}  # fmt: skip
+
+
+class Reality:
+    """Observes the simulated devices of a tool; `look` is called at each instant at which something happens."""
+
+    def __init__(self, description: Description, tool: VirtualTool) -> None:
+        self._description, self._tool = description, tool
+        self._faults: frozenset[str] = frozenset()
+        self._carried = carried = carrier_of(description).channels
+        parts = description.ordered
+        self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
+        self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
+        self._opens_kpa = {
+            name: kpa
+            for name, part in parts
+            if carried.get(part.channel) is Kind.BIT
+            and (kpa := kind_of(part).limits(part, description.supply).get("confirmed_kpa")) is not None
+        }
+        self._reads_air = description.supply.channel in carried
+        self._has_wires = any(channel.digital for channel in description.channels.values())
+        self._has_gripped = set[str]()
+        self._lied_at = self._silent_at = -SEEN_US
+        # it has been at rest for a while
+        self._since = {what: tool.at - SEEN_US for what, so in self._found().items() if so}
+
+    def suffers(self, scenario: str) -> None:
+        """Process a new scenario of the testbench."""
+        self._note_lies()
+        self._faults = frozenset(part.strip() for part in scenario.split(","))
+        self._note_lies()
+
+    def look(self) -> None:
+        """Record since when each fact has been true."""
+        self._note_lies()
+        links = self._description.links
+        unasked = (
+            self._description.register_outputs and "arbiter" not in self._tool.living
+        )  # who masters the bus
+        if unasked or any(self._tool.bench.silent(self._tool.at, name) for name in links):
+            self._silent_at = self._tool.at
+        for name in self._description.sequence:
+            device = self._tool.bench.devices[name]
+            if device.grips:
+                self._has_gripped.add(name)
+            elif device.is_released:
+                self._has_gripped.discard(name)
+        for what, so in self._found().items():
+            if not so:
+                self._since.pop(what, None)
+            else:
+                self._since.setdefault(what, self._tool.at)
+
+    def lasts(self, what: str, us: int = SEEN_US) -> bool:
+        """Return whether a fact has been true long enough, by default until the program has detected it."""
+        return self._tool.at - self._since.get(what, self._tool.at) > us
+
+    def lets_go(self, name: str) -> bool:
+        """Return whether the device may release by itself, because it receives nothing (`on_link_loss`)."""
+        output, tool = self._description.actuators[name].modbus, self._tool
+        if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
+            return False
+        silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
+        return silent or not self.is_known
+
+    @property
+    def is_known(self) -> bool:
+        """Whether no sensor lies, now or shortly before."""
+        return self._tool.at - self._lied_at > BELIEVED_US
+
+    @property
+    def is_read(self) -> bool:
+        """Whether no sensor lies and no link is silent, now or shortly before."""
+        return self.is_known and self._tool.at - self._silent_at > SEEN_US
+
+    def grips(self, name: str) -> bool:
+        """Return whether a device really grips, by its switch or by the thresholds for its pressure."""
+        return self._tool.bench.devices[name].grips or self._is_over(name, "lost_kpa", 0.0)
+
+    def surely_grips(self, name: str) -> bool:
+        """Return whether a device grips, as in `grips`, even if noise opens its pressure switch."""
+        opens_kpa = self._opens_kpa.get(name)
+        kpa = self._tool.bench.devices[name].pressure_kpa
+        return self.grips(name) and (opens_kpa is None or kpa is None or abs(kpa) > opens_kpa + NOISE_KPA)
+
+    def closes(self, name: str) -> bool:
+        """Return whether a device has lost its part, which its switch shows only at the end of the stroke."""
+        device = self._tool.bench.devices[name]
+        return (
+            name in self._has_gripped
+            and bool(device.empty_bit)
+            and not (device.is_empty or device.is_released)
+        )
+
+    def against_a_grip(self) -> Iterator[str]:
+        """Yield clauses why no grip may begin now."""
+        rules, supply = self._description.interlocks, self._description.supply
+        if self.lasts("silent"):
+            yield "the link is silent (IL-07)"
+        if not self.is_known:
+            return
+        if rules.il_07:
+            for name in self._description.sequence:
+                if self.lasts(f"grips {name}"):
+                    yield f"{name} still grips (IL-07)"
+        if rules.il_06 and self.lasts("low"):
+            yield f"the air has less than {supply.refuse_kpa:g} kPa (IL-06)"
+        yield from self._loose()
+
+    def against_a_lift(self) -> Iterator[str]:
+        """Yield clauses why the held part may not be lifted."""
+        if self.lasts("silent"):
+            yield "the link is silent"
+        if self.is_known:
+            yield from self._loose()
+
+    def _loose(self) -> Iterator[str]:
+        """Yield clauses about the tool that violate IL-05."""
+        if self._description.interlocks.il_05:
+            for what, clause in _LOOSE.items():
+                if self.lasts(what):
+                    yield f"{clause} (IL-05)"
+
+    def against_an_unlock(self) -> Iterator[str]:
+        """Yield clauses why the unlock output may not become active now."""
+        rules, changer = self._description.interlocks, self._description.tool_changer
+        if changer is None:
+            return
+        if rules.il_01 and self.is_known and not self.lasts("vented", to_us(changer.vented_s) - FRAMES_US):
+            yield f"a vacuum was not under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s (IL-01)"
+        if rules.il_02 and self.lasts("away"):
+            yield "the sensor of the stand says that the tool is not in it (IL-02)"
+
+    def _found(self) -> dict[str, bool]:
+        tool, supply, changer = self._tool, self._description.supply, self._description.tool_changer
+        scenario, devices = tool.bench.scenario, tool.bench.devices
+        found = dict[str, bool]()
+        for name in self._description.sequence:
+            found[f"grips {name}"] = grips = self.grips(name)
+            found[f"gone {name}"] = not grips
+            found[f"left {name}"] = self._is_left(name)
+        kpa = scenario.supply_kpa
+        found["low"] = self._reads_air and kpa is not None and kpa < supply.refuse_kpa - supply.hysteresis_kpa
+        found["estop"] = self._description.e_stop is not None and not scenario.estop_ok
+        found["silent"] = bool(self._description.links) and all(
+            tool.bench.silent(tool.at, name) for name in self._description.links
+        )
+        if changer is not None:
+            found["absent"] = not scenario.tool_present and changer.present_bit in self._carried
+            found["fault"] = HAL in tool.living and tool.statuses[-1].changer is ChangerState.FAULT
+            found["unlocked"] = not devices[TOOL_CHANGER].bits["locked"]
+            found["vented"] = all(
+                abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA
+                for name, part in self._description.ordered
+                if name in self._by_pressure and kind_of(part).below_ambient
+            )
+            found["away"] = not {"not-in-stand", f"stand-shows:{TOOL_CHANGER}:0"}.isdisjoint(self._faults)
+            told = HAL in tool.living and tool.statuses[-1].changer_fault == ChangerFault.SENSOR
+            found["sensor fault"] = told and "arbiter" in tool.living
+        return found
+
+    def _is_left(self, name: str) -> bool:
+        """Return whether a device is not completely released, by the thresholds of the description."""
+        over = name not in self._by_conditions and self._is_over(name, "gone_kpa", NOISE_KPA)
+        return over or self._tool.bench.devices[name].grips
+
+    def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
+        """Return whether a pressure with a sensor is above a threshold of the description."""
+        device, part = self._tool.bench.devices[name], self._description.actuators[name]
+        kpa = kind_of(part).limits(part, self._description.supply).get(limit)
+        if name not in self._by_pressure or kpa is None or device.pressure_kpa is None:
+            return False
+        return abs(device.pressure_kpa) > kpa + margin_kpa
+
+    def _note_lies(self) -> None:
+        at = self._tool.at
+        stays = self._has_wires and self._tool.bench.silent(at)  # a wire that falls silent stays as it is
+        if stays or any(fault.partition(":")[0] in NOT_KNOWN for fault in self._faults):
+            self._lied_at = at
