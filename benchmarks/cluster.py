@@ -17,8 +17,8 @@ from pathlib import Path
 from distributed import Client
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_lab.trials import Cell, cells_of, matrix_folder, moments, play_all, thinned
 from end_effector_lab.processes import Child, Children
+from end_effector_lab.trials import Cell, cells_of, matrix_folder, moments, play_all, thinned
 from end_effector_lab.workers import cluster_workers, local_workers
 
 DASK = (sys.executable, "-m", "dask")

@@ -7,7 +7,7 @@ from ._campaign import Campaign, kind_of_failure, never_reached, summary
 from ._case import Case, Happening, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap
 from ._draw import CaseSource
-from ._effects import GRIP, HELD, RELEASE, REST, Effects, Fault
+from ._effects import GRIP, HELD, RELEASE, REST, Effects, FaultWords
 from ._fmea import fmea, signed_cells
 from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
 from ._outcome import Outcome

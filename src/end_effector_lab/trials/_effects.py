@@ -58,7 +58,7 @@ PHYSICAL = {
 """Faults of an actuator and its part; the sensors show what is real."""
 
 
-class Fault(NamedTuple):
+class FaultWords(NamedTuple):
     """A fault in the words of the testbench.
 
     Attributes:
@@ -103,7 +103,7 @@ class Effects:
     """
 
     def __init__(self, description: Description, fault: str, phase: str, engaged: tuple[str, ...]) -> None:
-        self._description, self.fault = description, Fault(fault)
+        self._description, self.fault = description, FaultWords(fault)
         self._phase, self._engaged = phase, engaged
         self._sequence = description.sequence
         self.views = {name: self._sensor(name) for name in self._sequence}

@@ -9,7 +9,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.virtual import VirtualTool
 
-from ._effects import Effects
+from ._effects import REST, Effects
 
 GRIPPED, STAND_BY, RELEASING = EndEffectorState.GRIPPED, EndEffectorState.STAND_BY, EndEffectorState.RELEASING
 TOLD_US, ALARM_US, BACK_US = 600_000, 10_000_000, 1_050_000
@@ -44,9 +44,12 @@ class Promises:
 
     def suffers(self, scenario: str, phase: str, engaged: tuple[str, ...]) -> None:
         """Process a new scenario of the testbench; see `Effects` for the phase and the engaged actuators."""
+        self._since = self._tool.at
+        self._set_effects(scenario, phase, engaged)
+
+    def _set_effects(self, scenario: str, phase: str, engaged: tuple[str, ...]) -> None:
         single = "," not in scenario
         self._effects = Effects(self._description, scenario, phase, engaged) if single else None
-        self._since = self._tool.at
         self._excused |= self._effects is None or not self._effects.is_harmless
 
     def commanded(self, name: str, answer: Answer) -> None:
@@ -58,8 +61,10 @@ class Promises:
             self._goal = GRIPPED if name == "grip" else STAND_BY
         if name in ("lock", "unlock", "arm") or (name == "cancel" and not self._cancel_releases):
             self._excused = True
-        if name == "grip" and (effects := self._effects_after(TOLD_US)) and effects.refuses_grip:
-            self._object("caused", f"a grip was accepted with {effects.fault.text}")
+        if name == "grip" and self._effects is not None:
+            self._set_effects(self._effects.fault.text, REST, ())
+            if (effects := self._effects_after(TOLD_US)) and effects.refuses_grip:
+                self._object("caused", f"a grip was accepted with {effects.fault.text}")
 
     def _refused(self, name: str) -> None:
         status = self._tool.statuses[-1]

@@ -279,3 +279,8 @@ def test_a_valve_of_two_coils_holds_without_power(words: str) -> None:
     assert not played.failures
     assert played.end is not None
     assert played.end.state == "GRIPPED"
+
+
+def test_a_fault_that_came_too_late_for_one_grip_may_stop_the_next() -> None:
+    fault = "scenario stuck-release:top_vacuum"
+    assert played(f"grip; wait 3; drop; wait 0.2; {fault}; wait 6; grip; wait 4; drop") == {}

@@ -18,7 +18,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_lab.commands import _matrix
 from end_effector_lab.trials import (
     Cell,
-    Fault,
+    FaultWords,
     Moment,
     Outcome,
     Played,
@@ -224,4 +224,4 @@ def test_no_link_and_no_file_is_replaced_by_a_cell(tmp_path: Path) -> None:
     ("fault", "number"), [("leak:nan", None), ("stuck-release:inf", None), ("leak:nan:4", 4.0)]
 )
 def test_a_place_is_no_number(fault: str, number: float | None) -> None:
-    assert Fault(fault).number == number
+    assert FaultWords(fault).number == number
