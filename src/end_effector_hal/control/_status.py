@@ -120,15 +120,19 @@ class Status(_Draft):
 
     @classmethod
     def draft(cls, complete: Callable[[], object], **known: Any) -> Status:
-        """Return a status with these fields; ``complete`` is called when another one is read, and calls `__init__`.
+        """Return a status with these fields; ``complete`` is called when another one is read, and calls `fill`.
 
         So a program writes its lines before it works out what it says about them.
         """
         status = cls.__new__(cls)
         object.__setattr__(status, "_complete", complete)
-        for name, value in known.items():
-            object.__setattr__(status, name, value)
+        status.fill(**known)
         return status
+
+    def fill(self, **fields: Any) -> None:
+        """Set fields that a draft lacks."""
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
 
     @property
     def arbiter_lost(self) -> bool:

@@ -52,14 +52,8 @@ class StatusBuilder:
     """Collects the state of the automata, the detectors and the hold monitor in a status; makes no decisions.
 
     The status of a step is a draft at first: it has the fields that decide about the lines. `complete` works out the
-    others; it must be called before the automata, the detectors or the hold monitor change again.
-
-    Args:
-        description: the tool.
-        execution: its automata.
-        senses: its detectors.
-        hold: its hold monitor.
-        on_read: called when a field is read that a draft lacks; calls `complete`.
+    others; it must be called before the automata, the detectors or the hold monitor change again. When one of them is
+    read before, ``on_read`` is called, which calls `complete`.
 
     Attributes:
         values: variables of the automata, by name.
@@ -201,11 +195,6 @@ class StatusBuilder:
             "nor a release: in doubt it counts as active. Whether a part is held is not known."
         )
 
-    @property
-    def steps(self) -> StepLog:
-        """Attempts and times of the steps."""
-        return self._steps
-
     def status(self, at: int) -> Status:
         """Return the status at ``at`` µs."""
         draft = self._draft(at)
@@ -241,13 +230,9 @@ class StatusBuilder:
             deadline = None
         elif values["armed"] or values["unlock_valve"] or values["changer"] == ChangerState.LOCKING:
             deadline = self._execution.deadline_without(self._of_changer)
-        Status.__init__(
-            draft,
-            at=at,
-            ee=ee,
+        draft.fill(
             command=_COMMANDS[values["changer_command"] if gripping == Command.NONE else gripping],
             actuators=tuple([values[name] for name in self._states]),
-            outputs=draft.outputs,
             evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
@@ -257,14 +242,9 @@ class StatusBuilder:
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
             lift_allowed=proven and hold.allows_lift,
-            held=draft.held,
-            kept=draft.kept,
-            blowing=draft.blowing,
-            dropped=draft.dropped,
             secure=proven and hold.secure,
-            adopted=draft.adopted,
+            maintenance=False,
             changer=_CHANGER_STATES[values["changer"]],
-            unlock_output=draft.unlock_output,
             changer_fault=_CHANGER_FAULTS[fault],
             changer_reason=explain_changer(self._description, fault) or self._vacant,
             vented=self._senses.now.nothing_gripped,
@@ -277,6 +257,8 @@ class StatusBuilder:
             alarms=self._alarms(draft, values),
             steps=steps.steps,
             events=events,
+            begun=0,  # what publishes a status counts it
+            count=0,
         )
 
     def _look(self, at: int, *, held: bool) -> None:

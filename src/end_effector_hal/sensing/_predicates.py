@@ -100,11 +100,6 @@ class Predicates:
         if expired is not None and expired < frame.at:
             self._senses.advance(expired)
         self._senses.frame(frame)
-        return self.holding
-
-    @property
-    def holding(self) -> dict[str, bool]:
-        """The predicates after the newest valid frame, by name."""
         return self.said(self.at)
 
     @property

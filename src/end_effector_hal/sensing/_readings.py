@@ -163,10 +163,6 @@ class Readings:
         # input lines that the line arbiter reads come by another way than those of this process
         return f"{number} relay" if first in self._relayed else number
 
-    def fresh(self, at: int) -> bool:
-        """Return whether the last frame is so recent that its values are not stale."""
-        return self._last_frame is not None and at - self._last_frame < self.stale_us
-
     def link_up(self, at: int) -> bool:
         """Return whether every source has sent a frame within the time after which it is down.
 

@@ -117,7 +117,7 @@ def test_the_sensors_of_a_program_prove_the_same_as_sensors_of_its_own() -> None
         frame = Frame(at, None, None, shown)
         said.append(own.frame(frame))
         controller.frame(frame)
-        assert shared.holding == said[-1]
+        assert shared.said(shared.at) == said[-1]
         controller.advance(at + random.randrange(PERIOD))
     assert len({tuple(each.items()) for each in said}) > 4
 

@@ -145,7 +145,7 @@ def test_what_was_worked_out_before_changes_nothing(network, inputs):
     )
     for gap, name in inputs:
         at += gap
-        forgets._successors._known.clear()
+        forgets._successors.known.clear()
         forgets._successors._received.clear()
         assert apply(remembers, name, at) == apply(forgets, name, at)
         assert story(remembers) == story(forgets)
@@ -157,7 +157,7 @@ def test_not_everything_is_remembered_for_ever(network, monkeypatch):
     execution = started(network)
     for at, name in enumerate(EVENTS * 3):
         apply(execution, name, at * 1000)
-    assert len(execution._successors._known) <= 3
+    assert len(execution._successors.known) <= 3
     assert len(execution._successors._received) <= 3
 
 
