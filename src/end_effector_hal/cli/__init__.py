@@ -1,12 +1,10 @@
 """The command line ``eehal``. The group is thin: every command is a module of its own, loaded when it is used."""
 
 from ._completion import completed, profiles, typed_tool
-from ._figures import figures, is_figure
-from ._json_output import json_text, print_document
+from ._lab import figures, is_figure
 from ._main import main
 from ._options import PathName, end_in_order, refuse_inputs, seed_option, the_folder, write_whole
-from ._progress import Progress
-from ._table_output import print_table
+from ._output import Progress, json_text, print_document, print_table
 
 __all__ = [
     "PathName",

@@ -1,4 +1,4 @@
-"""``eehal completion``, and the values that shell completion proposes: kinds, links, faults, scenarios, profiles."""
+"""``eehal schema`` and ``eehal completion``: what an editor and a shell propose, and the values of completion."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from end_effector_hal.errors import ReportedError, UsageError
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
+
 
 SHELLS = ("bash", "zsh", "fish")
 Names = Callable[[click.Context], Iterable[str]]
@@ -110,3 +111,17 @@ def scenarios(context: click.Context) -> Iterable[str]:
     from .run import possible_scenarios
 
     return possible_scenarios(typed_tool(context))
+
+
+@click.command(name="schema")
+@click.option(
+    "--markdown", "as_markdown", is_flag=True, help="Tables of all keys, as in docs/reference/description.md."
+)
+def schema(as_markdown: bool) -> None:
+    """Print the JSON Schema (draft 2020-12) of a description.
+
+    An editor uses it when the first line of the YAML file names it: `# yaml-language-server: $schema=FILE`.
+    """
+    from end_effector_hal.description import markdown, schema_text
+
+    click.echo(markdown() if as_markdown else schema_text(), nl=False)

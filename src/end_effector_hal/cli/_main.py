@@ -17,7 +17,7 @@ from end_effector_hal._extras import lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.plugins import Plugins
 
-from ._json_output import print_line
+from ._output import print_line
 
 GROUP = "end_effector_hal.commands"
 """Entry-point group of further commands; a command of this package has precedence over one of the same name."""
@@ -72,13 +72,14 @@ _JUDGING = (
 """Commands that end by themselves and whose exit code states their result."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
-_ROOMS = {
-    **dict.fromkeys(("arbiter", "reload", "reset", "stop"), "arbiter"),
-    **dict.fromkeys(("page", "replay"), "recorded"),
-    **dict.fromkeys(("do", "serve", "status"), "run"),
-    **{name: name for name in ("check", "doctor", "export", "init", "listen", "model", "run")},
+_PLACES = {
+    **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
+    **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model", "run")},
+    **{name: f"run._{name}:command" for name in ("do", "serve", "status")},
+    "page": "recorded:command",
+    "schema": "_completion:schema",
 }
-"""Commands whose module is in a subfolder, and the name of that folder."""
+"""Module and function of a command; of all others, the function ``command`` of the module with their name."""
 
 
 def _checked(command: object) -> click.Command:
@@ -99,9 +100,8 @@ class _LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in _COMMANDS:
-            room = f".{_ROOMS[cmd_name]}" if cmd_name in _ROOMS else ""
-            module = importlib.import_module(f"{__package__}{room}._{cmd_name}")
-            command: click.Command = module.command
+            module, _, function = _PLACES.get(cmd_name, f"_{cmd_name}:command").partition(":")
+            command: click.Command = getattr(importlib.import_module(f"{__package__}.{module}"), function)
             return command
         return _ADDED.get(cmd_name) if cmd_name in _ADDED.names else None
 

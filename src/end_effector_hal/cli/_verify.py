@@ -15,11 +15,9 @@ from end_effector_hal._extras import lab_installed
 from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, REGISTERS, Source, open_source
 from end_effector_hal.errors import UsageError
 
-from ._figures import Drawing, draw_run, figures, is_figure
-from ._json_output import print_document
+from ._lab import Drawing, draw_run, figures, is_figure, sweep
 from ._options import PathName
-from ._progress import Progress
-from ._sweep import sweep
+from ._output import Progress, print_document
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.cli.export._sros2 import security_policy
+from end_effector_hal.cli._sros2 import security_policy
 from end_effector_hal.control import network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.nodes.interface import MANAGER

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.cli.export._sros2 import security_policy
+from end_effector_hal.cli._sros2 import security_policy
 from end_effector_hal.nodes.interface import DATA_LOGGER, HAL_NODES, SUPERVISOR
 from end_effector_hal.ros2 import PROGRAMS
 from tests.support.sros2 import on_graph, read_policy

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 from end_effector_hal.arbiter import HAL, OUTPUTS, LineArbiter, arbiter_policy, client_lines
 from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_message, read_request, write_message
+from end_effector_hal.cli import _check
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.cli.check import _check
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.vocabulary import LONGEST_MESSAGE, LastWillStep
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.arbiter._arbiter import command
+from end_effector_hal.cli._arbiter import arbiter
 from end_effector_hal.description import profile_path, tool_path
 from end_effector_hal.errors import UsageError
 
@@ -15,7 +15,7 @@ HOW = "DESCRIPTION or --profile NAME"
 
 
 def test_without_a_tool_it_drives_none() -> None:
-    ended = CliRunner().invoke(command, [])
+    ended = CliRunner().invoke(arbiter, [])
     assert str(ended.exception) == (
         "No tool is named: exactly one tool is needed. Give DESCRIPTION or --profile NAME; "
         "shipped profiles: verdin_gripper."
@@ -23,7 +23,7 @@ def test_without_a_tool_it_drives_none() -> None:
 
 
 def test_two_tools_are_one_too_many() -> None:
-    ended = CliRunner().invoke(command, ["tool.yaml", "--profile", "verdin_gripper"])
+    ended = CliRunner().invoke(arbiter, ["tool.yaml", "--profile", "verdin_gripper"])
     assert str(ended.exception).startswith("Two tools are named: exactly one tool is needed.")
 
 
@@ -32,7 +32,7 @@ def test_a_profile_is_named_instead(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "end_effector_hal.arbiter.run_arbiter", lambda description, *_: driven.append(description.source)
     )
-    assert CliRunner().invoke(command, ["--profile", "verdin_gripper"]).exit_code == 0
+    assert CliRunner().invoke(arbiter, ["--profile", "verdin_gripper"]).exit_code == 0
     assert driven == [profile_path()]
 
 

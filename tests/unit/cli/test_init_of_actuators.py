@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from end_effector_hal.cli import _check
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.cli.check import _check
-from end_effector_hal.cli.init import _new_tool, _wanted
+from end_effector_hal.cli.init import _init, _new_tool
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.control import model_constants
 from end_effector_hal.description import Description, load
@@ -234,7 +234,7 @@ def test_on_a_terminal_it_asks_for_what_is_missing() -> None:
 
 def test_a_key_that_nobody_can_guess_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kind of somebody else may need more than a line and a channel."""
-    vacuum = _wanted.get_kind("vacuum")
+    vacuum = _init.get_kind("vacuum")
     stroke = vacuum.stanza.model_fields["confirmed_kpa"]
     monkeypatch.setattr(stroke, "default", ...)
     monkeypatch.setattr(type(stroke), "is_required", lambda field: field is stroke or field.default is ...)
@@ -244,7 +244,7 @@ def test_a_key_that_nobody_can_guess_is_asked_for(monkeypatch: pytest.MonkeyPatc
         asked.append(what)
         return "61"
 
-    wanted = _wanted.wanted_actuators("a:vacuum")
+    wanted = _init.wanted_actuators("a:vacuum")
     lines = list(_new_tool._actuator(wanted[0], 1, {"channel": "bottom"}, ask))
     assert asked == ["a: confirmed_kpa (at least this far below ambient: confirmed)"]
     assert any(line.startswith("    confirmed_kpa: 61 ") for line in lines)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.model._fig5 import fig5
+from end_effector_hal.cli.model._check import fig5
 from end_effector_hal.description import profile_path
 
 pytestmark = pytest.mark.timeout(300)

@@ -12,7 +12,7 @@ import click
 import pytest
 
 from end_effector_hal.cli._options import PathName, write_whole
-from end_effector_hal.cli.recorded._recordings import part_of
+from end_effector_hal.cli.recorded import part_of
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._serve import _listen

@@ -46,7 +46,7 @@ def test_in_a_log_there_is_none_of_what_is_done_within_half_a_minute() -> None:
 
 
 def test_in_a_log_what_takes_longer_is_a_line_now_and_then() -> None:
-    short = "from end_effector_hal.cli import _progress\n_progress.LINE_S = 0.6\n"
+    short = "from end_effector_hal.cli import _output\n_output.LINE_S = 0.6\n"
     found, said = piped(short + SLOW)
     assert found == "found\n"
     assert said.splitlines()[0] == "Working, 1 s"

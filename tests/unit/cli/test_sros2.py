@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.export._export import command
-from end_effector_hal.cli.export._sros2 import security_policy
+from end_effector_hal.cli._export import command
+from end_effector_hal.cli._sros2 import security_policy
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from tests.support.sros2 import read_policy

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from rich.table import Table
 
-from end_effector_hal.cli._table_output import print_table
+from end_effector_hal.cli._output import print_table
 
 
 def test_a_long_row_stays_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:

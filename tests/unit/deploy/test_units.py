@@ -194,7 +194,7 @@ def test_a_container_is_well_when_the_doctor_says_so() -> None:
 
 
 def test_the_image_has_a_package_for_every_module_of_ros() -> None:
-    from end_effector_hal.cli.doctor.ros._ros1 import PACKAGES
+    from end_effector_hal.cli.doctor._ros import PACKAGES
 
     packages = (DEPLOY / "container" / "packages.txt").read_text().split()
     assert packages == sorted(packages)

@@ -12,7 +12,7 @@ import pytest
 from end_effector_hal import _extras
 from end_effector_hal._extras import DISTRIBUTION, extras
 from end_effector_hal.cli import _main
-from end_effector_hal.cli.doctor import _python
+from end_effector_hal.cli.doctor import _machine
 from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.description import profile_path
 from tests.support.blocked import eehal_without
@@ -172,15 +172,15 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
 
 
 def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_python, "_installed", lambda name: name != "matplotlib")
-    (finding,) = (each for each in _python.look_at_python() if "extra" in each.what)
+    monkeypatch.setattr(_machine, "_installed", lambda name: name != "matplotlib")
+    (finding,) = (each for each in _machine.look_at_python() if "extra" in each.what)
     what = "the extra lab is not installed (matplotlib, mcap)"
     assert (finding.level, finding.what) == (Level.WARNING, what)
     needed = "Needed by figures, simulations and trials only: "
     assert finding.todo == f"{needed}pip install '.[lab]' in a checkout of end-effector-hal"
-    monkeypatch.setattr(_python, "_installed", lambda name: name == DISTRIBUTION)
-    told = [each for each in _python.look_at_python() if "extra" in each.what]
+    monkeypatch.setattr(_machine, "_installed", lambda name: name == DISTRIBUTION)
+    told = [each for each in _machine.look_at_python() if "extra" in each.what]
     assert [each.what.split()[2] for each in told] == [*extras()]
     assert all(each.todo.startswith("Needed by ") for each in told)
-    monkeypatch.setattr(_python, "_installed", lambda name: True)
-    assert not [each for each in _python.look_at_python() if "extra" in each.what]
+    monkeypatch.setattr(_machine, "_installed", lambda name: True)
+    assert not [each for each in _machine.look_at_python() if "extra" in each.what]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli.check._check import check
+from end_effector_hal.cli._check import check
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import DescriptionError
 from end_effector_hal.nodes.interface import ACTIONS, NODES, load_for_nodes, name_faults, services, topics

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.cli.recorded._recordings import open_recordings
+from end_effector_hal.cli.recorded import open_recordings
 from end_effector_hal.description import Description
 from end_effector_hal.page.recorded import (
     ComparedRecording,

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from pydantic_core import to_json
 
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.cli.recorded._recordings import open_recordings
+from end_effector_hal.cli.recorded import open_recordings
 from end_effector_hal.codecs import carrier_of, load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError

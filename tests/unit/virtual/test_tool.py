@@ -15,7 +15,7 @@ from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import LEASE_US, ChangerFault, ChangerState, EndEffectorState
-from end_effector_lab.testbench.physics import _grippers as _magnet
+from end_effector_lab.testbench.physics import _grippers
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 from tests.unit.wires.bus.test_handshake import TOOL as HANDSHAKE_TOOL
@@ -517,7 +517,7 @@ def test_nothing_is_told_as_held_while_its_deactivation_waits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """IL-10: the line goes inactive 50 ms after it was activated, although the next grip is confirmed by then."""
-    monkeypatch.setattr(_magnet, "_SHARE", 0.9)  # its field is there at once
+    monkeypatch.setattr(_grippers, "_SHARE", 0.9)  # its field is there at once
     description = tmp_path / "quick.yaml"
     description.write_text(QUICK, encoding="utf-8")
     tool = ready(load_tool(description))

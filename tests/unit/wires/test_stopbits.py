@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.check._check import command as check
+from end_effector_hal.cli._check import command as check
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import LinkError

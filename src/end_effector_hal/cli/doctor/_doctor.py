@@ -9,9 +9,8 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli._completion import completed
-from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
-from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.description import Description, did_you_mean, examine, profile_path
 from end_effector_hal.errors import UsageError
 
@@ -99,9 +98,8 @@ def _examined(path: Path, only: tuple[str, ...], *, listen: bool) -> Iterator[Ch
 
 def _looks(description: Description | None, *, listen: bool) -> dict[str, Callable[[], CheckResults]]:
     """Return the examinations in their order; without a description, only those that need none."""
-    from ._machine import look_at_machine
-    from ._python import look_at_python
-    from .ros import look_at_ros
+    from ._machine import look_at_machine, look_at_python
+    from ._ros import look_at_ros
 
     looks: dict[str, Callable[[], CheckResults]] = {
         "python": look_at_python,
@@ -112,8 +110,7 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
         from end_effector_hal.arbiter import output_lines, wired_lines
 
         from ._arbiter import look_at_arbiter
-        from ._inputs import look_at_inputs
-        from ._lines import look_at_lines
+        from ._lines import look_at_inputs, look_at_lines
         from ._link import look_at_link
 
         lines = output_lines(description)
@@ -130,7 +127,7 @@ def _described(path: Path, *, wholly: bool) -> tuple[Description | None, list[Ch
     """Return the description, or None if it has faults, and the findings about it; ``wholly``: check its codec and its
     automata as well.
     """
-    from end_effector_hal.cli.check import check
+    from end_effector_hal.cli._check import check
 
     say = CheckedPart("description")
     examination = examine(path)

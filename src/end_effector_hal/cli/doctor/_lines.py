@@ -1,14 +1,17 @@
-"""Checks the output lines: whether they exist, and which process holds them. Nothing is requested, since a request
-would move lines.
+"""Checks the output lines and the inputs of the board: whether they exist, and which process uses them.
+
+Nothing is requested, since a request would move lines.
 """
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from end_effector_hal.description import Description, did_you_mean
+from end_effector_hal.description import Channel, Description, Inputs, did_you_mean, measures_of
 from end_effector_hal.errors import WireError
+from end_effector_hal.signals import Measure
 from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
@@ -129,3 +132,61 @@ def _line(say: CheckedPart, name: str, where: str, info: Any, consumer: str, who
 def _named(absent: list[str], known: list[str]) -> str:
     hints = [(name, did_you_mean(name, known)) for name in absent]
     return ", ".join(f"{name} ({hint})" if hint else name for name, hint in hints)
+
+
+_of_inputs = CheckedPart("inputs")
+
+
+def look_at_inputs(description: Description, chips: str = CHIPS) -> CheckResults:
+    """Check the inputs of the board.
+
+    Args:
+        description: the description of the tool.
+        chips: pattern of the paths of the character devices.
+    """
+    from end_effector_hal.wires.inputs import INPUT_CONSUMER, input_lines
+
+    if not any(channel.on_board for channel in description.channels.values()):
+        yield _of_inputs.ok("none: all channels come over the link")
+    lines = tuple(input_lines(description))
+    if lines and description.lines.backend == "virtual":
+        yield _virtual_inputs(Path(description.lines.path or ""), lines)
+    elif lines:
+        yield from look_for_lines(_of_inputs, lines, chips, INPUT_CONSUMER, "the reader of the sensors")
+    folder, measures = Path((description.inputs or Inputs()).iio), measures_of(description)
+    for name, channel in description.channels.items():
+        if channel.analog:
+            yield _analog(name, channel, folder, measures[name])
+
+
+def _virtual_inputs(path: Path, lines: tuple[str, ...]) -> CheckResult:
+    from end_effector_hal.wires.lines import read_chip
+
+    try:
+        chip = read_chip(path)
+    except WireError as error:
+        return _of_inputs.missing(f"{path}: {error.what}", "Start eehal testbench, which makes it.")
+    if absent := [name for name in lines if name not in chip.lines]:
+        return _of_inputs.missing(f"{path} has no line {', '.join(absent)}", RESTART)
+    holders = (each for reader in ("inputs", "arbiter") for each in holders_of(f"{path}.{reader}.lock"))
+    held = " and ".join(map(str, holders))
+    high = [name for name in lines if chip.lines[name].level]
+    return _of_inputs.ok(
+        f"virtual chip {path}; high: {', '.join(high) or 'none'}; read by {held or 'nobody'}"
+    )
+
+
+def _analog(name: str, channel: Channel, folder: Path, measure: Measure) -> CheckResult:
+    from end_effector_hal.wires.inputs import AnalogReader
+
+    reader = AnalogReader(folder, {name: channel})
+    value = reader.read(name)
+    if name in reader.errors:
+        return _of_inputs.missing(
+            reader.errors[name].rstrip("."), "Is the converter wired, its driver loaded?"
+        )
+    if value is None:
+        return _of_inputs.warning(
+            f"{name} shows what its sensor cannot mean", "Is a wire off, or the range wrong?"
+        )
+    return _of_inputs.ok(f"{name}: {measure.text(value)}")

@@ -14,8 +14,8 @@ from importlib import metadata
 from pathlib import Path
 
 from end_effector_hal._extras import DISTRIBUTION
-from end_effector_hal.cli._json_output import json_text
 from end_effector_hal.cli._options import write_whole
+from end_effector_hal.cli._output import json_text
 
 from ._check_result import CheckResult
 

@@ -1,3 +1,3 @@
 """``eehal init``: writes a folder with a description to start from."""
 
-from ._wanted import LINKS
+from ._init import LINKS

@@ -17,6 +17,7 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
 from end_effector_hal.nodes.interface import name_faults
 from end_effector_hal.signals import Kind
 
+from ._init import BOARD, LINKS, NAME, WantedActuator, WantedLink
 from ._new_channels import (
     CHANGER_BITS,
     CHANGER_DEFAULTS,
@@ -27,7 +28,6 @@ from ._new_channels import (
     new_channels,
     renamed_channels,
 )
-from ._wanted import BOARD, LINKS, NAME, WantedActuator, WantedLink
 
 _WHAT = 34
 """Column at which the comments of the written description begin."""

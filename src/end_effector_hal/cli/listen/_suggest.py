@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli._json_output import print_line
+from end_effector_hal.cli._output import print_line
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError

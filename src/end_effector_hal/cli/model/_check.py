@@ -1,4 +1,4 @@
-"""``eehal model check``: prints all faults of a UPPAAL file, or lists its content."""
+"""``eehal model check``: all faults of a UPPAAL file, or its content; ``fig5``: a grip beside the paper's Fig. 5."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
 from end_effector_hal.cli._options import PathName
+from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.errors import ReportedError
 
+from ._source import DESCRIPTION, open_source
+
 if TYPE_CHECKING:
+    from end_effector_hal.verification.lemmas import Fig5Report
     from timed_automata import Network
     from timed_automata.check import ChannelEnds
 
@@ -53,11 +56,12 @@ def check(file: Path | None, as_json: bool) -> None:
 
 
 def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
-    from end_effector_hal.cli.model._source import is_uppaal
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import model_constants
     from timed_automata import load_document, make_network
     from timed_automata.check import find_faults
+
+    from ._source import is_uppaal
 
     constants = None
     if not is_uppaal(path):
@@ -121,3 +125,56 @@ def _open_ends(ends: ChannelEnds) -> Iterator[str]:
 
 def _one_line(text: str) -> str:
     return " ".join(text.split())
+
+
+_DOES_NOT_HOLD = 4
+
+
+@click.command(short_help="Does a grip do only what the paper's Fig. 5 does?")
+@DESCRIPTION
+@click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
+def fig5(description: Path | None, as_json: bool) -> None:
+    """Prove the paper's Fig. 5 with its three devices, and that a grip, seen through the events of Fig. 5, does only
+    what Fig. 5 does.
+
+    Fig. 5 is fig5.xml, made from the paper's text: one controller and three devices, with the times of the
+    description. It assumes that the tool is locked, that commands are grip and drop, and that feedback comes while an
+    actuator is active or never, stays, and is gone in time. The exit code is 4 if something does not hold.
+    """
+    from end_effector_hal.verification.lemmas import compare_with_fig5
+
+    source = open_source(description, None)
+    assert source.description is not None
+    with Progress("Comparing", shown=not as_json):
+        report = compare_with_fig5(source.description, source.network)
+    if as_json:
+        print_document({"source": source.name, **_fig5_document(report)})
+    else:
+        for line in _fig5_lines(source.name, report):
+            click.echo(line)
+    if not report.holds:
+        sys.exit(_DOES_NOT_HOLD)
+
+
+def _fig5_document(report: Fig5Report) -> dict[str, object]:
+    return {
+        "fig5": {finding.id: finding.holds for finding in report.proof.findings},
+        "included": report.inclusion.holds,
+        "states": report.inclusion.states,
+        "run": list(report.inclusion.lines),
+    }
+
+
+def _fig5_lines(name: str, report: Fig5Report) -> Iterator[str]:
+    from end_effector_hal.verification.lemmas import OBSERVED
+
+    findings, inclusion = report.proof.findings, report.inclusion
+    holding = sum(finding.holds for finding in findings)
+    yield f"fig5.xml: {holding} of {len(findings)} requirements hold ({report.proof.states} states)"
+    yield from (f"  does not hold: {each.id}: {each.sentence}" for each in findings if not each.holds)
+    if inclusion.holds:
+        yield f"{name}: a grip does nothing that Fig. 5 does not ({inclusion.states} pairs of states)"
+    else:
+        yield f"{name}: a grip does something that Fig. 5 does not; ms, and what happens:"
+        yield from (f"  {line}" for line in inclusion.lines)
+    yield f"Compared with their times: {', '.join(OBSERVED)}. World: as in the paper (eehal model fig5 --help)."

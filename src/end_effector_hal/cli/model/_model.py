@@ -8,17 +8,17 @@ from pathlib import Path
 import click
 
 from end_effector_hal.cli._completion import completed
-from end_effector_hal.cli._figures import figures, is_figure, save_all
-from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._lab import figures, is_figure, save_all
 from end_effector_hal.cli._options import PathName, refuse_inputs, the_folder, write_whole
-from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._check import check
-from end_effector_hal.cli.model._fig5 import fig5
 from end_effector_hal.cli.model._simulate import simulate
 from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, REGISTERS, open_source
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
+
+from ._check import fig5
 
 
 def edge_needs(template: Template) -> list[dict[str, object]]:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._figures import Drawing, draw_run, figures, is_figure
-from end_effector_hal.cli._json_output import print_document
+from end_effector_hal.cli._lab import Drawing, draw_run, figures, is_figure
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
-from end_effector_hal.cli._progress import Progress
+from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._source import (
     COILS,
     DEATHS,

@@ -124,7 +124,7 @@ def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voic
         voice: prints what happens.
         shown: whether a person sees the progress of the start.
     """
-    from end_effector_hal.cli._progress import Progress
+    from end_effector_hal.cli._output import Progress
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import Recording, RecordingLimits
     from end_effector_hal.runtime import EndEffector

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import click
 
-from end_effector_hal.cli._json_output import json_text
+from end_effector_hal.cli._output import json_text
 from end_effector_hal.control import Answer, Status, event_lines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli.check import _check
+from end_effector_hal.cli import _check
 from tests.unit.cli.check.shipped import SHIPPED, Check
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli import _schema
-from end_effector_hal.cli.check import _check
+from end_effector_hal.cli import _check
+from end_effector_hal.cli._completion import schema
 from end_effector_hal.description import load, markdown, profile_path, schema_text
 from tests.unit.cli.check.shipped import NIBBLE, NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
 
@@ -165,8 +165,8 @@ def test_a_file_that_is_missing() -> None:
 
 
 def test_schema_for_editors_and_tables_for_people() -> None:
-    assert CliRunner().invoke(_schema.command).stdout == schema_text()
-    assert CliRunner().invoke(_schema.command, ["--markdown"]).stdout == markdown()
+    assert CliRunner().invoke(schema).stdout == schema_text()
+    assert CliRunner().invoke(schema, ["--markdown"]).stdout == markdown()
 
 
 def test_each_wire_of_an_output_is_in_the_table() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.check import _check
+from end_effector_hal.cli import _check
 from tests.support.places import ROOT
 from tests.unit.cli.check.shipped import NIBBLE, Check, sentences
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.check import _check
+from end_effector_hal.cli import _check
 
 FOLDER = Path(__file__).parent / "faults"
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))

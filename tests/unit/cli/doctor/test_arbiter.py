@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.arbiter import ArbiterServer
-from end_effector_hal.cli.check import _check
+from end_effector_hal.cli import _check
 from end_effector_hal.cli.doctor import _arbiter
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.errors import LineBusyError

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli.doctor import _doctor, ros
+from end_effector_hal.cli.doctor import _doctor, _ros
 from end_effector_hal.cli.doctor._check_result import CheckResult
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires import holders_of
@@ -106,7 +106,7 @@ def test_never_a_traceback(machine: Machine, monkeypatch: pytest.MonkeyPatch) ->
     def breaks() -> Iterator[CheckResult]:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(ros, "look_at_ros", breaks)
+    monkeypatch.setattr(_ros, "look_at_ros", breaks)
     assert machine.finding("ros") == (
         "missing",
         "it could not be looked at: ZeroDivisionError: no reason given",

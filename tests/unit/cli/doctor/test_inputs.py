@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from end_effector_hal.cli.doctor._inputs import look_at_inputs
+from end_effector_hal.cli.doctor._lines import look_at_inputs
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.wires import Claim
 from end_effector_hal.wires.lines import VirtualChip

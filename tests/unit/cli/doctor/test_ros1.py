@@ -9,7 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from end_effector_hal.cli.doctor.ros import _ros1
+from end_effector_hal.cli.doctor import _ros
 from tests.unit.cli.doctor.parts import Machine
 
 
@@ -68,7 +68,7 @@ def test_no_master(machine: Machine, monkeypatch: pytest.MonkeyPatch, uri: str) 
 
 
 def test_without_ros_the_tool_runs(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_ros1, "PACKAGES", ("rospy", "no_such_package"))
+    monkeypatch.setattr(_ros, "PACKAGES", ("rospy", "no_such_package"))
     absent, *_ = machine.findings("ros")
     assert (absent[0], "no_such_package" in absent[1]) == ("warning", True)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
@@ -85,7 +85,7 @@ def test_messages_without_their_launch_files(machine: Machine, monkeypatch: pyte
 
     stand_in = SimpleNamespace(RosPack=RosPack, ResourceNotFound=NotFound)
     monkeypatch.setitem(sys.modules, "rospkg", stand_in)  # type: ignore[arg-type]
-    monkeypatch.setattr(_ros1, "is_importable", lambda name: True)
+    monkeypatch.setattr(_ros, "is_importable", lambda name: True)
     what = "end_effector_msgs are built; roslaunch does not find end_effector_hal"
     assert ("warning", what) in [finding[:2] for finding in machine.findings("ros")]
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")

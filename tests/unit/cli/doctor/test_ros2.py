@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli.doctor.ros import _ros2
-from end_effector_hal.cli.doctor.ros._ros2 import look_at_shared_memory
+from end_effector_hal.cli.doctor import _ros2
+from end_effector_hal.cli.doctor._ros2 import look_at_shared_memory
 from tests.unit.cli.doctor.parts import Machine
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli.listen._channel_changes import print_words
 from end_effector_hal.cli.listen._channel_view import scaled
+from end_effector_hal.cli.listen._listen import print_words
 from end_effector_hal.codecs import carrier_of, codec_of, match_codec
 from end_effector_hal.description import QUANTITIES, Description, examine_text, measures_of
 from end_effector_hal.kinds.conditions import shown

@@ -9,7 +9,7 @@ from _pytest.mark import ParameterSet
 from click import Command
 from click.testing import CliRunner
 
-from end_effector_hal.cli._figures import draw_run
+from end_effector_hal.cli._lab import draw_run
 from end_effector_hal.cli._verify import command as verify
 from end_effector_hal.cli.model._model import command as model
 from end_effector_hal.control import model_constants

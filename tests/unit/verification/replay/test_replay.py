@@ -12,7 +12,7 @@ from typing import Any
 import click
 import pytest
 
-from end_effector_hal.cli.recorded._replay import _tell
+from end_effector_hal.cli._replay import _tell
 from end_effector_hal.control import Controller
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError

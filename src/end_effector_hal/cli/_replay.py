@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName
-from end_effector_hal.cli._progress import Progress
-from end_effector_hal.cli._table_output import print_table
 from end_effector_hal.errors import UsageError
+
+from ._options import PathName
+from ._output import Progress, print_document, print_table
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description

@@ -9,11 +9,11 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from end_effector_hal.cli.doctor._check_result import CheckedPart, CheckResult, CheckResults
 from end_effector_hal.ros2 import ROS_PACKAGES
 from end_effector_hal.wires import holders_of
 
-from ._importable import is_importable
+from ._check_result import CheckedPart, CheckResult, CheckResults
+from ._machine import is_importable
 
 FOLDER = Path("/dev/shm")
 _LOCKS = ("fastrtps_*_el", "fastdds_*_el")

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli._options import PathName, write_or_print
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.nodes.interface import (
@@ -31,6 +30,8 @@ from end_effector_hal.nodes.interface import (
     topics,
 )
 from end_effector_hal.ros2 import MANAGED, PROGRAMS
+
+from ._options import PathName, write_or_print
 
 VERSION = "0.2.0"
 CLIENT, OPERATOR = "client", "operator"

@@ -1,13 +1,13 @@
-"""Loads the module that draws figures, by an entry point of the workshop; without it, an error names the extra."""
+"""Figures and ``--sweep``: functions of the development tools, found by an entry point; an error names the extra."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from end_effector_hal._extras import command_for, missing_extra
+from end_effector_hal._extras import command_for, lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import MissingExtraError, UsageError
 from end_effector_hal.plugins import Plugins
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
     from timed_automata import Template
 
-GROUP = "end_effector_hal.figures"
+
 NAME = "lab"
 FORMATS = ("png", "svg")
 _NAMED = ("timeline", "draw_template", "save")
@@ -37,13 +37,15 @@ class Figures(Protocol):
         ...
 
 
-def _checked(module: Any) -> Figures:
+def _drawing_module(module: Any) -> Figures:
     if not all(callable(getattr(module, name, None)) for name in _NAMED):
         raise UsageError(f"it lacks one of {', '.join(_NAMED)}.")
     return cast(Figures, module)
 
 
-_FIGURES: Plugins[Figures] = Plugins(GROUP, "drawing module", {}, _checked, make=False)
+_FIGURES: Plugins[Figures] = Plugins(
+    "end_effector_hal.figures", "drawing module", {}, _drawing_module, make=False
+)
 
 
 def figures() -> Figures:
@@ -94,3 +96,41 @@ class Drawing:
         except MissingExtraError as error:
             self.note = f"There is no figure. {error}"
             return []
+
+
+class Sweep(Protocol):
+    """The function that the entry point names."""
+
+    def __call__(
+        self,
+        path: Path,
+        wanted: Sequence[str],
+        *,
+        scheduler: str | None,
+        jobs: int | None,
+        output: Path | None,
+        as_json: bool,
+    ) -> int:
+        """Prove every combination and print the results; return the exit code."""
+        ...
+
+
+def _function(function: Any) -> Sweep:
+    if not callable(function):
+        raise UsageError("it is not a function.")
+    return cast(Sweep, function)
+
+
+_SWEEPS: Plugins[Sweep] = Plugins("end_effector_hal.sweep", "sweep", {}, _function, make=False)
+
+
+def sweep() -> Sweep:
+    """Return the function that proves a grid of values.
+
+    Raises:
+        MissingExtraError: the function is not installed.
+        UsageError: the function cannot be loaded.
+    """
+    if not lab_installed():
+        raise lab_needed("--sweep")
+    return _SWEEPS.get(NAME)

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli._json_output import print_document
-from end_effector_hal.cli._options import PathName
 from end_effector_hal.description import (
     Description,
     Fault,
@@ -26,9 +24,12 @@ from end_effector_hal.errors import ArbiterError, Diagnostic, LineBusyError, Rep
 from end_effector_hal.kinds import kind_of
 
 from ._excerpt import MarkedFault, marked
+from ._options import PathName
+from ._output import print_document
 
 if TYPE_CHECKING:
     from rich.table import Table
+
 
 BAD_DESCRIPTION = 2
 

@@ -1,13 +1,55 @@
-"""Shows that an operation takes long, and for how long it has been running."""
+"""The output of the commands: JSON (every object names the version of its schema), tables, and progress."""
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
 import time
-from typing import Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Self
 
 import click
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+SCHEMA_VERSION = 1
+"""Increased when a field is removed or changes its meaning; new fields do not change it."""
+
+
+def json_text(document: Mapping[str, object], *, indent: int | None = None) -> str:
+    """Return an object as JSON text with its ``schema_version`` first."""
+    return json.dumps({"schema_version": SCHEMA_VERSION, **document}, indent=indent, ensure_ascii=False)
+
+
+def print_document(document: Mapping[str, object]) -> None:
+    """Print the object that is the answer of a command, on several lines."""
+    click.echo(json_text(document, indent=2))
+
+
+def print_line(**content: object) -> None:
+    """Print one object of a sequence on a line of its own."""
+    click.echo(json_text(content))
+
+
+LEAST, MOST = 120, 400
+"""Smallest and largest width without a terminal, columns: a file has no width of its own, and a row must stay on one
+line.
+"""
+
+
+def print_table(table: Table) -> None:
+    """Print a table. Its cells contain texts of the user, so that nothing in them is read as markup."""
+    from rich.console import Console
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    if not console.is_terminal:
+        wide = console.options.update(width=MOST)
+        console.width = max(LEAST, console.measure(table, options=wide).maximum)
+    console.print(table)
+
 
 FIRST_S, EVERY_S = 1.0, 0.2
 """Time before the first message on a terminal, and interval of its updates, s. A shorter operation is not mentioned."""

@@ -1,3 +1,0 @@
-"""``eehal check``: finds all faults of a description and prints them with their places."""
-
-from ._check import check

@@ -1,1 +1,0 @@
-"""``eehal export``: writes files about the tool for other programs."""
