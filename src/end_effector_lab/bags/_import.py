@@ -18,10 +18,8 @@ from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, RecordingLimits, RunInfo
 from end_effector_hal.vocabulary import printable
 
-from ._bag import Bag
-from ._bag_message import BagMessage, plain_type
-from ._fields import command_of, frame_of, lacking, state_of
-from ._line_of_time import LineOfTime
+from ._bag import Bag, BagMessage, plain_type
+from ._fields import LineOfTime, command_of, frame_of, lacking, state_of
 
 NO_TRACE = "A bag holds no traces: `eehal replay` cannot judge this run."
 MOST_GAPS = 90

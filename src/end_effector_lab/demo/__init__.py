@@ -2,10 +2,9 @@
 
 from ._demo import fresh_folder, report_on, run_demo
 from ._drive import WithoutRos
-from ._judge import judge
 from ._progress import StatusLine
 from ._report import Report, print_table
 from ._ros1 import Ros1
 from ._ros2 import Ros2
-from ._scenario import DemoScenario, culprit_of, scenarios, unplayable
+from ._scenario import DemoScenario, scenarios, unplayable
 from ._world import World

@@ -21,17 +21,9 @@ from end_effector_hal.errors import ArbiterError, ReportedError, RosError, Usage
 from end_effector_hal.recording import StatesLog, read_pressures, read_run, read_states
 from end_effector_hal.wires.lines import read_chip
 from end_effector_lab.commands._demo import command
-from end_effector_lab.demo import (
-    Report,
-    Ros1,
-    WithoutRos,
-    fresh_folder,
-    judge,
-    print_table,
-    run_demo,
-    scenarios,
-)
+from end_effector_lab.demo import Report, Ros1, WithoutRos, fresh_folder, print_table, run_demo, scenarios
 from end_effector_lab.demo import _world as world_module
+from end_effector_lab.demo._judge import judge
 from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 
 FILES = {

@@ -11,7 +11,8 @@ from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
 from end_effector_hal.recording import EventRow, StatesLog, StatesRow
 from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_lab.demo import DemoScenario, Report, judge, scenarios
+from end_effector_lab.demo import DemoScenario, Report, scenarios
+from end_effector_lab.demo._judge import judge
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 Rows = list[StatesRow]

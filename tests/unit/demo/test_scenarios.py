@@ -7,7 +7,8 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.runtime import read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_lab.demo import DemoScenario, culprit_of, scenarios, unplayable
+from end_effector_lab.demo import DemoScenario, scenarios, unplayable
+from end_effector_lab.demo._scenario import culprit_of
 from end_effector_lab.testbench import parse_scenario
 from tests.support.declared import declared
 
