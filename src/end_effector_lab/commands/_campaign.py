@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from end_effector_hal.cli import PathName, Progress, json_text, print_document, 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
-from ._options import playing_options
+from ._options import TimeLeft, playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -101,26 +100,21 @@ def _run(
         summary,
     )
 
-    begun, first = time.monotonic(), list[int]()
+    left = TimeLeft()
     what = f"{runs} runs" if runs else f"runs for {seconds:g} s"
     with Progress(what, shown=not as_json) as progress:
 
         def go_on(_: Campaign, run: int) -> bool:
-            in_time = seconds is None or time.monotonic() - begun < seconds
+            in_time = seconds is None or left.passed_s < seconds
             return in_time and (runs is None or run < runs)
 
         def on_progress(campaign: Campaign) -> None:
-            if not first:
-                first.append(campaign.runs)
-            took, done = time.monotonic() - begun, campaign.runs - first[0]
-            by_runs = (runs - campaign.runs) * took / done if runs and done else 0.0
-            left = (
-                min(by_runs, seconds - took) if runs and seconds else seconds - took if seconds else by_runs
-            )
+            by_runs = left(campaign.runs, runs) if runs else float("inf")
+            by_time = seconds - left.passed_s if seconds else float("inf")
             edges = f"{len(campaign.reached.edges)}/{len(campaign.known.edges)} edges"
             progress(
                 f"{campaign.runs} of {what}, {edges}, {campaign.failures} failures, "
-                f"{max(0.0, left) / 60:.0f} min left"
+                f"{max(0.0, min(by_runs, by_time)) / 60:.0f} min left"
             )
 
         campaign = run_campaign(description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from end_effector_hal.cli import PathName, Progress, json_text, print_document
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
-from ._options import playing_options
+from ._options import TimeLeft, playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -124,15 +123,11 @@ def _played(
 ) -> dict[str, Played]:
     from end_effector_lab.trials import play_all
 
-    begun, first = time.monotonic(), list[int]()
+    left = TimeLeft()
     with Progress(f"{len(cells)} cells", shown=shown) as progress:
 
         def on_progress(done: int, of: int) -> None:
-            if not first:
-                first.append(done)
-            took = time.monotonic() - begun
-            left = (of - done) * took / (done - first[0]) if done > first[0] else 0.0
-            progress(f"{done} of {of} cells, {left / 60:.0f} min left")
+            progress(f"{done} of {of} cells, {left(done, of) / 60:.0f} min left")
 
         return play_all(description, cells, results, workers=workers, on_progress=on_progress)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -10,6 +11,23 @@ import click
 from end_effector_hal.cli import PathName
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+
+
+class TimeLeft:
+    """Estimates the time until all items are done, from those that were done since the first call."""
+
+    def __init__(self) -> None:
+        self._begun, self._first = time.monotonic(), -1
+
+    @property
+    def passed_s(self) -> float:
+        """The time since the beginning, s."""
+        return time.monotonic() - self._begun
+
+    def __call__(self, done: int, of: int) -> float:
+        """Return the time left, s; 0: it is not known yet."""
+        self._first = done if self._first < 0 else self._first
+        return (of - done) * self.passed_s / (done - self._first) if done > self._first else 0.0
 
 
 def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:

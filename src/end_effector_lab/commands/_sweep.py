@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from io import StringIO
@@ -14,6 +13,8 @@ import click
 
 from end_effector_hal.cli import Progress, is_figure, print_document
 from end_effector_hal.errors import UsageError
+
+from ._options import TimeLeft
 
 if TYPE_CHECKING:
     from end_effector_lab.results import ResultsFolder
@@ -55,15 +56,10 @@ def run(
         ExitStack() as stack,
     ):
         results = stack.enter_context(sweep_folder(path, axes, output)) if output else None
-        begun, first = time.monotonic(), -1
+        left = TimeLeft()
 
         def on_progress(done: int, of: int) -> None:
-            nonlocal first
-            first = done if first < 0 else first
-            left = (of - done) * (time.monotonic() - begun) / (done - first) / 60 if done > first else None
-            progress(
-                f"{done} of {of} combinations proven" + ("" if left is None else f", {left:.0f} min left")
-            )
+            progress(f"{done} of {of} combinations proven, {left(done, of) / 60:.0f} min left")
 
         found = sweep(path, axes, workers, on_progress, results)
         if output and results:

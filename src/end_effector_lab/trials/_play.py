@@ -67,8 +67,9 @@ def tool_at_rest(tool: VirtualTool) -> VirtualTool:
 
 
 class Mark(NamedTuple):
-    """How many edges and statuses there were at an instant."""
+    """How many edges and statuses there were at ``at`` µs."""
 
+    at: int
     edges: int
     statuses: int
 
@@ -110,7 +111,7 @@ class Trial:
         self.marks: list[Mark] = []
         self.outcome = Outcome.UNFINISHED
         self.end: CaseEnd | None = None
-        self.ended, self._ended_at = self._mark(), self.origin
+        self.ended = self._mark()
         self._crash = ""
 
     def play(self, enough: Callable[[Mapping[str, str]], bool] = lambda _: False) -> None:
@@ -167,7 +168,7 @@ class Trial:
 
     def refused_since(self, at: int) -> bool:
         """Return whether a command was refused since ``at`` µs and before the faults were removed."""
-        return any(at <= each <= self._ended_at for each in self._story.refused)
+        return any(at <= each <= self.ended.at for each in self._story.refused)
 
     def _watch(self) -> Callable[[Observation], None]:
         judged, covered = self._monitors.watch(), self._coverer.watch() if self._coverer else None
@@ -180,7 +181,7 @@ class Trial:
         return both
 
     def _mark(self) -> Mark:
-        return Mark(len(self.tool.edges), len(self.tool.statuses))
+        return Mark(self.tool.at, len(self.tool.edges), len(self.tool.statuses))
 
     def _note_end(self) -> None:
         tool = self.tool
@@ -190,7 +191,7 @@ class Trial:
             self._description, state, every, [each for each in every if each.at >= self.origin]
         )
         self.outcome = self._story.outcome(tool.status.ee) if self._is_still() else Outcome.UNFINISHED
-        self.ended, self._ended_at = self._mark(), tool.at
+        self.ended = self._mark()
 
     # What happens
 

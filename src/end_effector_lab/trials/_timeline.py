@@ -101,15 +101,19 @@ def record(description: Description, cell: Cell, folder: Path) -> Played:
     lines = description.lines.model_copy(update={"backend": "virtual"})  # whatever the wires of the tool are
     played_on = description.model_copy(update={"lines": lines})
     with Recording(folder, played_on, scenario=cell.id, seed=0, now=lambda: 0) as recording:
-        waiting = deque(frames)
-        for status in trial.tool.statuses[: trial.ended.statuses]:
-            at = max(0, status.at - trial.origin)
-            while waiting and waiting[0].at <= status.at:
+        waiting = deque(each for each in frames if trial.origin <= each.at <= trial.ended.at)
+
+        def write_frames(until: int) -> None:
+            while waiting and waiting[0].at <= until:
                 frame = waiting.popleft()
-                if frame.at >= trial.origin:
-                    recording.values(frame.at - trial.origin, frame.values)
+                recording.values(frame.at - trial.origin, frame.values)
+
+        for status in trial.tool.statuses[trial.marks[0].statuses - 1 : trial.ended.statuses]:
+            at = max(0, status.at - trial.origin)
+            write_frames(status.at)
             recording.tool_changer(at, status.changer)
             recording.state(at, status.ee, status.command, status.actuators)
             recording.alarms(at, status.alarms)
             recording.events(at, status.events)
+        write_frames(trial.ended.at)
     return result_of(cell, trial)

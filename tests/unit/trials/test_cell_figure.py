@@ -10,7 +10,7 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_lab.figures import RecordedRun
-from end_effector_lab.trials import Cell, Moment, disturbances, record
+from end_effector_lab.trials import Cell, Happening, Moment, disturbances, record
 
 SHIPPED = load(profile_path())
 GRIPPING = Moment("grip cylinder on +1ms", 3_000_000, "grip", ("bottom_vacuum",))
@@ -46,3 +46,14 @@ def test_the_figure_has_a_line_and_its_words_at_that_instant(tmp_path: Path) -> 
     assert {"leak:bottom_vacuum:40, kill hal", "started again"} <= words
     for at in (3.0, 4.0):
         assert [at, at] in [list(np.asarray(line.get_xdata())) for line in lanes.lines]
+
+
+def test_a_recording_begins_when_the_tool_has_come_to_rest(tmp_path: Path) -> None:
+    grip = Happening(1_500_000, "grip")
+    record(
+        SHIPPED,
+        Cell("nominal", Moment("later", 3_000_000, "held", SHIPPED.sequence, (grip,)), "none"),
+        tmp_path,
+    )
+    rows = (tmp_path / "states.csv").read_text().splitlines()
+    assert [row[:10] for row in rows[1:3]] == ["0.000000,6", "1.500000,1"]
