@@ -22,7 +22,7 @@ ELSEWHERE = {
     "testbench": "tests/acceptance/testbench/test_program.py",
     "import": "tests/unit/commands/test_import.py",
     "campaign": "tests/unit/trials/test_campaign.py",
-    "matrix": "tests/unit/matrix/test_matrix.py",
+    "matrix": "tests/unit/trials/test_grid.py",
 }
 CALLS: dict[str, tuple[str, ...]] = {
     "check": (),
