@@ -81,8 +81,7 @@ class Controller:
         self._hold = HoldMonitor(description, self._senses, carrier)
         automata = description.automata
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
-        self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold, self.complete)
-        self._watch: tuple[int, bool, bool] | None = None
+        self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
         self._sensor_fault = self._grip_error = False
         self._adopt_by: int | None = None
@@ -129,7 +128,6 @@ class Controller:
             frame: the frame.
             at: the time now, µs; default: the arrival of the frame, in virtual time.
         """
-        self.complete()
         if not self._senses.accepts(frame, frame.at if at is None else at):
             return self._refuse_frame(self._at if at is None else at)
         expired = self._senses.deadline(self._at)
@@ -138,7 +136,6 @@ class Controller:
         statuses: list[Status] = []
         if expired is not None and expired < seen:
             statuses += self._look(expired, stamp=expired)[0]
-            self.complete()
         if self._adopt_by is not None:
             self._adopt_by = min(self._adopt_by, self._at + self._senses.now.readings.down_us)
         released = self._senses.now.nothing_gripped
@@ -146,14 +143,14 @@ class Controller:
         self._write_levels()
         held = self._statuses.held
         # until the lines are adopted a part is only perhaps held, and its sensors may not have been read yet
-        self._watch = seen, held and self._statuses.adopted, held
-        for number, event in enumerate(events):
-            if number:
-                self.complete()
+        told = self._hold.sample(seen, held=held and self._statuses.adopted) | self._senses.noticed(
+            seen, held=held
+        )
+        for event in events:
             statuses += self._receive(event, self._at, seen)
         if not self._statuses.adopted and self._senses.conclusive:
             statuses += self._adopt(self._at)
-        told = bool(statuses) or self.complete() or self._senses.now.nothing_gripped is not released
+        told |= self._senses.now.nothing_gripped is not released
         if seen < self._at and (due := self._senses.deadline(seen)) is not None and due <= self._at:
             # it turned stale between the frame and now: `deadline` says only what comes after now
             statuses += self._look(self._at)[0]
@@ -162,7 +159,6 @@ class Controller:
 
     def pass_over(self, frame: Frame) -> list[Status]:
         """Process a frame that changes no evidence: only the watch over a held part receives it."""
-        self.complete()
         self._at = max(self._at, frame.at)
         readings = PassingReadings(self._senses.now.readings, frame)
         told = self._hold.sample(
@@ -182,13 +178,12 @@ class Controller:
         event = Event(name)
         if name == "grip" and (why := self._faulty(at)) and self._execution.takes(event):
             return Answer(False, why), statuses
-        self.complete()
         reaction = self._execution.receive(event, at)
         if not reaction.taken:
             why = self._refusal(name, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name in ("grip", "drop"):
-            self._statuses.blame(Cause.NONE, -1, self._at, self._statuses.values)
+            self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
 
@@ -216,7 +211,6 @@ class Controller:
     @property
     def hold(self) -> HoldMonitor:
         """The watch over a held part, for display."""
-        self.complete()
         return self._hold
 
     def locations(self) -> ExecutionSnapshot | None:
@@ -232,14 +226,12 @@ class Controller:
         """
         at = self._until(at)
         statuses = self._due_before(at)
-        self.complete()
         return statuses + self._receive(Event("unlock_refused" if unlock else "grip_refused"), at)
 
     def acknowledge(self, at: int) -> list[Status]:
         """Remove the alarms that are over, because an operator has seen them; nothing else changes."""
         at = self._until(at)
         statuses = self._due_before(at)
-        self.complete()
         self._hold.acknowledge()
         return [*statuses, self.status()]
 
@@ -267,28 +259,12 @@ class Controller:
         """
         return self._execution.state
 
-    def complete(self) -> bool:
-        """Work out what the returned statuses say apart from the lines; return whether the watch over a held part has
-        news.
-
-        A program calls it once the lines are written, and every other call does it first.
-        """
-        told = False
-        if self._watch is not None:
-            (at, adopted, held), self._watch = self._watch, None
-            told = self._hold.sample(at, held=adopted) | self._senses.noticed(at, held=held)
-        if self._statuses.drafts:
-            self._statuses.complete()
-        return told
-
     def status(self) -> Status:
         """Return the present status."""
-        self.complete()
         return self._statuses.status(self._at)
 
     def snapshot(self) -> ControllerSnapshot | None:
         """Return the present state for `resume`, without changing it; None: not started yet."""
-        self.complete()
         memory, execution = memory_of(self), self._execution.snapshot()
         return ControllerSnapshot(self._at, self.status(), execution, memory) if execution else None
 
@@ -308,18 +284,14 @@ class Controller:
 
     def _faulty(self, at: int) -> str:
         """Return why a device prevents a grip, as a sentence; empty: none does."""
-        self.complete()
         why = self._hold.fault(at)
         return f"IL-07: {why}" if why else ""
 
     def _watched(self, statuses: list[Status]) -> list[Status]:
         """Return these statuses, and one more if a held part's tool just became loose or locked (IL-05)."""
         held = self._statuses.held and self._statuses.adopted
-        if not held:
-            return statuses
-        self.complete()
-        loose = self._statuses.loose
-        return [*statuses, self.status()] if self._hold.tool(loose, self._at) else statuses
+        loose = self._statuses.loose if held else ""
+        return [*statuses, self.status()] if held and self._hold.tool(loose, self._at) else statuses
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:
@@ -327,7 +299,6 @@ class Controller:
             self._execution.write(levels)
 
     def _until(self, at: int) -> int:
-        self.complete()
         # what arrives late, with an older stamp, counts as arriving now
         return max(at, self._at)
 
@@ -340,7 +311,6 @@ class Controller:
             statuses += self._look(at)[0]
             if self._adopt_by is not None and at >= self._adopt_by:
                 statuses += self._adopt(at)
-            self.complete()
             statuses += self._told(self._execution.advance(at)) or [self.status()]
         self._at = at
         return statuses, due
@@ -359,14 +329,10 @@ class Controller:
 
     def _look(self, at: int, stamp: int | None = None) -> tuple[list[Status], bool]:
         """Judge the sensors at ``at`` without a frame; return the statuses, and whether something changed."""
-        self.complete()
         events = self._senses.advance(at)
         self._write_levels()
         told = self._hold.sample(at, held=self._statuses.held and self._statuses.adopted)
-        statuses: list[Status] = []
-        for event in events:
-            self.complete()
-            statuses += self._receive(event, self._at, stamp)
+        statuses = [status for event in events for status in self._receive(event, self._at, stamp)]
         return self._watched(statuses), bool(events) or told
 
     def _receive(self, event: Event, at: int, stamp: int | None = None) -> list[Status]:
@@ -375,7 +341,6 @@ class Controller:
         return self._told(self._execution.receive(event, at, stamp=stamp).steps)
 
     def _adopt(self, at: int) -> list[Status]:
-        self.complete()
         found, self._statuses.adopted, self._adopt_by = self._statuses.found, True, None
         self._statuses.know({})
         # of an output that nobody knows anything of there is no level: then the sensors decide, in doubt it is active

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.vocabulary import (
     ARBITER_LOST,
@@ -47,24 +45,8 @@ class Answer:
     count: int = 0
 
 
-class _Draft:
-    """An object whose missing attributes are worked out by ``_complete`` when the first of them is read."""
-
-    __slots__ = ("_complete",)
-    _complete: Callable[[], object]
-
-    if not TYPE_CHECKING:  # a type checker knows all attributes
-
-        def __getattr__(self, name: str) -> object:
-            complete = None if name == "_complete" else getattr(self, "_complete", None)
-            if complete is None or name.startswith("_"):
-                raise AttributeError(name)
-            complete()
-            return object.__getattribute__(self, name)
-
-
 @dataclass(frozen=True, slots=True)
-class Status(_Draft):
+class Status:
     """The complete status after one step; times are in µs on the monotonic clock."""
 
     at: int
@@ -117,22 +99,6 @@ class Status(_Draft):
     """Time at which its program began; 0: no program has published it."""
     count: int = 0
     """Number of this status since then; statuses that differ only in an alarm about a listener have the same."""
-
-    @classmethod
-    def draft(cls, complete: Callable[[], object], **known: Any) -> Status:
-        """Return a status with these fields; ``complete`` is called when another one is read, and calls `fill`.
-
-        So a program writes its lines before it works out what it says about them.
-        """
-        status = cls.__new__(cls)
-        object.__setattr__(status, "_complete", complete)
-        status.fill(**known)
-        return status
-
-    def fill(self, **fields: Any) -> None:
-        """Set fields that a draft lacks."""
-        for name, value in fields.items():
-            object.__setattr__(self, name, value)
 
     @property
     def arbiter_lost(self) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
@@ -44,16 +43,11 @@ _SCALARS = (
 
 _OF_CHANGER = ("Changer", "Arming")
 """Templates whose deadlines concern no grip and no release."""
-_ERRORS = EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR
 Condition = Callable[[tuple[int, ...], tuple[int, ...]], Any]
 
 
 class StatusBuilder:
     """Collects the state of the automata, the detectors and the hold monitor in a status; makes no decisions.
-
-    The status of a step is a draft at first: it has the fields that decide about the lines. `complete` works out the
-    others; it must be called before the automata, the detectors or the hold monitor change again. When one of them is
-    read before, ``on_read`` is called, which calls `complete`.
 
     Attributes:
         values: variables of the automata, by name.
@@ -61,7 +55,6 @@ class StatusBuilder:
         was_error: whether GRIP_ERROR was latched before the start.
         adopted: whether the automata have received these levels.
         held: whether a part is held; outputs found active count as holding until they are adopted and judged.
-        drafts: the statuses to be completed, each with its step and the variables after it.
     """
 
     MEMORY: ClassVar = {
@@ -79,7 +72,9 @@ class StatusBuilder:
         "_missed": int,
         "_worst_late_us": int,
         "_outputs": tuple[bool, ...],
+        "_actuators": tuple[int, ...],
         "_active": tuple[bool, ...],
+        "_latched": bool,
     }
 
     def __init__(
@@ -88,17 +83,16 @@ class StatusBuilder:
         execution: Execution,
         senses: SensorSet,
         hold: HoldMonitor,
-        on_read: Callable[[], object],
     ) -> None:
         self._description, self._execution = description, execution
-        self._senses, self._hold, self._on_read = senses, hold, on_read
+        self._senses, self._hold = senses, hold
         size = range(len(description.sequence))
         self._valves, self._states = [f"valve[{i}]" for i in size], [f"actuator[{i}]" for i in size]
         self._keeps = [f"kept[{i}]" for i in size]
         blown = map(description.sequence.index, description.blow_offs)
         self._blows = [(i, f"blow[{i}]") for i in blown]
         blows = [name for _, name in self._blows]
-        self._of_a_release = {*self._keeps, *blows}
+        self._per_actuator, self._of_a_release = {*self._valves, *self._states}, {*self._keeps, *blows}
         self._lines = [part.line for _, part in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
@@ -120,18 +114,19 @@ class StatusBuilder:
         self._cause, self._cause_at, self._reason, self._left = int(Cause.NONE), -1, "", ""
         self._missed, self._worst_late_us = 0, 0
         self._outputs: tuple[bool, ...] = ()
+        self._actuators: tuple[int, ...] = ()
         self._kept: tuple[int, ...] = ()
         self._blowing: tuple[int, ...] = ()
         self._seen: tuple[int, int, bool] | None = None
-        self.drafts: deque[tuple[Status, Step, Mapping[str, int]]] = deque()
         self.know({})
 
     def know(self, values: Mapping[str, int]) -> None:
         """Update variables of the automata; with no values, update all that depends on the adoption."""
         known = self.values
         known.update(values)
-        if not values or not values.keys().isdisjoint(self._valves):
+        if not values or not self._per_actuator.isdisjoint(values):
             self._outputs = tuple([bool(known[name]) for name in self._valves])
+            self._actuators = tuple([known[name] for name in self._states])
         if not values or not self._of_a_release.isdisjoint(values):
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
             self._blowing = tuple([i for i, name in self._blows if known[name]])
@@ -141,37 +136,29 @@ class StatusBuilder:
             else tuple([bool(self.found.get(n, n in self._unread)) for n in self._lines])
         )
         ee = known["ee"]
-        latched = ee == EndEffectorState.GRIP_ERROR and known["command"] == Command.NONE
-        doubtful = not self.adopted or latched
+        errors = EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR
+        self._latched = ee in errors and known["command"] == Command.NONE
+        doubtful = not self.adopted or (self._latched and ee == EndEffectorState.GRIP_ERROR)
         self.held = ee == EndEffectorState.GRIPPED or (doubtful and any(self._active))
 
     def step(self, step: Step, at: int) -> Status:
-        """Return the draft of the status after one more step, at ``at`` µs."""
+        """Return the status after one more step, at ``at`` µs."""
+        self._missed += step.missed
+        self._worst_late_us = max(self._worst_late_us, step.late_us)
         changes = {}
         for change in step.changes:
             changes[change.name] = change.new
         self.know(changes)
-        draft = self._draft(at)
-        self.drafts.append((draft, step, self.values.copy()))
-        return draft
+        if self.values["cause"]:
+            self.blame(self.values["cause"], self.values["cause_at"], at)
+        events = self._events.of(step, at)
+        self._steps.take(events, step.at, gripping=self.values["ee"] == EndEffectorState.GRIPPING)
+        return self.status(at, events)
 
-    def complete(self) -> None:
-        """Complete the drafts of all steps, in their order."""
-        while self.drafts:
-            draft, step, values = self.drafts.popleft()
-            self._missed += step.missed
-            self._worst_late_us = max(self._worst_late_us, step.late_us)
-            if values["cause"]:
-                self.blame(values["cause"], values["cause_at"], draft.at, values)
-            events = self._events.of(step, draft.at)
-            self._steps.take(events, step.at, gripping=values["ee"] == EndEffectorState.GRIPPING)
-            self._complete(draft, values, events)
-
-    def blame(self, cause: int, cause_at: int, at: int, values: Mapping[str, int]) -> None:
+    def blame(self, cause: int, cause_at: int, at: int) -> None:
         """Store why a grip or a release ended, with the readings of this moment, which soon change."""
         if cause == Cause.KEPT:  # what it ended for is told already
-            active = tuple([bool(values[name]) for name in self._valves])
-            self._left = self._left or left_active(self._description, active)
+            self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
             self._reason = self._before(cause) or explain(
                 self._description, cause, cause_at, self._senses.now, at
@@ -195,34 +182,19 @@ class StatusBuilder:
             "nor a release: in doubt it counts as active. Whether a part is held is not known."
         )
 
-    def status(self, at: int) -> Status:
-        """Return the status at ``at`` µs."""
-        draft = self._draft(at)
-        self._complete(draft, self.values, ())
-        return draft
+    @property
+    def steps(self) -> StepLog:
+        """Attempts and times of the steps."""
+        return self._steps
 
-    def _draft(self, at: int) -> Status:
-        values = self.values
-        return Status.draft(
-            self._on_read,
-            at=at,
-            ee=_STATES[values["ee"]],
-            outputs=self._active,
-            held=self.held,
-            kept=self._kept,
-            blowing=self._blowing,
-            dropped=values["dropped"],
-            unlock_output=bool(values["unlock_valve"]),
-            adopted=self.adopted,
-        )
-
-    def _complete(self, draft: Status, values: Mapping[str, int], events: tuple[ToolEvent, ...]) -> None:
-        """Work out all fields of a draft; ``values``: the variables at its step; ``events``: those that led to it."""
-        hold, steps, ee, at = self._hold, self._steps, draft.ee, draft.at
-        seen = (at, self._senses.revision, draft.held)
+    def status(self, at: int, events: tuple[ToolEvent, ...] = ()) -> Status:
+        """Return the status at ``at`` µs; ``events``: the events that led to it."""
+        values, hold, steps = self.values, self._hold, self._steps
+        ee = _STATES[values["ee"]]
+        seen = (at, self._senses.revision, self.held)
         if seen != self._seen:
             self._seen = seen
-            self._look(at, held=draft.held)
+            self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
         step, fault = steps.step, values["changer_fault"]
         gripping, deadline = values["command"], self._execution.deadline
@@ -230,9 +202,12 @@ class StatusBuilder:
             deadline = None
         elif values["armed"] or values["unlock_valve"] or values["changer"] == ChangerState.LOCKING:
             deadline = self._execution.deadline_without(self._of_changer)
-        draft.fill(
+        return Status(
+            at=at,
+            ee=ee,
             command=_COMMANDS[values["changer_command"] if gripping == Command.NONE else gripping],
-            actuators=tuple([values[name] for name in self._states]),
+            actuators=self._actuators,
+            outputs=self._active,
             evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
@@ -242,9 +217,14 @@ class StatusBuilder:
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
             lift_allowed=proven and hold.allows_lift,
+            held=self.held,
+            kept=self._kept,
+            blowing=self._blowing,
+            dropped=values["dropped"],
             secure=proven and hold.secure,
-            maintenance=False,
+            adopted=self.adopted,
             changer=_CHANGER_STATES[values["changer"]],
+            unlock_output=bool(values["unlock_valve"]),
             changer_fault=_CHANGER_FAULTS[fault],
             changer_reason=explain_changer(self._description, fault) or self._vacant,
             vented=self._senses.now.nothing_gripped,
@@ -254,14 +234,12 @@ class StatusBuilder:
             missed=self._missed,
             worst_late_us=self._worst_late_us,
             refused_frames=self._refused,
-            alarms=self._alarms(draft, values),
+            alarms=self._alarms(),
             steps=steps.steps,
             events=events,
-            begun=0,  # what publishes a status counts it
-            count=0,
         )
 
-    def _look(self, at: int, *, held: bool) -> None:
+    def _look(self, at: int) -> None:
         """Read the sensors' state once for all steps that follow from it."""
         senses, readings = self._senses, self._senses.now.readings
         self._refused = senses.refused
@@ -271,21 +249,21 @@ class StatusBuilder:
         }
         self._outages = tuple(Alarm("link.down", link, {"sensors": are}) for link, are in down.items())
         self._stale = tuple(filter(self._used.__contains__, readings.stale(at)))
-        self._notices = senses.notices(at, held=held)
+        self._notices = senses.notices(at, held=self.held)
 
-    def _alarms(self, status: Status, values: Mapping[str, int]) -> tuple[Alarm, ...]:
+    def _alarms(self) -> tuple[Alarm, ...]:
         alarms: list[Alarm] = []
-        if status.adopted:
+        if self.adopted:
             alarms += self._outages
-        if status.ee in _ERRORS and values["command"] == Command.NONE:
+        if self._latched:
             why = {"why": self._why} if self._why else {}
-            alarms.append(Alarm(LATCHED_ERRORS[status.ee == EndEffectorState.RELEASE_ERROR], "", why))
+            alarms.append(Alarm(LATCHED_ERRORS[self.values["ee"] == EndEffectorState.RELEASE_ERROR], "", why))
         alarms += self._hold.alarms
-        if status.adopted:
+        if self.adopted:
             alarms += self._notices
-        if self._senses.now.supply.low and not status.held:
+        if self._senses.now.supply.low and not self.held:
             alarms.append(Alarm("supply.low", "", {"warn_kpa": self._description.supply.warn_kpa}))
-        if values["changer"] == ChangerState.FAULT:
+        if self.values["changer"] == ChangerState.FAULT:
             alarms.append(Alarm("changer.fault"))
         return tuple(alarms)
 

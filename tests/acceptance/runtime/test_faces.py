@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -58,8 +59,8 @@ def face(world: World, hal: Child) -> Iterator[RemoteTool]:
         yield tool
 
 
-def serve(world: World) -> Child:
-    command = [*EEHAL, "serve", str(world.description_path)]
+def serve(world: World, *options: str) -> Child:
+    command = [*EEHAL, "serve", str(world.description_path), *options]
     return world.children.start("hal", command, log=world.folder / "hal.log")
 
 
@@ -190,6 +191,11 @@ def test_the_end_of_the_service_does_what_the_description_declares(
     said = (world.folder / "hal.log").read_text(encoding="utf-8")
     assert "GRIPPING -> GRIPPED" in said
     assert said.splitlines()[-1].startswith("Cup")
+    lines = serve(world, "--json")
+    wait_until("the next HAL", lambda: face.status.ee is not EndEffectorState.OFF)
+    assert json.loads(lines.text().splitlines()[0])["schema_version"] == 1
+    os.kill(lines.pid, signal.SIGTERM)
+    lines.wait_for_end(timeout_s=PATIENCE_S)
     wait_until("the end", lambda: face.status.alarm("hal.lost") is not None)
 
 
@@ -198,7 +204,11 @@ def test_status_and_do_on_the_command_line(face: RemoteTool, world: World) -> No
         command = [*EEHAL, words[0], str(world.description_path), *words[1:]]
         return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
 
-    assert eehal("do", "grip").returncode == 0
+    first, *_ = map(json.loads, eehal("do", "--json", "grip").stdout.splitlines())
+    assert next(iter(first.items())) == ("schema_version", 1)
+    (told,) = map(json.loads, eehal("status", "--json").stdout.splitlines())
+    assert next(iter(told.items())) == ("schema_version", 1)
+    assert told["state_name"] == "GRIPPED"
     shown = eehal("status")
     assert shown.returncode == 0
     assert shown.stdout.startswith("lit: GRIPPED; a part is held, lift allowed\n")

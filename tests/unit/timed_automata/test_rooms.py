@@ -33,8 +33,9 @@ def room_of(path: Path) -> str:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_private_modules_are_used_in_their_own_room_and_below(path: Path) -> None:
     for module, name in imports(path):
-        room, _, last = module.rpartition(".")
+        *parents, last = module.split(".")
         if last.startswith("_"):
+            room = ".".join(parents[:2])  # with all of its folders
             assert f"{room_of(path)}.".startswith(f"{room}."), f"{path} imports {name} from {module}"
 
 

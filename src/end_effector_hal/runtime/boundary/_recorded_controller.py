@@ -39,7 +39,7 @@ class RecordedController:
         self._controller = Controller(description, network, observe=self._observed)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
-        self.senses, self.complete = self._controller.senses, self._controller.complete
+        self.senses = self._controller.senses
         self.snapshot, self.resume = self._controller.snapshot, self._controller.resume
 
     @property

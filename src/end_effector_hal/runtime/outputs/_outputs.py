@@ -74,7 +74,7 @@ class Outputs:
         self._written: dict[str, bool] = {}
         self._unheard: set[str] = set()
         self._dropped = ""
-        self._last: Status | None = None
+        self._attempt = 0
         self._asked: _Asked | None = None
         self.lost = False
         self.disagreement = ""
@@ -114,10 +114,7 @@ class Outputs:
         statuses = [status for status in statuses if status.adopted]
         for number, status in enumerate(statuses):
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
-            changes = self._changes(wanted)
-            if self._unheard:
-                changes |= self._once_more(wanted, status)
-            self._last = status
+            changes = self._changes(wanted) | self._once_more(wanted, status)
             before = self._dropped
             self._dropped = self.mapping.dropped(status) if status.dropped >= 0 else ""
             if drop := self._dropped not in ("", before):
@@ -216,7 +213,8 @@ class Outputs:
 
     def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
         """Return the activations that the lost arbiter could not do and that the next attempt still requests."""
-        if status.attempt <= (self._last.attempt if self._last else 0):
+        before, self._attempt = self._attempt, status.attempt
+        if status.attempt <= before:
             return {}
         return {line: True for line in sorted(self._unheard) if wanted.get(line)}
 

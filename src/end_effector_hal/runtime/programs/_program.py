@@ -567,7 +567,6 @@ class Program:
         """Wait for the writes that were begun, write the ``unwritten`` statuses too, and publish all of them."""
         outputs, commanded, self._commanded = self._adoption.outputs, self._commanded, False
         outputs.complete(unwritten)
-        self._adoption.controller.complete()
         while outputs.objected:
             unlock = outputs.objected.pop()
             more = self._adoption.controller.refused(self._clock(), unlock=unlock)

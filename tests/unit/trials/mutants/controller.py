@@ -96,9 +96,9 @@ def _only_gripped_is_held(real: Any, statuses: StatusBuilder, values: Mapping[st
     statuses.held = statuses.held and statuses.values["ee"] == GRIPPED
 
 
-def _lift_whenever_gripped(real: Any, statuses: StatusBuilder, draft: Any, *given: Any) -> Any:
-    real(statuses, draft, *given)
-    object.__setattr__(draft, "lift_allowed", draft.ee == GRIPPED)
+def _lift_whenever_gripped(real: Any, statuses: StatusBuilder, *given: Any) -> Any:
+    status = real(statuses, *given)
+    return replace(status, lift_allowed=status.ee == GRIPPED)
 
 
 # runtime
@@ -225,8 +225,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "grip; wait 2; scenario lost-after:top_vacuum:0.1; wait 1; kill hal", "held",
     ),
     "a leave to lift without evidence": WrongProduct(
-        _replaced(StatusBuilder, "_complete", _lift_whenever_gripped),
-        "control/_status_builder.py: StatusBuilder._complete",
+        _replaced(StatusBuilder, "status", _lift_whenever_gripped), "control/_status_builder.py: StatusBuilder.status",
         "grip; wait 2; scenario silent-after:0", "evidence",
     ),
     "an attempt too many": WrongProduct(

@@ -34,8 +34,8 @@ WORDS = {
 }
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
 QUESTIONS = {
-    "at", "blocking", "complete", "deadline", "discrete_state", "hold", "locations", "look_ahead", "refusal",
-    "refuse_maintenance", "senses", "snapshot", "status",
+    "at", "blocking", "deadline", "discrete_state", "hold", "locations", "look_ahead", "refusal", "refuse_maintenance",
+    "senses", "snapshot", "status",
 }  # fmt: skip
 """What changes nothing in a controller, and so is not recorded."""
 
