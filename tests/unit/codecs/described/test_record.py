@@ -135,7 +135,7 @@ def test_any_record_by_an_encoder_of_its_own(cup: int, supply: int, low: float, 
     assert frame.values == {
         "cup": None if cup == -(2**15) else 100 * cup,
         "supply": supply if supply <= highest else None,
-        "low": None if 0 < abs(low) < 1e-9 or abs(low * 1000) > highest else round(low * 1000),
+        "low": round(low * 1000) if low == 0 or 1e-9 <= abs(low) <= highest / 1000 else None,  # NaN: None
         "open": bits & 3 == 1,
         "closed": bits & 3 == 2,
         "part": bits < 0x80,
