@@ -29,7 +29,7 @@ import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.arbiter import arbiter_policy
-from end_effector_hal.arbiter import serve
+from end_effector_hal.arbiter.server._server import serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
 policy = replace(arbiter_policy(load(profile_path())), min_switch_us=0)

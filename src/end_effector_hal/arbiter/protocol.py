@@ -124,8 +124,6 @@ def read_json(content: bytes, read: Callable[[Any], T]) -> T:
 
 DEEPEST = 4
 DIGITS = 18
-TOO_LARGE = 10**DIGITS
-_NO_NUMBER = f"a number in a message must be an integer of at most {DIGITS} digits."
 _NO_OBJECT = "a message must be a JSON object in UTF-8."
 
 
@@ -176,8 +174,6 @@ def _check(message: dict[str, Any], deepest: int) -> None:
         for value in inside:
             if isinstance(value, dict | list):
                 level.append(value)
-            elif type(value) is int and abs(value) >= TOO_LARGE:
-                raise UsageError(_NO_NUMBER)
             elif isinstance(value, str) and not (len(value) <= LONGEST_SENTENCE and value.isprintable()):
                 raise UsageError(
                     f"a text in a message may have at most {LONGEST_SENTENCE} characters, all printable."
@@ -186,12 +182,18 @@ def _check(message: dict[str, Any], deepest: int) -> None:
         raise UsageError(f"a message may be nested at most {deepest} levels deep.")
 
 
+def _integer(text: str) -> int:
+    if len(text.lstrip("-")) > DIGITS:
+        _no_number(text)
+    return int(text)
+
+
 def _no_number(_text: str) -> object:
-    raise UsageError(_NO_NUMBER)
+    raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
 
 
 _ENCODER = json.JSONEncoder(separators=(",", ":"))
-_DECODER = json.JSONDecoder(parse_float=_no_number, parse_constant=_no_number)
+_DECODER = json.JSONDecoder(parse_int=_integer, parse_float=_no_number, parse_constant=_no_number)
 
 
 class LastWillRunsError(LineBusyError):

@@ -27,7 +27,9 @@ pytestmark = [
 ]
 ARBITER = """
 import sys
-from end_effector_hal.arbiter import Need, Policy, serve
+from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbiter.rules._policy import Need
+from end_effector_hal.arbiter.server._server import serve
 from end_effector_hal.wires.lines import VirtualLines
 from tests.support.nightly import first_of
 chip, socket, journal, *lines = sys.argv[1:]

@@ -25,7 +25,8 @@ pytestmark = pytest.mark.wall
 
 ARBITER = """
 import sys
-from end_effector_hal.arbiter import Policy, serve
+from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbiter.server._server import serve
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket, *lines = sys.argv[1:]
 serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda arbiter: print("ready", flush=True))

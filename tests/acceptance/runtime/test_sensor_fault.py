@@ -27,8 +27,8 @@ pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 SLOW_DISK = """
 import sys, time
 from pathlib import Path
-from end_effector_hal.arbiter import serve
-from end_effector_hal.arbiter.records import FileStorage
+from end_effector_hal.arbiter.server._server import serve
+from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.description import load
 from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.wires.lines import VirtualLines
