@@ -193,7 +193,7 @@ def test_the_end_of_the_service_does_what_the_description_declares(
     assert said.splitlines()[-1].startswith("Cup")
     lines = serve(world, "--json")
     wait_until("the next HAL", lambda: face.status.ee is not EndEffectorState.OFF)
-    assert json.loads(lines.text().splitlines()[0])["schema_version"] == 1
+    assert json.loads(lines.text().splitlines()[-1])["schema_version"] == 1
     os.kill(lines.pid, signal.SIGTERM)
     lines.wait_for_end(timeout_s=PATIENCE_S)
     wait_until("the end", lambda: face.status.alarm("hal.lost") is not None)

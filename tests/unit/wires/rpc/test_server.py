@@ -120,7 +120,7 @@ def far(served: Served) -> Iterator[Far]:
 
 def test_a_request_is_answered_with_its_number(served: Served, far: Far) -> None:
     far.ask("Ada", 7)
-    answer = {"accepted": True, "reason": "Hello, Ada.", "decided": True}
+    answer = {"accepted": True, "reason": "Hello, Ada.", "decided": True, "record": 0}
     assert far.next() == {"kind": "answer-to", "id": 7, **answer}
     assert far.hears("nobody") == "There is nobody."
     assert far.hears("bug") == "The request failed; the log has the reason."
