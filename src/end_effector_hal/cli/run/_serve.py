@@ -49,8 +49,10 @@ def command(as_json: bool, **options: Any) -> None:
             click.echo(f"{tool.description.name} is served: eehal do {tool.description.source} status")
         while tool.alive and not ended.wait(LOOK_S):
             pass
-        if said := tool.ending():
-            voice.ending(said)
+        said = tool.ending()
+        tool.close()
+        if said:
+            voice.ending(said)  # last: its listeners have printed the statuses
         if not ended.is_set():
             voice.error(
                 NotReadyError(

@@ -47,6 +47,8 @@ def play(network: Network, seed: int, observe: Callable[[Observation], object] |
     assert isinstance(steps, int)
     levels = {f"evidence[{i}]": 1 for i in range(steps)} | {"tool": 1}
     active = [chooser.random() < 0.2] * steps
+    if active[0] and seed % 2:
+        levels |= {f"evidence[{i}]": 3 for i in range(steps)}  # it was gripped when the program started
     # some worlds answer, some keep silent, some lose what was there
     weights = chooser.choice([(2, 9, 3, 1), (8, 2, 2, 1), (5, 6, 3, 3)])
     fitting = chooser.choice([1.0, 0.9, 0.6])
