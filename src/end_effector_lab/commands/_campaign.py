@@ -147,7 +147,7 @@ def _play(description: Description, file: Path, output: Path, *, processes: bool
     real = None
     if processes:
         with Progress("On real processes", shown=not as_json):
-            real = play_on_processes(description, case, output / "processes")
+            real = play_on_processes(description, case, output / "processes", lasts_s=played.lasted_s)
     same = real is None or real == played.end
     if as_json:
         found = case.as_json() | played.as_json()

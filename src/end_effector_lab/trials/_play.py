@@ -139,6 +139,11 @@ class Trial:
         return found
 
     @property
+    def lasted_s(self) -> float:
+        """Time from the beginning of the case to its end, s; what follows with all faults removed is not counted."""
+        return (self.ended.at - self.origin) / 1e6
+
+    @property
     def let_go(self) -> bool:
         """Whether a device released a held part because it received nothing, as declared (`on_link_loss`)."""
         return self._judge.let_go

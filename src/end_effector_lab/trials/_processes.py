@@ -29,8 +29,14 @@ from ._play import AT_REST, processes
 START_S, POLL_S, AGAIN_S, STILL_S = 60.0, 0.05, 0.3, 1.0
 
 
-def play_on_processes(description: Description, case: Case, folder: Path) -> CaseEnd:
-    """Play a case on real processes; ``folder`` receives the logs.
+def play_on_processes(description: Description, case: Case, folder: Path, *, lasts_s: float = 0.0) -> CaseEnd:
+    """Play a case on real processes.
+
+    Args:
+        description: the tool.
+        case: the events.
+        folder: receives the logs.
+        lasts_s: time from the first event for which the tool is followed at least, s: some faults act slowly.
 
     Raises:
         UsageError: an event has no counterpart: a full disk, a loss of power.
@@ -46,7 +52,7 @@ def play_on_processes(description: Description, case: Case, folder: Path) -> Cas
     for old in folder.glob("*.log"):
         old.unlink()
     with World(description, "nominal", folder) as world:
-        return _ProcessRun(world).played(case)
+        return _ProcessRun(world).played(case, lasts_s)
 
 
 class _ProcessRun:
@@ -57,7 +63,7 @@ class _ProcessRun:
         self._begin_at = dict.fromkeys(self._children, 0.0)
         self._lives = 0
 
-    def played(self, case: Case) -> CaseEnd:
+    def played(self, case: Case, lasts_s: float) -> CaseEnd:
         """Play the case once."""
         self._wait_until_at_rest(START_S, {EndEffectorState.STAND_BY})
         self._keep(0.5)
@@ -66,6 +72,7 @@ class _ProcessRun:
         for each in case.happenings:
             self._keep(begun + each.at / 1e6 - time.monotonic())
             self._act(each.what)
+        self._keep(begun + lasts_s - time.monotonic())
         longest = self._world.description.durations
         if HAL not in self._wanted:
             self._keep(longest.release_ms / 1000 + 3.0)

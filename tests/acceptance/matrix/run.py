@@ -82,12 +82,13 @@ def sample(cells: list[Cell], size: int, seed: int) -> list[Cell]:
 def played(description: Description, cell: Cell, folder: Path) -> Row:
     """Play a cell in both ways; for real up to three times, since a busy machine is late."""
     begun = time.monotonic()
-    virtual = play_case(description, cell.case).end
+    trial = play_case(description, cell.case)
+    virtual = trial.end
     assert virtual is not None
     real, same = "", False
     for attempt in range(TRIES):
         try:
-            end = play_on_processes(description, cell.case, folder / str(attempt))
+            end = play_on_processes(description, cell.case, folder / str(attempt), lasts_s=trial.lasted_s)
             real, same = str(end), (end.state, end.active) == (virtual.state, virtual.active)
         except ReportedError as error:
             real = str(error)
