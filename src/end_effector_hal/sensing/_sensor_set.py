@@ -136,9 +136,9 @@ class SensorSet:
         """
         events: list[Event] = []
         before = self._proven
-        for number, _ in enumerate(self.now.take(frame)):
-            before = self._proven if number else before
+        for _ in self.now.take(frame):
             events += self._changed_from(before)
+            before = self._proven
         return events
 
     def advance(self, at: int) -> list[Event]:
@@ -180,10 +180,10 @@ class SensorSet:
         if down and not self._named:
             return tuple(said)
         said += self._findings(at)
-        silent = {channel for source in down for channel in source.channels} if down else set()
-        if (stale := readings.stale(at)) and (stale := tuple([name for name in stale if name not in silent])):
+        silent = {channel for source in down for channel in source.channels}
+        if stale := [name for name in readings.stale(at) if name not in silent]:
             silent |= self.now.mixed(at)
-            stale = tuple([name for name in stale if name not in silent])
+            stale = [name for name in stale if name not in silent]
         lacking = [name for name in self._wanted if name in stale] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
@@ -241,8 +241,7 @@ class SensorSet:
             changed = [i for i, level in enumerate(now.evidence) if level is not evidence[i]]
             changed.sort(key=lambda i: _RANK[now.evidence[i]])
             events = [self._evidence_events[i][now.evidence[i]] for i in changed]
-        if now_emptied := now.emptied:
-            events += [self._empty_events[i] for i in now_emptied if i not in emptied]
+        events += [self._empty_events[i] for i in now.emptied if i not in emptied]
         if now.tool is not tool:
             events.append(self._tool_events[now.tool])
         return events
