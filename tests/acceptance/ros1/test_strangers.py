@@ -119,7 +119,8 @@ def test_a_command_that_does_not_come_from_hal_main_is_refused(system: Any) -> N
     done = system.cli("rosservice", "call", "/grip/command", "{command: 2, until_us: 0}")
     assert "accepted: False" in done.stdout, done.stdout + done.stderr
     system.until(
-        "the alarm", lambda: told(system, "/grip/command", "/rosservice", "only /HALMain may send there")
+        "the alarm",
+        lambda: told(system, "/grip/command", "/rosservice", "only /HALMain and /ToolChange may send there"),
     )
     assert system.edges()[edges:] == []
     assert dropped(system, "Grip", "/grip/command") == 1
