@@ -2,7 +2,7 @@
 """Tests that every polled codec must pass; inherit `PolledCodecConformance` in your tests (needs pytest and
 hypothesis).
 
-class TestMyCodec(PolledCodecConformance):
+class TestMyPolledCodec(PolledCodecConformance):
     codec = MyCodec()
     vectors = ((((b"request", b"answer"),), Frame(0, None, None, {"vacuum": -69_000})),)
 """
