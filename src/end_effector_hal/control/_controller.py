@@ -64,7 +64,6 @@ class Controller:
         "_statuses": PART,
         "_levels": dict[str, int],
         "_sensor_fault": bool,
-        "_grip_error": bool,
         "_adopt_by": int | None,
         "_at": int,
     }
@@ -83,7 +82,7 @@ class Controller:
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
         self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
-        self._sensor_fault = self._grip_error = False
+        self._sensor_fault = False
         self._adopt_by: int | None = None
         self._at = 0
 
@@ -109,7 +108,7 @@ class Controller:
             sensor_fault: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
             grip_error: GRIP_ERROR was latched before the program restarted by itself: what is active is not GRIPPED.
         """
-        self._at, self._sensor_fault, self._grip_error = at, sensor_fault, grip_error
+        self._at, self._sensor_fault = at, sensor_fault
         self._statuses.found, self._statuses.was_error = dict(levels), grip_error
         self._statuses.know({})
         down_us = self._senses.now.readings.down_us
@@ -357,7 +356,7 @@ class Controller:
             locked = self._senses.now.tool in (ToolEvidence.LOCKED, ToolEvidence.ABSENT)
             adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
-        adopted["adopted_error"] = int(self._grip_error)
+        adopted["adopted_error"] = int(self._statuses.was_error)
         self._execution.write(adopted)  # before the event: its receiver reads these levels
         return self._receive(Event("adopt"), at)
 

@@ -111,7 +111,7 @@ def test_json_says_the_outcome_and_the_time(capsys: pytest.CaptureFixture[str]) 
 def entered(before: Status, at: int, state: EndEffectorState) -> Status:
     """A status of another state, with the event of the change."""
     event = ToolEvent(at, EventKind.STATE_CHANGED, old=before.ee, new=state)
-    return replace(before, at=at, ee=state, events=(event,))
+    return replace(before, at=at, ee=state, events=(event,), count=before.count + 1)
 
 
 def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
@@ -144,12 +144,27 @@ def test_what_is_waited_for_is_told_before(description: Description, screen: Scr
 def test_nothing_is_waited_for_that_was_told_before_an_older_state(
     description: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One about a listener has the present time, and the next one may be of an earlier event."""
+    """A status about a listener has the present time and the number of the status that it repeats."""
     monkeypatch.setattr("end_effector_hal.cli.run._voices.CAUGHT_UP_S", 60.0)
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
     for at in (5_000, 4_000):
-        changes.status(replace(tool.status, at=at))
-    waiting = threading.Thread(target=changes.catch_up, args=(replace(tool.status, at=5_000),), daemon=True)
+        changes.status(replace(tool.status, at=at, count=7))
+    returns_at_once(changes, replace(tool.status, at=5_000, count=7))
+
+
+def test_the_status_that_changes_begin_with_is_not_waited_for(
+    description: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`eehal do` connects, and its first command may be refused, which publishes no status."""
+    monkeypatch.setattr("end_effector_hal.cli.run._voices.CAUGHT_UP_S", 60.0)
+    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    status = replace(tool.status, begun=1_000, count=7)
+    changes.begin(status)
+    returns_at_once(changes, status)
+
+
+def returns_at_once(changes: Changes, status: Status) -> None:
+    waiting = threading.Thread(target=changes.catch_up, args=(status,), daemon=True)
     waiting.start()
     waiting.join(10.0)
     assert not waiting.is_alive()

@@ -325,18 +325,13 @@ class Changes:
         self._description, self._voice, self._causes = description, voice, causes
         self._last: tuple[str, dict[str, str]] = ("", {})
         self._alarms: tuple[Alarm, ...] = ()
-        self._at = 0
-        self._shown: tuple[object, ...] = ()
+        self._reported = 0, 0  # start of the program and number of its status
         self._told = threading.Condition()
 
     def begin(self, status: Status) -> None:
-        """Take this status as known: only what changes after it is reported."""
-        states = zip(self._description.ordered, status.actuators, strict=True)
-        self._last = (
-            status.ee.label,
-            {name: kind_of(part).states(state).label for (name, part), state in states},
-        )
-        self._alarms = status.alarms
+        """Start from this status: only later changes are reported."""
+        self._last, self._alarms = self._labels(status), status.alarms
+        self._reported = status.begun, status.count
 
     def status(self, status: Status) -> None:
         """Report the changes in a new status."""
@@ -345,9 +340,7 @@ class Changes:
                 self._voice.transition(entry)
         for line in event_lines(self._description, status):
             self._voice.event(status.at, line)
-        states = zip(self._description.ordered, status.actuators, strict=True)
-        actuators = {name: kind_of(part).states(state).label for (name, part), state in states}
-        now, before = (status.ee.label, actuators), self._last
+        now, before = self._labels(status), self._last
         self._last = now
         # in words the transition has said it already
         if now[1] != before[1] or (now != before and isinstance(self._voice, JsonLines)):
@@ -357,19 +350,15 @@ class Changes:
                 self._voice.alarm(status.at, alarm, over=change != "begun")
         self._alarms = status.alarms
         with self._told:
-            self._shown = _shown(status)
-            self._at = max(self._at, status.at)  # one about a listener may be newer than the next one
+            self._reported = status.begun, status.count
             self._told.notify_all()
 
+    def _labels(self, status: Status) -> tuple[str, dict[str, str]]:
+        """Return the labels of the state of the end-effector and of each actuator."""
+        states = zip(self._description.ordered, status.actuators, strict=True)
+        return status.ee.label, {name: kind_of(part).states(state).label for (name, part), state in states}
+
     def catch_up(self, status: Status) -> None:
-        """Wait until a status has been reported, for a second at most, so that a result is printed after its states.
-
-        Several statuses of one reaction have the same time: the time alone does not identify the reported status.
-        """
+        """Wait until a status has been reported, for a second at most, so that a result is printed after its states."""
         with self._told:
-            self._told.wait_for(lambda: self._at >= status.at and self._shown == _shown(status), CAUGHT_UP_S)
-
-
-def _shown(status: Status) -> tuple[object, ...]:
-    """Return the parts of a status that `Changes` reports, without its alarms."""
-    return status.ee, status.actuators, status.changer
+            self._told.wait_for(lambda: self._reported >= (status.begun, status.count), CAUGHT_UP_S)
