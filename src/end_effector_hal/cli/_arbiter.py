@@ -58,8 +58,8 @@ def stop(description: Path, as_json: bool) -> None:
 
     The line arbiter latches the stop like an open e-stop (IL-13), also through a restart, and refuses every activation
     from then on. A program that executes a grip cancels it within half a second, and does what the description
-    declares for a cancel (`endings`); a held part stays held. `eehal reset` ends the stop, and so does a reset at the
-    prompt, through ROS or on the page.
+    declares for a cancel (`endings`); a held part stays held. `eehal reset` ends the stop, and so does a reset by
+    `eehal do`, at the prompt, through ROS or on the page.
 
     Exit codes: 0 the stop is latched, 3 the line arbiter cannot be reached.
     """
@@ -83,8 +83,8 @@ def reset(description: Path, as_json: bool) -> None:
     """Clear what the line arbiter of a DESCRIPTION has latched: a stop, an e-stop that is closed again, other faults.
 
     A fault whose cause persists stays latched. Faults that a program latches itself (a sensor fault of the tool
-    changer, an alarm about a held part) are cleared by a reset at the prompt, through ROS or on the page; GRIP_ERROR
-    and RELEASE_ERROR need a Drop. A reset activates nothing.
+    changer, an alarm about a held part) are cleared by `eehal do DESCRIPTION reset`, at the prompt, through ROS or on
+    the page; GRIP_ERROR and RELEASE_ERROR need a Drop. A reset activates nothing.
 
     Exit codes: 0 the line arbiter has no latched fault left, 1 a fault stays, 3 the arbiter cannot be reached.
     """
@@ -97,7 +97,7 @@ def reset(description: Path, as_json: bool) -> None:
     with ArbiterClient(socket_path(load_tool(description)), "eehal reset", patience_s=0) as arbiter:
         try:
             if left := arbiter.reset():
-                stays = f"{' '.join(left.values())} Reset it at the prompt, through ROS or on the page."
+                stays = f"{' '.join(left.values())} Clear it with: eehal do {description} reset"
         except LineRefusedError as error:
             stays = str(error)
     if as_json:

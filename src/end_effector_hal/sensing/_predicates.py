@@ -95,7 +95,7 @@ class Predicates:
         now = frame.at if now is None else now
         if not self._senses.accepts(frame, now):
             return self.objections(frame) if frame.at <= now else {}
-        # after a silence everything is proven again, here as in the program
+        # after a silence everything must be proven again, as in the program
         expired = self._senses.deadline(self.at)
         if expired is not None and expired < frame.at:
             self._senses.advance(expired)

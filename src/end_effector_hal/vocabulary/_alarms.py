@@ -49,8 +49,8 @@ ALARMS: Mapping[str, AlarmText] = {
         "and are not known now ({why})."
     ),
     "hal.lost": _error(
-        "{why} What is held and the outputs are the last known ones; the line arbiter does with them what the "
-        "description declares."
+        "{why} The outputs, and whether a part is held, are as last known; if the HAL has ended, the line arbiter "
+        "sets the outputs as the description declares."
     ),
     STOPPED: _error("{interlock}: {why}"),
     E_STOPPED: _error("{interlock}: {why}"),

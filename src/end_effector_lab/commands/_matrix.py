@@ -49,12 +49,12 @@ def command(
 ) -> None:
     """Play every fault of the testbench at every moment of a grip and a drop, with every command, in virtual time.
 
-    The rules of `eehal campaign` judge each cell, which ends as its runs do: with a grip and a drop after the fault is
-    removed. FOLDER receives report.html, report.json, cells.jsonl and
-    fmea.csv, the failure modes and effects of the tool, with empty columns for severity and occurrence.
+    After its fault is removed, a cell ends with a grip and a drop. The rules of `eehal campaign` judge it. FOLDER
+    receives report.html, report.json, cells.jsonl and fmea.csv, the failure modes and effects of the tool, with empty
+    columns for severity and occurrence.
 
-    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a part was dropped,
-    or a rule objects.
+    A cell's id is "FAULT @ MOMENT + COMMAND". Without TOOL the shipped one is played. Exit code 4: a rule is broken,
+    for example because a part was dropped.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path

@@ -18,14 +18,15 @@ from ._opening import refuse_scenario
 @click.argument("commands", shell_complete=completed(session_words, separator=";"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, alarms, results.")
 def command(description: Path, commands: str, as_json: bool) -> None:
-    """Give COMMANDS, such as 'lock; grip', to the tool of a DESCRIPTION that runs already.
+    """Give COMMANDS, such as 'lock; grip', to the tool of a DESCRIPTION, which another program runs.
 
-    `eehal serve`, `eehal run` or the ROS nodes run it. The commands are those of `eehal run --script`: lock, unlock,
-    grip, drop, cancel, stop, arm, reset, set OUTPUT on|off, wait SECONDS, status. Each waits for its end; one that is
-    followed by `&` goes on in the background. To end this command, or to kill it, changes nothing about the tool: a
-    command that runs goes on.
+    `eehal serve`, `eehal run` or the ROS nodes must run the tool. The commands are those of `eehal run --script`:
+    lock, unlock, grip, drop, cancel, stop, arm, reset, set OUTPUT on|off, wait SECONDS, status. A command begins when
+    the one before it has ended; a command followed by `&` continues in the background. The end or the death of this
+    program does not affect the tool: a running command continues.
 
-    Exit codes: 0 all succeeded, 1 one did not, 2 the description or a command has a fault, 3 no HAL runs the tool.
+    Exit codes: 0 all commands succeeded, 1 a command did not succeed, 2 the description or a command has a fault, 3 no
+    HAL runs the tool.
     """
     from end_effector_hal.control import Answer
     from end_effector_hal.runtime import EndEffector, read_script
@@ -38,7 +39,7 @@ def command(description: Path, commands: str, as_json: bool) -> None:
     terminal = sys.stdout.isatty() and not as_json
     prompt = Prompt(shown=False)
     voice = JsonLines(begun, prompt.write) if as_json else Words(prompt.write, timed=terminal, begun=begun)
-    elsewhere = Answer(False, f"Only its own process can load it: eehal reload {description}")
+    elsewhere = Answer(False, f"The HAL must be restarted to load it: eehal reload {description} -- COMMAND")
     end_in_order()
     with EndEffector.connect(description) as tool:
         changes = Changes(tool.description, voice)

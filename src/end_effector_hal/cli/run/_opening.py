@@ -1,4 +1,4 @@
-"""Open the tool of ``eehal run`` and ``eehal serve``: the options, the simulation, the recording, the first words."""
+"""Open the tool of ``eehal run`` and ``eehal serve``: their options, the simulation, and the recording."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def tool_options(command: Decorated) -> Decorated:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the options ask for.
+    """The values of the options.
 
     Attributes:
         description: path of the description.
@@ -114,15 +114,16 @@ class Opened:
 
 
 def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voice, *, shown: bool) -> Opened:
-    """Open a tool on a stack that closes it, and wait until it is ready; a tool that is not ready is opened all the
-    same, since what it holds can be dropped.
+    """Open a tool on a stack that closes it, and wait until it is ready.
+
+    A tool that does not become ready is opened nevertheless, so that a held part can be dropped.
 
     Args:
         stack: closes everything.
         wanted: the options.
         record: the folder of the recording; None: nothing is recorded.
         voice: prints what happens.
-        shown: whether a person sees the progress of the start.
+        shown: whether the progress of the start is shown.
     """
     from end_effector_hal.cli._output import Progress
     from end_effector_hal.codecs import load_tool

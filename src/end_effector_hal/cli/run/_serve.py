@@ -29,9 +29,9 @@ def command(as_json: bool, **options: Any) -> None:
     eehal page DESCRIPTION                 shows it in a browser
     EndEffector.connect(DESCRIPTION)       in Python
 
-    The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run; with --simulate no other program is needed.
-    The death of such a program ends nothing but itself: a grip goes on. What happens on the standard output is what
-    `eehal run` prints. The end of this service does what the description declares (`endings: sigterm`).
+    The death of one of these programs does not affect the tool: a grip continues. The line arbiter of the tool
+    (`eehal arbiter DESCRIPTION`) must run; with --simulate no other program is needed. The service prints the same
+    lines as `eehal run`. At its end the line arbiter does what the description declares (`endings: sigterm`).
 
     Exit codes: 0 ended by SIGTERM, SIGHUP or Ctrl-C; 1 the program of the tool has failed; 2 the description has a
     fault; 3 the line arbiter or the sensors cannot be reached.

@@ -12,12 +12,12 @@ from end_effector_hal.cli._options import PathName, end_in_order
 
 @click.command("status")
 @click.argument("description", type=PathName())
-@click.option("--follow", is_flag=True, help="Go on with every change, until Ctrl-C.")
+@click.option("--follow", is_flag=True, help="Also print every later change, until Ctrl-C.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(description: Path, follow: bool, as_json: bool) -> None:
-    """Print the state of the tool of a DESCRIPTION, its actuators with what the sensors prove, and its alarms.
+    """Print the state of the tool of a DESCRIPTION, the evidence of its actuators, and its alarms.
 
-    `eehal serve`, `eehal run` or the ROS nodes run it.
+    `eehal serve`, `eehal run` or the ROS nodes must run the tool.
 
     Exit codes: 0 printed, 2 the description has a fault, 3 no HAL runs the tool.
     """

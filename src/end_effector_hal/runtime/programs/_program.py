@@ -414,7 +414,7 @@ class Program:
         self._worker.submit(lambda: self._reaction([]))
 
     def _asked(self, asked: ProgramCommand) -> Answer:
-        """Execute a command of a client of the stream, and tell which status follows it."""
+        """Execute a command of a client of the stream; the answer has the number of a status that follows it."""
         return replace(self._execute(asked), count=self._count)
 
     def _execute(self, asked: ProgramCommand) -> Answer:
@@ -541,7 +541,7 @@ class Program:
         before, adoption = self.status, self._adoption
         self._held = before.held
         states = before.ee, adoption.controller.status().ee
-        # a restart before the next adoption forgets nothing
+        # a restart before the adoption keeps the error of the restart before
         grip_error = EndEffectorState.GRIP_ERROR in states or (not before.adopted and adoption.grip_error)
         self._reset(adoption.outputs.activated, adoption.outputs.known, grip_error=grip_error)
         self._why = why

@@ -1,4 +1,4 @@
-"""What every face talks to: `Tool`, which is an `EndEffector` in this process or a `RemoteTool` in another one."""
+"""A tool and its commands: a `Tool` is an `EndEffector` in this process, or a `RemoteTool` in another one."""
 
 from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal

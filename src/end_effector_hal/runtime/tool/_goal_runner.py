@@ -1,4 +1,4 @@
-"""Begin goals of the program in this process in the caller's thread, and wait for them as long as the caller wants."""
+"""Begin goals in the caller's thread, and wait for their ends as long as the caller wants."""
 
 from __future__ import annotations
 

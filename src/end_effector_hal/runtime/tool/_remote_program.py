@@ -21,7 +21,7 @@ from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc.aio import ANSWER_S, AsyncClient
 
 SILENT_US = 1_200_000
-"""Silence after which the HAL is not heard any more; a HAL that works sends a sign of life every 0.4 s."""
+"""Silence after which the HAL counts as lost, µs; a HAL that works sends a sign of life every 0.4 s."""
 LOOK_S = 0.3
 FOLLOWS_S = 1.0
 """Longest wait for the status that follows an answer, s."""
@@ -29,7 +29,7 @@ _RECORDS = {"header": Header, "frame": FrameTaken, PUBLISHED: Published}
 
 
 class RemoteProgram:
-    """Gives commands to a program in another process, and has its statuses; thread-safe.
+    """Gives commands to a program in another process, and receives its statuses; thread-safe.
 
     Args:
         description: the tool; a HAL that runs another one is not followed.
@@ -37,7 +37,7 @@ class RemoteProgram:
         on_frame: called with each frame that the program has processed.
 
     Attributes:
-        why: why the HAL is not heard, a sentence; empty: it is.
+        why: reason why the HAL is lost, a sentence; empty: it is not lost.
     """
 
     def __init__(
@@ -70,12 +70,12 @@ class RemoteProgram:
 
     @property
     def status(self) -> Status:
-        """The latest status; while the HAL is not heard, what is still known of it."""
+        """The latest status; while the HAL is lost, what is still known (`unknown_now`)."""
         return self._latest.status
 
     @property
     def alive(self) -> bool:
-        """Whether the HAL is heard."""
+        """Whether the HAL is connected and not silent."""
         return not self.why
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
@@ -126,9 +126,8 @@ class RemoteProgram:
             while True:
                 looked_at = now_us()
                 await asyncio.sleep(LOOK_S)
-                late = (
-                    now_us() - looked_at > 2e6 * LOOK_S
-                )  # this process did not run: records may wait to be read
+                # if this process did not run, records may wait to be read
+                late = now_us() - looked_at > 2e6 * LOOK_S
                 if not self.why and not late and now_us() - self._heard_at > SILENT_US:
                     self._lose("The HAL is silent.")
         finally:
@@ -146,17 +145,16 @@ class RemoteProgram:
                 raise ReportedError(f"The HAL runs another description: {record.source} ({record.hash}).")
             self._published = None
         elif isinstance(record, Published):
-            fresh = self._published is not None
-            self._published = (
-                record.status if fresh else replace(record.status, events=())
-            )  # they were before
-            self._hear()
+            # the events of the first status were before this connection
+            is_first = self._published is None
+            self._published = replace(record.status, events=()) if is_first else record.status
+            self._publish()
         elif isinstance(record, FrameTaken):
             self._on_frame(Frame(record.stamp, record.seq, record.device_ms, record.values))
         if self.why and self._published is not None:
-            self._hear()
+            self._publish()
 
-    def _hear(self) -> None:
+    def _publish(self) -> None:
         self.why = ""
         if self._published is not None:
             self._latest.publish(self._published)

@@ -19,11 +19,11 @@ from ._tool import Tool
 
 
 class RemoteTool(Tool):
-    """A tool over the socket of the HAL that runs it; to close it changes nothing about the tool.
+    """A tool that another process runs, reached over the socket of its HAL.
 
-    While the HAL is not heard, the state is OFF, the evidence UNKNOWN and an alarm says why; ``held`` and the outputs
-    are the last known ones. It connects again by itself when the HAL is back. The end of a command that runs meanwhile
-    is not seen: UNREACHABLE.
+    Closing this object does not affect the tool. While the HAL is lost, the state is OFF, the evidence is UNKNOWN, and
+    the alarm ``hal.lost`` has the reason; ``held`` and the outputs keep their last known values. A command that was
+    running ends UNREACHABLE. This object connects again when the HAL is back.
 
     Args:
         description: the tool; the HAL must run the same one.
@@ -58,19 +58,19 @@ class RemoteTool(Tool):
         return tool
 
     def close(self) -> None:
-        """End the connection; a command that runs goes on."""
+        """End the connection; a running command continues."""
         self._goals.close(self.ending())
         self._remote.close()
         self._audience.close()
 
     def ending(self, on: str = "sigterm") -> str:
-        """Return that a running command goes on; empty: none runs."""
+        """Return a sentence that a running command continues; empty: none runs."""
         command = self.status.command
-        return "" if command is Command.NONE else f"{command.label} goes on: the HAL executes it."
+        return "" if command is Command.NONE else f"{command.label} continues: the HAL executes it."
 
     @property
     def sensors(self) -> SensorHealth:
-        """Empty: the HAL alone knows the state of its links; its statuses contain what matters."""
+        """Empty: only the HAL reads the sensors; its alarms report a link that is down."""
         return SensorHealth({}, None)
 
     @property

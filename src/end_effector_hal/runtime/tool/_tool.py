@@ -1,4 +1,4 @@
-"""What every face talks to: a tool that runs in this process, or in another one."""
+"""The common interface of a tool, whether its program runs in this process or in another one."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class Tool(Closing):
 
     @property
     def alive(self) -> bool:
-        """Whether the program of the tool works and is heard; one that has failed does not work any more."""
+        """Whether the program of the tool works; False too while its process cannot be reached."""
         return self._program.alive
 
     @property
     @abstractmethod
     def sensors(self) -> SensorHealth:
-        """State and counters of the sensor links and inputs, as far as this process knows them."""
+        """State and counters of the sensor links and inputs; empty if another process reads them."""
 
     @property
     @abstractmethod
@@ -196,11 +196,11 @@ class Tool(Closing):
 
     def _audience_changed(self) -> None:
         with self._lock:
-            # the one that was published last: the program may be further, and tells what lies between in its order
+            # the last published status: the program may have newer ones, which it publishes in order
             status = self._latest or self._program.status
             self._publish(replace(status, at=now_us(), events=()))
 
     def _frame_came(self, frame: Frame) -> None:
         self._audience.frame(frame)
-        if self._audience.alarms != self._told:  # a listener that does not return says nothing by itself
+        if self._audience.alarms != self._told:  # a listener that does not return reports nothing itself
             self._audience_changed()
