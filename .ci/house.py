@@ -1,11 +1,10 @@
 """Checks of ``make check`` beside the linters: class names, private modules, and the names that packages export.
 
-A public class name is unique within an import package. A private module (``_name``) is imported only by its room, which
-is a package directly below an import package: inside of a room, a module is imported from its file. A package exports
-what its ``__init__`` imports: every such name must be imported somewhere, and from there, not from a package that has
-it from elsewhere. Names that the Python API describes or a
-plug-in imports are in ``__all__``, which is then the list of exports. The sets below hold exceptions; an exception
-that is no longer needed is also a fault.
+A public class name is unique within an import package. A room is a package directly below an import package, with all
+its sub-packages. Only code in the same room imports a private module (``_name``). A package exports what its
+``__init__`` imports: other code must import every such name from there, and no package exports it a second time. Names
+that the Python API describes or a plug-in imports are in ``__all__``, which is then the list of exports. The sets below
+hold exceptions; an exception that is no longer needed is also a fault.
 """
 
 from __future__ import annotations
