@@ -14,7 +14,7 @@ Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 
 class TimeLeft:
-    """Estimates the time until all items are done, from those that were done since the first call."""
+    """Estimates the time until all items are done from the rate since the first call."""
 
     def __init__(self) -> None:
         self._begun, self._first = time.monotonic(), -1

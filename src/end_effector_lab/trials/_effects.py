@@ -1,4 +1,4 @@
-"""What a fault does to the evidence of each actuator, by the description alone; nothing here was observed.
+"""The effect of a fault on the evidence of each actuator, computed from the description alone, not from observations.
 
 A fault changes what the sensor of its place shows: whether a new activation is confirmed, whether a confirmed state
 stays, whether a deactivated actuator is gone. A silent or unreadable link proves nothing about any actuator.

@@ -133,7 +133,7 @@ def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
 
 
 def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
-    """Return representative numbers: a value on each side of the description's limit."""
+    """Return representative numbers: values on both sides of the description's limit."""
     part = description.actuators.get(place)
     match fault:
         case "fails":

@@ -26,10 +26,10 @@ Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of t
     even if the program or the arbiter dies in between, or the power is lost.
 Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
     output of the grip becomes inactive because of it; a device on a bus may receive it later.
-Rule 12 (caused): a single fault has its effects (`Effects`): no grip begins, no output becomes active, or an alarm is
-    on while a part is held.
-Rule 13 (in vain): a command succeeds if nothing is wrong: no fault, or a harmless one, and no death but that of a
-    program, or one of an arbiter that is back within a second.
+Rule 12 (effects): a single fault has its effects (`Effects`): it prevents a grip or the activation of an output, or it
+    causes an alarm while a part is held.
+Rule 13 (success): a command succeeds if nothing is wrong. Then there is no fault or a harmless one, and no process has
+    died but the program, or a line arbiter that is back within a second.
 
 While a sensor lies, the truth cannot be known: rules 3, 6 and 7 then ignore the real state.
 """

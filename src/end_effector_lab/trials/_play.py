@@ -131,7 +131,7 @@ class Trial:
 
     @property
     def failures(self) -> dict[str, str]:
-        """What was objected: a sentence by rule."""
+        """The objections: a sentence by rule."""
         found = {"crash": self._crash} if self._crash else {}
         found |= self._judge.objections
         if said := self._monitors.objections:
@@ -140,7 +140,7 @@ class Trial:
 
     @property
     def lasted_s(self) -> float:
-        """Time from the beginning of the case to its end, s; what follows with all faults removed is not counted."""
+        """Time from the beginning of the case until its faults are removed, s."""
         return (self.ended.at - self.origin) / 1e6
 
     @property

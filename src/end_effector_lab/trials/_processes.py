@@ -36,7 +36,7 @@ def play_on_processes(description: Description, case: Case, folder: Path, *, las
         description: the tool.
         case: the events.
         folder: receives the logs.
-        lasts_s: time from the first event for which the tool is followed at least, s: some faults act slowly.
+        lasts_s: shortest time for which the tool is followed after the first event, s: some faults act slowly.
 
     Raises:
         UsageError: an event has no counterpart: a full disk, a loss of power.

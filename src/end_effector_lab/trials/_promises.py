@@ -1,4 +1,4 @@
-"""What must happen to a tool: by its fault alone, and if nothing is wrong. Rules 12 and 13 of the `Judge`."""
+"""Rules 12 and 13 of the `Judge`: a fault has its effects, and a command succeeds if nothing is wrong."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from ._effects import REST, Effects
 
 GRIPPED, STAND_BY, RELEASING = EndEffectorState.GRIPPED, EndEffectorState.STAND_BY, EndEffectorState.RELEASING
 TOLD_US, ALARM_US, BACK_US = 600_000, 10_000_000, 1_050_000
-"""Time after which a fault stops a grip, and has caused its alarm; time in which an arbiter is back at once, µs."""
+"""Time after a fault until it prevents a grip, and until its alarm; longest absence of a line arbiter that excuses no
+failure, µs.
+"""
 READY = {"grip": STAND_BY, "drop": GRIPPED}
 """The state in which a command must be accepted."""
 
@@ -39,7 +41,7 @@ class Promises:
         self._cancel_releases = all(each.cancel == "release" for each in gripping)
 
     def excuse(self) -> None:
-        """Process what may make any command fail."""
+        """Note an event after which any command may fail."""
         self._excused = True
 
     def suffers(self, scenario: str, phase: str, engaged: tuple[str, ...]) -> None:
@@ -64,13 +66,13 @@ class Promises:
         if name == "grip" and self._effects is not None:
             self._set_effects(self._effects.fault.text, REST, ())
             if (effects := self._effects_after(TOLD_US)) and effects.refuses_grip:
-                self._object("caused", f"a grip was accepted with {effects.fault.text}")
+                self._object("effects", f"a grip was accepted with {effects.fault.text}")
 
     def _refused(self, name: str) -> None:
         status = self._tool.statuses[-1]
         idle = status.command == Command.NONE and len(self._tool.living) == 2
         if not self._excused and idle and READY.get(name) == status.ee == self._goal:
-            self._object("in vain", f"a {name} was refused, and nothing is wrong")
+            self._object("success", f"a {name} was refused, and nothing is wrong")
 
     def hal_dies(self, *, unwinds: bool, keeps: bool) -> None:
         """Process the death of the program: ``unwinds``: all is released; ``keeps``: a held part is kept."""
@@ -92,15 +94,15 @@ class Promises:
     def activated(self, name: str) -> None:
         """Process an output of the grip that became active."""
         if (effects := self._effects_after(TOLD_US)) and effects.is_loose:
-            self._object("caused", f"{name} became active with {effects.fault.text} (IL-05)")
+            self._object("effects", f"{name} became active with {effects.fault.text} (IL-05)")
 
     def at_rest(self, status: Status) -> None:
         """Judge the tool at the end."""
         effects = self._effects_after(ALARM_US)
         if status.ee == GRIPPED and effects and effects.needs_alarm and not status.alarms:
-            self._object("caused", f"GRIPPED with {effects.fault.text}, without an alarm")
+            self._object("effects", f"GRIPPED with {effects.fault.text}, without an alarm")
         if not self._excused and len(self._tool.living) == 2 and status.ee != self._goal:
-            self._object("in vain", f"{status.ee.name} instead of {self._goal.name}, and nothing is wrong")
+            self._object("success", f"{status.ee.name} instead of {self._goal.name}, and nothing is wrong")
 
     def _effects_after(self, us: int) -> Effects | None:
         """Return the effects of the present fault, if it has lasted for more than ``us`` µs."""

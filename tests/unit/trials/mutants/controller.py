@@ -285,7 +285,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "a restart that does not wait for the sensors": WrongProduct(
         _adopts_at_once, "sensing/_sensor_set.py: SensorSet.conclusive",
-        "nominal @ grip GRIPPED, between + kill hal", "in vain",
+        "nominal @ grip GRIPPED, between + kill hal", "success",
     ),
     "a stale reading that counts as the last value": WrongProduct(
         _replaced(Readings, "get", _last_value), "sensing/_readings.py: Readings.get",
@@ -294,11 +294,11 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "an invalid value that counts as the last one": WrongProduct(
         _replaced(Readings, "take", _invalid_is_a_sample), "sensing/_readings.py: Readings.take",
-        "invalid:top_vacuum @ rest + none", "caused",
+        "invalid:top_vacuum @ rest + none", "effects",
     ),
     "a bit that is believed although the other one contradicts": WrongProduct(
         _replaced(ToolDetector, "sample", _one_bit_is_enough), "sensing/detectors.py: ToolDetector.sample",
-        "unlocked-shows:tool_changer:1 @ rest + none", "caused",
+        "unlocked-shows:tool_changer:1 @ rest + none", "effects",
     ),
     "an unlock that does not wait for the vacuum": WrongProduct(
         _replaced(ReleaseDetector, "sample", _gone_is_enough), "sensing/detectors.py: ReleaseDetector.sample",
@@ -311,12 +311,12 @@ CONTROLLER: Mapping[str, WrongProduct] = {
     ),
     "locked, unless it is unlocked": WrongProduct(
         _replaced(Predicates, "said", _locked_unless_unlocked), "sensing/_predicates.py: Predicates.said",
-        "locked-shows:tool_changer:0 @ grip bottom_vacuum on + none", "caused",
+        "locked-shows:tool_changer:0 @ grip bottom_vacuum on + none", "effects",
     ),
     "a frozen sensor that is believed": WrongProduct(
         lambda patch: patch.setattr(FrozenDetector, "sample", lambda *_: False),
         "sensing/detectors.py: FrozenDetector.sample",
-        "frozen-after:bottom_vacuum:0 @ grip GRIPPED, between + none", "caused",
+        "frozen-after:bottom_vacuum:0 @ grip GRIPPED, between + none", "effects",
     ),
     "a weak vacuum that counts as a grip": WrongProduct(
         _replaced(VacuumDetector, "sample", _partial_is_confirmed), "kinds/vacuum.py: VacuumDetector.sample",
