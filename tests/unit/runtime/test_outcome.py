@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.control import Answer, Status
+from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.runtime import EndEffector, GoalRunner
 from end_effector_hal.runtime.tool._listeners import Audience
@@ -32,6 +32,23 @@ class Ended:
         return until(self.status)
 
 
+class LostForAMoment(Ended):
+    """A program that is lost and back before anybody looks, and ends its command later."""
+
+    alive = True
+
+    def __init__(self, status: Status) -> None:
+        super().__init__(replace(status, begun=5, count=7))
+        lost, ended = unknown_now(self.status), replace(status, begun=5, count=8, command=Command.NONE)
+        self._coming = [lost, replace(ended, ee=State.STAND_BY)]
+
+    def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
+        coming = self._coming.pop(0)
+        if coming.count:
+            self.status = coming
+        return until(coming)
+
+
 @pytest.fixture
 def tool() -> Any:
     tool: Any = object.__new__(EndEffector)
@@ -49,6 +66,12 @@ def test_a_program_that_ends_has_not_succeeded_and_says_so(tool: Any, name: str)
     assert outcome.state == State.RELEASING
     assert outcome.outcome is Outcome.UNREACHABLE
     assert outcome.reason.startswith("The HAL has gone: it is unknown whether the command was executed")
+
+
+def test_the_end_of_a_command_is_waited_for_although_its_program_was_lost_for_a_moment(tool: Any) -> None:
+    program = LostForAMoment(tool._program.status)
+    tool._program, tool._goals = program, GoalRunner(program, lambda: program.status)  # type: ignore[arg-type]
+    assert tool.drop().succeeded
 
 
 def test_an_answer_that_was_not_given_in_time_is_not_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -115,12 +117,17 @@ class GoalRunner:
         """Block until a goal is over, or until the time-out."""
 
         def is_news(status: Status) -> bool:
-            followed = status.begun == goal.session and status.count > 0
+            followed = goal.session in (0, status.begun) and status.count > 0
             return not followed or (status.count >= goal.count and is_over(status))
 
-        self._program.wait(lambda status: goal.result is not None or is_news(status), timeout_s)
-        with self._lock:
-            self._look()
+        until_s = math.inf if timeout_s is None else time.monotonic() + timeout_s
+        while goal.result is None:  # again if the program was lost, and was back before it was looked at
+            left_s = None if timeout_s is None else max(0.0, until_s - time.monotonic())
+            self._program.wait(lambda status: goal.result is not None or is_news(status), left_s)
+            with self._lock:
+                self._look()
+            if time.monotonic() >= until_s:
+                break
 
     def close(self, todo: str) -> None:
         """End all goals: a running goal ends now, with ``todo`` in its ending, and no goal begins any more."""
