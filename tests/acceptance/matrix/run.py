@@ -38,7 +38,7 @@ TRIES = 3
 
 
 class Row(NamedTuple):
-    """What became of a cell.
+    """A cell and its two endings.
 
     Attributes:
         virtual, real: how it ended in virtual time, and on real processes.
@@ -53,7 +53,7 @@ class Row(NamedTuple):
 
 
 def playable(description: Description) -> list[Cell]:
-    """The cells whose moment lies far from any event: no process meets one to the millisecond, or is restarted at once.
+    """Return the cells far from any event, without a restart at once: real processes cannot meet a millisecond.
 
     Raises:
         UsageError: the tool does not grip without a fault.
@@ -67,7 +67,7 @@ def playable(description: Description) -> list[Cell]:
 
 
 def sample(cells: list[Cell], size: int, seed: int) -> list[Cell]:
-    """So many, each fault as often as any other; the same seed gives the same."""
+    """Return ``size`` cells, with the same number of each fault; the same seed gives the same cells."""
     random, by_fault = Random(seed), defaultdict[str, list[Cell]](list)
     for cell in random.sample(cells, len(cells)):
         by_fault[cell.name].append(cell)

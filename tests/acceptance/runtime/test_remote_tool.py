@@ -1,4 +1,4 @@
-"""Faces of a tool that another process runs: whichever of them dies, the tool goes on, and they find it again."""
+"""Clients of a tool that another process runs: if a client or that process dies, the others find the tool again."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def hal(world: World) -> Child:
 
 
 @pytest.fixture
-def face(world: World, hal: Child) -> Iterator[RemoteTool]:
+def client(world: World, hal: Child) -> Iterator[RemoteTool]:
     assert hal.code is None
     with EndEffector.connect(world.description_path, timeout_s=PATIENCE_S) as tool:
         tool.wait_ready(PATIENCE_S)
@@ -68,17 +68,17 @@ def reached(tool: RemoteTool, state: EndEffectorState) -> None:
     wait_until(state.name, lambda: tool.status.ee == state)
 
 
-def test_a_face_sees_every_status_once_and_a_result_with_its_evidence(face: RemoteTool) -> None:
+def test_a_client_sees_every_status_once_and_a_result_with_its_evidence(client: RemoteTool) -> None:
     seen: list[Status] = []
     frames: list[int] = []
-    face.subscribe(seen.append)
-    face.subscribe_frames(lambda frame: frames.append(frame.at))
-    result = face.grip()
+    client.subscribe(seen.append)
+    client.subscribe_frames(lambda frame: frames.append(frame.at))
+    result = client.grip()
     assert result.succeeded, result
     assert [step.confirmed for step in result.steps] == [True, True]
-    assert face.status.held
-    assert face.drop().succeeded
-    wait_until("the last status", lambda: bool(seen) and seen[-1].count == face.status.count)
+    assert client.status.held
+    assert client.drop().succeeded
+    wait_until("the last status", lambda: bool(seen) and seen[-1].count == client.status.count)
     counts = [each.count for each in seen]
     assert counts == list(range(counts[0], counts[-1] + 1))
     states = [each.ee.name for each in seen]
@@ -89,8 +89,8 @@ def test_a_face_sees_every_status_once_and_a_result_with_its_evidence(face: Remo
     assert frames
 
 
-def test_what_one_face_does_another_one_sees_and_is_refused(face: RemoteTool, world: World) -> None:
-    goal = face.begin(Command.GRIP)
+def test_what_one_client_does_another_one_sees_and_is_refused(client: RemoteTool, world: World) -> None:
+    goal = client.begin(Command.GRIP)
     assert isinstance(goal, RunningGoal)
     with EndEffector.connect(world.description_path) as other:  # in the middle of a grip
         assert other.status.ee is EndEffectorState.GRIPPING
@@ -99,72 +99,72 @@ def test_what_one_face_does_another_one_sees_and_is_refused(face: RemoteTool, wo
         assert goal.wait(PATIENCE_S).succeeded
         reached(other, EndEffectorState.GRIPPED)
         assert other.drop().succeeded
-    reached(face, EndEffectorState.STAND_BY)
+    reached(client, EndEffectorState.STAND_BY)
 
 
-def test_the_death_of_a_face_ends_no_grip(face: RemoteTool, world: World) -> None:
+def test_the_death_of_a_client_ends_no_grip(client: RemoteTool, world: World) -> None:
     command = [*EEHAL, "do", str(world.description_path), "grip"]
     with subprocess.Popen(command) as other:
-        reached(face, EndEffectorState.GRIPPING)
+        reached(client, EndEffectorState.GRIPPING)
         other.kill()
-    reached(face, EndEffectorState.GRIPPED)
-    assert face.status.held
+    reached(client, EndEffectorState.GRIPPED)
+    assert client.status.held
 
 
-def test_a_face_whose_hal_dies_says_so_and_finds_the_next_one(
-    face: RemoteTool, world: World, hal: Child
+def test_a_client_whose_hal_dies_says_so_and_finds_the_next_one(
+    client: RemoteTool, world: World, hal: Child
 ) -> None:
-    assert face.grip().succeeded
-    goal = face.begin(Command.RELEASE)
+    assert client.grip().succeeded
+    goal = client.begin(Command.RELEASE)
     assert isinstance(goal, RunningGoal)
     os.kill(hal.pid, signal.SIGKILL)
     result = goal.wait(PATIENCE_S)
     assert result.outcome is Outcome.UNREACHABLE
     assert result.reason.startswith("The HAL has gone: it is unknown whether the command was executed.")
-    status = face.status
+    status = client.status
     assert status.ee is EndEffectorState.OFF
     assert set(status.evidence) == {Evidence.UNKNOWN}
     assert status.changer is ChangerState.UNKNOWN
     assert not status.lift_allowed
     alarm = status.alarm("hal.lost")
     assert alarm is not None
-    assert face.grip().outcome is Outcome.REJECTED
+    assert client.grip().outcome is Outcome.REJECTED
     hal.wait_for_end(timeout_s=PATIENCE_S)
     serve(world)
-    wait_until("the next HAL", lambda: face.status.ee is not EndEffectorState.OFF)
-    assert face.status.alarm("hal.lost") is None
-    assert face.drop().outcome in (Outcome.SUCCEEDED, Outcome.REJECTED)
-    reached(face, EndEffectorState.STAND_BY)
+    wait_until("the next HAL", lambda: client.status.ee is not EndEffectorState.OFF)
+    assert client.status.alarm("hal.lost") is None
+    assert client.drop().outcome in (Outcome.SUCCEEDED, Outcome.REJECTED)
+    reached(client, EndEffectorState.STAND_BY)
 
 
-def test_a_hal_that_is_stopped_is_silent_until_it_goes_on(face: RemoteTool, hal: Child) -> None:
-    assert face.grip().succeeded
+def test_a_hal_that_is_stopped_is_silent_until_it_goes_on(client: RemoteTool, hal: Child) -> None:
+    assert client.grip().succeeded
     os.kill(hal.pid, signal.SIGSTOP)
     try:
-        wait_until("silence", lambda: face.status.alarm("hal.lost") is not None)
-        assert face.status.held  # as last known
-        assert not face.status.lift_allowed
+        wait_until("silence", lambda: client.status.alarm("hal.lost") is not None)
+        assert client.status.held  # as last known
+        assert not client.status.lift_allowed
     finally:
         os.kill(hal.pid, signal.SIGCONT)
-    wait_until("a sign of life", lambda: face.status.alarm("hal.lost") is None)
+    wait_until("a sign of life", lambda: client.status.alarm("hal.lost") is None)
 
 
-def test_outputs_actuators_stop_and_reset_of_another_process(face: RemoteTool) -> None:
-    assert face.outputs == {"lamp": False}
-    assert face.set_output("lamp", True).accepted
-    assert face.outputs == {"lamp": True}
+def test_outputs_actuators_stop_and_reset_of_another_process(client: RemoteTool) -> None:
+    assert client.outputs == {"lamp": False}
+    assert client.set_output("lamp", True).accepted
+    assert client.outputs == {"lamp": True}
     with pytest.raises(UsageError, match="is no output of lit"):
-        face.set_output("lmap", True)
-    moved = face.set_actuator("jaw", True)
+        client.set_output("lmap", True)
+    moved = client.set_actuator("jaw", True)
     assert moved.accepted, moved
     assert moved.reason == "Jaw is active, proven by its sensor."
-    assert face.set_actuator("jaw", False).accepted
-    assert face.stop().accepted
-    wait_until("the stop", lambda: face.status.alarm("arbiter.stopped") is not None)
-    assert face.grip().outcome is Outcome.REJECTED
-    reset = face.reset()
+    assert client.set_actuator("jaw", False).accepted
+    assert client.stop().accepted
+    wait_until("the stop", lambda: client.status.alarm("arbiter.stopped") is not None)
+    assert client.grip().outcome is Outcome.REJECTED
+    reset = client.reset()
     assert reset.accepted, reset
-    assert face.grip().succeeded
+    assert client.grip().succeeded
 
 
 def test_without_a_hal_or_with_another_description(world: World, tmp_path: Path) -> None:
@@ -183,23 +183,23 @@ def test_without_a_hal_or_with_another_description(world: World, tmp_path: Path)
 
 
 def test_the_end_of_the_service_does_what_the_description_declares(
-    face: RemoteTool, world: World, hal: Child
+    client: RemoteTool, world: World, hal: Child
 ) -> None:
-    assert face.grip().succeeded
+    assert client.grip().succeeded
     os.kill(hal.pid, signal.SIGTERM)
     assert hal.wait_for_end(timeout_s=PATIENCE_S) == 0
     said = (world.folder / "hal.log").read_text(encoding="utf-8")
     assert "GRIPPING -> GRIPPED" in said
     assert said.splitlines()[-1].startswith("Cup")
     lines = serve(world, "--json")
-    wait_until("the next HAL", lambda: face.status.ee is not EndEffectorState.OFF)
+    wait_until("the next HAL", lambda: client.status.ee is not EndEffectorState.OFF)
     assert json.loads(lines.text().splitlines()[-1])["schema_version"] == 1
     os.kill(lines.pid, signal.SIGTERM)
     lines.wait_for_end(timeout_s=PATIENCE_S)
-    wait_until("the end", lambda: face.status.alarm("hal.lost") is not None)
+    wait_until("the end", lambda: client.status.alarm("hal.lost") is not None)
 
 
-def test_status_and_do_on_the_command_line(face: RemoteTool, world: World) -> None:
+def test_status_and_do_on_the_command_line(client: RemoteTool, world: World) -> None:
     def eehal(*words: str) -> subprocess.CompletedProcess[str]:
         command = [*EEHAL, words[0], str(world.description_path), *words[1:]]
         return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
@@ -215,11 +215,11 @@ def test_status_and_do_on_the_command_line(face: RemoteTool, world: World) -> No
     again = eehal("do", "grip")
     assert again.returncode == 1
     assert "refused: grip." in again.stdout
-    assert face.status.ee is EndEffectorState.GRIPPED
+    assert client.status.ee is EndEffectorState.GRIPPED
     interrupted = subprocess.Popen(
         [*EEHAL, "do", str(world.description_path), "drop; wait 60"], stdout=subprocess.PIPE, text=True
     )
-    reached(face, EndEffectorState.STAND_BY)
+    reached(client, EndEffectorState.STAND_BY)
     time.sleep(0.5)
     interrupted.send_signal(signal.SIGINT)
     out, _ = interrupted.communicate(timeout=PATIENCE_S)

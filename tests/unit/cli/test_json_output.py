@@ -16,7 +16,7 @@ from tests.unit.cli.test_model import LAMP
 
 ELSEWHERE = {
     "run": "tests/acceptance/cli/test_run_on_a_terminal.py",
-    **dict.fromkeys(("do", "serve", "status"), "tests/acceptance/runtime/test_faces.py"),
+    **dict.fromkeys(("do", "serve", "status"), "tests/acceptance/runtime/test_remote_tool.py"),
     "listen": "tests/unit/cli/test_listen.py",
     "report": "tests/unit/page/test_recorded.py",
     "demo": "tests/unit/demo/test_demo.py",

@@ -1,4 +1,4 @@
-"""A program that restarts by itself, because the line arbiter died amid a write: what was latched stays latched."""
+"""A program that restarts by itself, because the line arbiter died during a write: what was latched stays latched."""
 
 from __future__ import annotations
 
