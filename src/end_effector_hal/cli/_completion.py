@@ -1,4 +1,4 @@
-"""``eehal schema`` and ``eehal completion``: what an editor and a shell propose, and the values of completion."""
+"""``eehal schema`` and ``eehal completion``: proposals for editors and shells, and the completed values of options."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Finds kinds of devices by name, built-in ones and plug-ins, and checks their declarations.
 
-It also says what a single switch means for its kind: gripped, released, or gripped nothing.
+It also returns the meaning of a single switch for its kind: gripped, released, or gripped nothing.
 """
 
 from __future__ import annotations

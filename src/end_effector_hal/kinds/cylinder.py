@@ -1,4 +1,4 @@
-"""The kind of device that is a pneumatic cylinder: its keys, its evidence from pressure and position bits.
+"""The device kind ``cylinder``, driven by air: its keys, and its evidence from pressure and position bits.
 
 The defaults are those of the paper's tool.
 """

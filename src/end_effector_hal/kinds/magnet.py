@@ -1,4 +1,4 @@
-"""The kind of device that is a magnet, and the keys of its stanza."""
+"""The device kind ``magnet``, and the keys of its stanza."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kind of device that is a vacuum generator with its cups: its keys, its evidence, and the watch over a held part.
+"""The device kind ``vacuum``, a generator with its cups: its keys, its evidence, and the watch over a held part.
 
 The defaults are those of the paper's tool, and of Schmalz's data sheets where the paper has no value. Evidence and
 security of a grip come from vacuum samples by thresholds, hysteresis and consecutive samples. A held part is watched

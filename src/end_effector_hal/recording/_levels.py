@@ -60,7 +60,7 @@ class ChangerRow(NamedTuple):
 
 
 class _ChangesWriter(TableWriter):
-    """Writes a row when what it shows has changed; a row begins with its time."""
+    """Writes a row when its content has changed; a row begins with its time."""
 
     _last: tuple[float, Any] | None = None
 

@@ -225,7 +225,7 @@ def stays(
         period: time from one frame to the next, µs.
         samples: number of frames.
     """
-    if state.is_guarded:  # a detector is somebody else's, who may count by himself
+    if state.is_guarded:  # a plug-in's detector may count in its own way
         return False
     last, state = first + (samples - 1) * period, clone(state)
     now, streaks = state.verdict(newest.at), list(streaks_of(state))

@@ -1,7 +1,7 @@
 """The memory of detectors: streaks and trends.
 
-A streak says how long, and for how many samples, a condition has held. A trend is the slope of a noisy signal, which
-is estimated with lines by least squares.
+A streak measures how long, and for how many samples, a condition has held. A trend is the slope of a noisy signal,
+estimated with lines by least squares.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Text and time from outside: printable text that can be logged and published as UTF-8; time in integer µs."""
+"""Text from outside, made printable, so that it can be logged and published as UTF-8; and times in integer µs."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def tool_at_rest(tool: VirtualTool) -> VirtualTool:
 
 
 class Mark(NamedTuple):
-    """How many edges and statuses there were at ``at`` µs."""
+    """The numbers of edges and statuses at ``at`` µs."""
 
     at: int
     edges: int
@@ -86,9 +86,9 @@ class Trial:
     Attributes:
         tool: the tool.
         origin: the time at which the case begins, µs.
-        marks: before each happening and after the last one, how much had been seen.
+        marks: the numbers of edges and statuses before each happening.
         outcome, end: outcome and state before the faults are removed; no end: it is not over, or it crashed.
-        ended: how much had been seen then.
+        ended: the numbers of edges and statuses then.
 
     Raises:
         UsageError: the tool cannot be played in virtual time, or does not come to rest.

@@ -118,7 +118,7 @@ class SuccessorCache:
     def __init__(self, semantics: Semantics) -> None:
         self._semantics = semantics
         self.known: dict[State, StateSuccessors] = {}
-        """What `at` has worked out."""
+        """The results of `at` so far."""
         self._received: dict[Received, Successor | None] = {}
         self._named: dict[Edge, TakenEdge] = {}
 

@@ -1,4 +1,4 @@
-"""The first page of a report: goals, failures, durations beside worst cases, and what replay and monitor found."""
+"""The first page of a report: goals, failures, durations beside worst cases, and the results of replay and monitor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one page may do while others watch: the control lease, and fault injection in steps (choose, arm, go)."""
+"""The control lease, which one page has while others watch; and fault injection in steps (choose, arm, go)."""
 
 from __future__ import annotations
 
