@@ -53,7 +53,7 @@ class Result:
 class Refused(Result):
     """A command that was not begun, and why; if the outcome is UNREACHABLE, it may have been begun."""
 
-    def wait(self) -> Refused:
+    def wait(self, timeout_s: float | None = None) -> Refused:
         """Return itself: it is over."""
         return self
 
@@ -94,6 +94,13 @@ class GoalRunner:
         self._program, self._tool = program, tool
         self._goals: Goals[RunningGoal] = Goals("The HAL")
         self._lock = threading.Lock()
+        self._count = 0  # number of the goal's first status
+        self._ended: Status | None = None  # the first status of the goal in which no command is executed
+
+    def see(self, status: Status) -> None:
+        """Keep the status that ends the running goal; another client may give the next command at once. Never waits."""
+        if self._ended is None and is_over(status) and status.count >= self._count:
+            self._ended = status
 
     def begin(self, command: Command) -> Refused | RunningGoal:
         """Give a command and wait for the decision, not for its end.
@@ -109,6 +116,7 @@ class GoalRunner:
             self._keep(self._goals.begin(goal, now_us()))
             if goal.result is None:
                 answer = self._program.command(CHANNELS[command])
+                self._ended, self._count = None, answer.count
                 self._goals.see(self._program.status, now_us())
                 self._keep(self._goals.answer(goal, answer, now_us()))
         return goal.result if isinstance(goal.result, Refused) else goal
@@ -123,7 +131,9 @@ class GoalRunner:
         until_s = math.inf if timeout_s is None else time.monotonic() + timeout_s
         while goal.result is None:  # again if the program was lost, and was back before it was looked at
             left_s = None if timeout_s is None else max(0.0, until_s - time.monotonic())
-            self._program.wait(lambda status: goal.result is not None or is_news(status), left_s)
+            self._program.wait(
+                lambda status: goal.result is not None or self._ended is not None or is_news(status), left_s
+            )
             with self._lock:
                 self._look()
             if time.monotonic() >= until_s:
@@ -138,19 +148,21 @@ class GoalRunner:
     def _look(self) -> None:
         """Process the latest statuses, which contain the end of a goal."""
         at = now_us()
+        if (ended := self._ended) is not None:
+            self._keep(self._goals.see(ended, at))
         self._keep(self._goals.see(self._program.status, at))
         self._keep(self._goals.tick(at, gone=not self._program.alive))
 
     def _keep(self, effects: list[GoalEffect[RunningGoal]]) -> None:
         for todo, goal in effects:
             if todo is Effect.REPORT_END and goal.ending is not None:
-                ending, status = goal.ending, self._tool()
-                state = status.ee
+                ending = goal.ending
                 if ending.seconds is None:
-                    goal.result = Refused(ending.outcome, state, ending.reason)
+                    goal.result = Refused(ending.outcome, self._tool().ee, ending.reason)
                 else:
+                    status = self._ended or self._tool()
                     steps = status.steps if goal.command in (Command.GRIP, Command.RELEASE) else ()
-                    goal.result = Result(ending.outcome, state, ending.reason, steps, ending.seconds)
+                    goal.result = Result(ending.outcome, status.ee, ending.reason, steps, ending.seconds)
 
 
 @dataclass(slots=True, eq=False)

@@ -189,6 +189,7 @@ class Tool(Closing):
         with self._lock:
             self._latest = status
             self._publish(status)
+        self._goals.see(status)
 
     def _publish(self, status: Status) -> None:
         self._told = self._audience.alarms
