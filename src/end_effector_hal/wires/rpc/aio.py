@@ -15,6 +15,8 @@ from ._client import LONGEST_LINE
 from ._messages import Reply, adapter_of, read_answer, request_line
 
 AGAIN_S = 0.3
+GAP_S = 0.012
+"""Shortest time between two requests, s: a server ends a connection that sends more than 100 lines in a second."""
 ANSWER_S = 4.0
 VALID_US = 1_000_000
 """Time within which the server must begin a request, µs; later it is not executed."""
@@ -46,6 +48,7 @@ class AsyncClient:
         self._missing = f"{who} does not run, or has no socket ({path})." if missing is None else missing
         self._writer: asyncio.StreamWriter | None = None
         self._count = 0
+        self._free_at = 0.0  # time of the loop at which the next request may be sent, s
         self._asked: dict[int | None, asyncio.Future[Reply]] = {}
 
     async def run(self) -> None:
@@ -70,10 +73,15 @@ class AsyncClient:
     async def request(self, **fields: object) -> Reply:
         """Send a request and await its answer; returns a reply in any case."""
         unsent = Reply(False, f"There is no connection to {self._inside}.")
+        loop = asyncio.get_running_loop()
+        wait_s = self._free_at - loop.time()
+        self._free_at = max(self._free_at, loop.time()) + GAP_S
+        if wait_s > 0:
+            await asyncio.sleep(wait_s)
         if self._writer is None:
             return unsent
         self._count += 1
-        number, answer = self._count, asyncio.get_running_loop().create_future()
+        number, answer = self._count, loop.create_future()
         self._asked[number] = answer
         try:
             self._writer.write(request_line(number, VALID_US, fields))
