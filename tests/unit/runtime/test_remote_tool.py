@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import EndEffector, RemoteTool
 from end_effector_hal.runtime.boundary import Published
@@ -19,7 +21,7 @@ from end_effector_hal.runtime.stream import ProgramCommand, program_socket
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import Reply, Server, record_line
 from tests.support.lone_program import Tool
-from tests.support.patience import PATIENCE_S
+from tests.support.patience import PATIENCE_S, wait_until
 
 
 class Hal:
@@ -70,3 +72,31 @@ def test_several_hundred_commands_in_a_row_all_reach_the_hal(face: RemoteTool, h
     answers = [face.arm() for _ in range(250)]
     assert all(answer.accepted for answer in answers), [each.reason for each in answers if not each.accepted]
     assert hal.asked == 250
+
+
+@pytest.mark.wall
+def test_the_end_of_a_connection_ends_a_request_at_once(face: RemoteTool, hal: Hal) -> None:
+    hal.answers.clear()
+    found: list[tuple[float, Answer]] = []
+
+    def ask() -> None:
+        begun = time.monotonic()
+        answer = face.arm()
+        found.append((time.monotonic() - begun, answer))
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    wait_until("the request", lambda: hal.asked == 1)
+    face.close()
+    asking.join(PATIENCE_S)
+    ((seconds, answer),) = found
+    assert not answer.decided
+    assert answer.reason == "The HAL has gone: it is unknown whether the command was executed."
+    assert seconds < 3.0
+
+
+@pytest.mark.wall
+def test_a_closed_tool_is_not_alive(face: RemoteTool) -> None:
+    assert face.alive
+    face.close()
+    assert not face.alive

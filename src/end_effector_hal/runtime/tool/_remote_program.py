@@ -75,8 +75,8 @@ class RemoteProgram:
 
     @property
     def alive(self) -> bool:
-        """Whether the HAL is connected and not silent."""
-        return not self.why
+        """Whether the HAL is connected and not silent; False after `close`."""
+        return not self.why and not self._latest.ended
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; return False on a time-out or after `close`."""
@@ -118,6 +118,8 @@ class RemoteProgram:
         self._following = self._loop.create_task(self._follow())
         with suppress(asyncio.CancelledError):
             self._loop.run_until_complete(self._following)
+        asked = asyncio.all_tasks(self._loop)  # requests without an answer: each gets its end
+        self._loop.run_until_complete(asyncio.wait(asked) if asked else asyncio.sleep(0))
         self._loop.close()
 
     async def _follow(self) -> None:
