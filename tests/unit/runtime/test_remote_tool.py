@@ -14,6 +14,7 @@ import pytest
 
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector, RemoteTool
 from end_effector_hal.runtime.boundary import Published
 from end_effector_hal.runtime.boundary._open import header_of
@@ -100,3 +101,15 @@ def test_a_closed_tool_is_not_alive(face: RemoteTool) -> None:
     assert face.alive
     face.close()
     assert not face.alive
+
+
+@pytest.mark.wall
+@pytest.mark.parametrize(
+    "content",
+    [{"actuators": (0,)}, {"outputs": ()}, {"evidence": ()}, {"actuators": (99, 0, 0)}],
+    ids=["actuators", "outputs", "evidence", "state"],
+)
+def test_a_status_that_does_not_fit_the_tool_is_not_shown(hal: Hal, content: dict[str, Any]) -> None:
+    hal.content = content
+    with pytest.raises(NotReadyError, match="A record of the HAL cannot be read"):
+        EndEffector.connect(hal.description, timeout_s=1.0)

@@ -11,6 +11,7 @@ from dataclasses import replace
 from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.kinds import kind_of
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import FrameTaken, Header, Published
 from end_effector_hal.runtime.programs import LatestStatus, proof
@@ -38,6 +39,7 @@ class RemoteProgram:
 
     Attributes:
         why: reason why the HAL is lost, a sentence; empty: it is not lost.
+        is_other: whether the last HAL that was reached runs another description.
     """
 
     def __init__(
@@ -51,7 +53,7 @@ class RemoteProgram:
         self._on_frame = on_frame
         self._published: Status | None = None  # the latest status of the program itself
         self._heard_at = 0
-        self.why = "Nothing was received from the HAL yet."
+        self.why, self.is_other = "Nothing was received from the HAL yet.", False
         self._client = AsyncClient(program_socket(description), "The HAL", _RECORDS, self._take, self._lose)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="HAL's records", daemon=True)
@@ -143,10 +145,12 @@ class RemoteProgram:
     def _take(self, kind: str, at: int, record: Header | FrameTaken | Published | None) -> None:
         self._heard_at = now_us()
         if isinstance(record, Header):
-            if record.hash != self._hash:
+            self.is_other = record.hash != self._hash
+            if self.is_other:
                 raise ReportedError(f"The HAL runs another description: {record.source} ({record.hash}).")
             self._published = None
         elif isinstance(record, Published):
+            _check(self._description, record.status)
             # the events of the first status were before this connection
             is_first = self._published is None
             self._published = replace(record.status, events=()) if is_first else record.status
@@ -162,11 +166,18 @@ class RemoteProgram:
             self._latest.publish(self._published)
 
     def _lose(self, why: str) -> None:
-        if why == self.why:
-            return
         self.why = why
+        if self._latest.status.alarm("hal.lost"):
+            return  # it is said once, with its first reason
         alarm = Alarm("hal.lost", values={"why": why}, since=now_us())
         self._latest.publish(replace(unknown_now(self._latest.status), at=now_us(), alarms=(alarm,)))
+
+
+def _check(description: Description, status: Status) -> None:
+    """Raise ValueError if a status does not fit the actuators of the tool."""
+    each = zip(description.ordered, status.actuators, status.outputs, status.evidence, strict=True)
+    for (_, part), state, _, _ in each:
+        kind_of(part).states(state)
 
 
 def _nothing_known(description: Description) -> Status:
