@@ -106,6 +106,13 @@ def session_words(_: click.Context) -> Iterable[str]:
     return WORDS
 
 
+def client_words(_: click.Context) -> Iterable[str]:
+    """Propose the commands of `eehal do`: those of the prompt that do not concern the prompt itself."""
+    from end_effector_hal.runtime import WORDS
+
+    return [word for word in WORDS if word not in ("exit", "quit", "reload", "scenario")]
+
+
 def scenarios(context: click.Context) -> Iterable[str]:
     """Propose the scenarios that the simulated tool can have; none if the simulator is not installed."""
     from .run import possible_scenarios

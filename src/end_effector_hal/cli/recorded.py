@@ -179,9 +179,10 @@ def command(
     """Show a tool in a browser: live, or as it was recorded.
 
     DESCRIPTION: shows states, pressures, interlocks, and why a command is refused. The page follows the HAL that runs
-    with the same description (`eehal run`, the nodes of ROS 1 or 2) by its local socket, and reconnects when it
-    restarts. The printed address contains a token; a browser that has the token sees the tool and may take control.
-    Closing the page, or ending this command, moves no line. The page also lists and opens the recordings of a folder.
+    with the same description (`eehal run`, `eehal serve`, the nodes of ROS 1 or 2) by its local socket, and reconnects
+    when it restarts. The printed address contains a token; a browser that has the token sees the tool and may take
+    control. Closing the page, or ending this command, moves no line. The page also lists and opens the recordings of a
+    folder.
 
     RECORDING: a folder of `eehal run --record`, one of its traces, or a ROS bag, in the same page: scrub, step from
     transition to transition, and compare with a second one. Nothing can be commanded there.

@@ -82,7 +82,7 @@ EDITS = (
     ),
     Edit(
         "held is lost with a node that is silent", 1, "nodes/hal_main/_aggregate.py",
-        "held=grip.held,", "held=grip.held and not lost,",
+        "held=status.held,", "held=status.held and not lost,",
         ("test_nodes::test_a_node_that_is_killed_while_a_part_is_held_is_back_and_moves_no_line",),
     ),
     Edit(
@@ -102,17 +102,17 @@ EDITS = (
         ("test_nodes::test_a_node_ends_in_good_order_and_what_is_held_stays_held",),
     ),
     Edit(
-        "a writer is as deep as its readers", 2, "ros2/connections/_quality.py",
+        "a writer is as deep as its readers", 2, "ros2/connections/_messages.py",
         "1 if topic.latched else topic.queue", "topic.queue",
         ("test_state::test_a_late_joiner_first_sees_that_a_part_is_held",),
     ),
     Edit(
-        "a late joiner hears all that a writer has kept", 2, "ros2/connections/_quality.py",
+        "a late joiner hears all that a writer has kept", 2, "ros2/connections/_messages.py",
         "1 if topic.latched else topic.queue", "20 if topic.latched else topic.queue",
         ("test_state::test_a_late_joiner_sees_no_old_held",),
     ),
     Edit(
-        "no topic is transient local", 2, "ros2/connections/_quality.py",
+        "no topic is transient local", 2, "ros2/connections/_messages.py",
         "DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE", "DurabilityPolicy.VOLATILE",
         ("test_surface::test_a_topic_is_latched_or_not",),
     ),
@@ -150,7 +150,7 @@ EDITS = (
         ("test_state::test_what_one_frame_brought_has_one_stamp",),
     ),
     Edit(
-        "parameters can be set", 2, "ros2/_parameters.py",
+        "parameters can be set", 2, "ros2/_ros_node.py",
         "read_only=True", "read_only=False",
         ("test_services::test_another_tool_cannot_be_named_while_a_node_runs",),
     ),

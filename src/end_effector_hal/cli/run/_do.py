@@ -7,16 +7,15 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.cli._completion import completed, session_words
+from end_effector_hal.cli._completion import client_words, completed
 from end_effector_hal.cli._options import PathName, end_in_order
-
-from ._opening import refuse_scenario
+from end_effector_hal.errors import UsageError
 
 
 @click.command("do")
 @click.argument("description", type=PathName())
-@click.argument("commands", shell_complete=completed(session_words, separator=";"))
-@click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, alarms, results.")
+@click.argument("commands", shell_complete=completed(client_words, separator=";"))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, log, alarms, results.")
 def command(description: Path, commands: str, as_json: bool) -> None:
     """Give COMMANDS, such as 'lock; grip', to the tool of a DESCRIPTION, which another program runs.
 
@@ -46,7 +45,14 @@ def command(description: Path, commands: str, as_json: bool) -> None:
         changes.begin(tool.status)
         tool.subscribe(changes.status)
         session = RunSession(
-            tool, voice, changes, refuse_scenario, lambda: elsewhere, CommandThread(), prompt.end
+            tool, voice, changes, _refuse_scenario, lambda: elsewhere, CommandThread(), prompt.end
         )
         succeeded = session.play(orders)
     sys.exit(0 if succeeded else 1)
+
+
+def _refuse_scenario(_: str) -> None:
+    raise UsageError(
+        "`eehal do` chooses no scenario.",
+        todo="Choose it on the page of the simulated tool, or with --scenario.",
+    )

@@ -183,8 +183,8 @@ def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:
     return ArbiterError(
         error.what,
         where=error.where,
-        todo=f"Start it in another terminal: eehal arbiter {description}. Without hardware: eehal run --simulate "
-        f"{description}.",
+        todo=f"Start it in another terminal: eehal arbiter {description}. Without hardware: eehal "
+        f"{click.get_current_context().info_name} --simulate {description}.",
     )
 
 

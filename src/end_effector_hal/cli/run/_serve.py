@@ -30,8 +30,9 @@ def command(as_json: bool, **options: Any) -> None:
     EndEffector.connect(DESCRIPTION)       in Python
 
     The death of one of these programs does not affect the tool: a grip continues. The line arbiter of the tool
-    (`eehal arbiter DESCRIPTION`) must run; with --simulate no other program is needed. The service prints the same
-    lines as `eehal run`. At its end the line arbiter does what the description declares (`endings: sigterm`).
+    (`eehal arbiter DESCRIPTION`) must run. With --simulate no arbiter is needed; the service prints the path of the
+    simulated tool, which these programs need then. The service prints the same lines as `eehal run`. At its end the
+    line arbiter does what the description declares (`endings: sigterm`).
 
     Exit codes: 0 ended by SIGTERM, SIGHUP or Ctrl-C; 1 the program of the tool has failed; 2 the description has a
     fault; 3 the line arbiter or the sensors cannot be reached.

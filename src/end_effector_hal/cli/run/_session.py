@@ -20,7 +20,15 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.owned import open_owned
-from end_effector_hal.runtime import WORDS, Result, RunningGoal, ScriptCommand, Tool, read_command
+from end_effector_hal.runtime import (
+    WORDS,
+    EndEffector,
+    Result,
+    RunningGoal,
+    ScriptCommand,
+    Tool,
+    read_command,
+)
 from end_effector_hal.vocabulary import Command
 
 from ._voices import SCENARIO, Changes, Voice
@@ -38,10 +46,11 @@ grip, drop       the actuators, in their order and in the reverse order
 cancel           a running grip
 stop             nothing is activated until a reset, a running grip is cancelled, what is held stays; no safety function
 reset            clears latched faults and alarms that are over
-reload           the description as it is in the file now: checked first, at rest only, else the old one stays
 status           the state of everything, with the times of the last grip
 set NAME on|off  a plain output of the tool (`outputs`)
-wait SECONDS     then the next command
+wait SECONDS     then the next command"""
+OF_PROMPT = """
+reload           the description as it is in the file now: checked first, at rest only, else the old one stays
 scenario NAME    with --simulate: what goes wrong from now on, such as leak:ACTUATOR; nominal: nothing
 quit             leaves; what is held stays held
 Arrow keys and Ctrl-R search earlier commands, Tab completes. Ctrl-C ends as the description declares (`endings`)."""
@@ -143,7 +152,7 @@ class RunSession:
 
     def _carry_out(self, order: ScriptCommand, *, wait: bool) -> None:
         if order.show == "help":
-            self._voice.help(HELP)
+            self._voice.help(HELP + (OF_PROMPT if isinstance(self._tool, EndEffector) else ""))
         elif order.show:
             self._voice.status(self._tool.description, self._tool.status)
         elif order.output:

@@ -50,11 +50,11 @@ class RemoteTool(Tool):
         loaded = description if isinstance(description, Description) else load_tool(description)
         tool = cls(loaded)
         if not tool._program.wait(lambda status: bool(status.count), timeout_s):
-            why = tool._remote.why
+            remote, todo = tool._remote, f"Start it: eehal serve {loaded.source}"
+            if remote.is_other:
+                todo = f"Restore that file, or load this one: eehal reload {loaded.source} -- COMMAND"
             tool.close()
-            raise NotReadyError(
-                f"{loaded.name} cannot be reached: {why}", todo=f"Start it: eehal serve {loaded.source}"
-            )
+            raise NotReadyError(f"{loaded.name} cannot be reached: {remote.why}", todo=todo)
         return tool
 
     def close(self) -> None:

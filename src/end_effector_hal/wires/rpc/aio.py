@@ -114,6 +114,8 @@ class AsyncClient:
                 self._pass_on(kind, int(message["at"]), content)
             elif (asked := self._asked.get(answer[0])) is not None and not asked.done():
                 asked.set_result(answer[1])
+        except ReportedError:  # who takes the records refuses this one, and says why
+            raise
         except Exception as error:  # noqa: BLE001 of another release, or of anything: it ends this connection only
             raise ReportedError(f"A record of {self._inside} cannot be read: {error}"[:300]) from None
 
