@@ -148,7 +148,7 @@ class PositionNode:
         return read
 
     def _stand(self, changer: ToolChanger) -> Callable[[int], int]:
-        return lambda at: tool_place(changer, self._senses.now.readings, at)
+        return lambda at: tool_place(changer, self._senses.now.readings.judged(at).values)
 
     def _health(self) -> Health:
         values = {

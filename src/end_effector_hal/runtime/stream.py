@@ -13,9 +13,10 @@ Rule 3: The automata decide on a command; the stream decides nothing.
 Rule 4: A failure of the socket never ends a program: it only causes a warning in the log.
 
 The records use the names of the recording (docs/reference/recordings.md). The first is the ``header``; then comes
-``state``, the current state of the program (absent if it has not started yet), and after it every record. Two kinds
-are in no recording: ``published`` (the status with the additions of the program) and ``alive`` (sent after 0.4 s
-without another record, while the program works). After a loss of records, ``header`` and a new ``state`` are sent
+``state``, the current state of the program (absent if it has not started yet), and after it every record. Four kinds
+are in no recording: ``published`` (the status with the additions of the program), ``readings`` (what the sensors read,
+after each frame and whenever a reading turns stale), ``health`` (of the links, once a second) and ``alive`` (sent after
+0.4 s without another record, while the program works). After a loss of records, ``header`` and a new ``state`` are sent
 again.
 
 A request has a ``command`` and, where it concerns one actuator or one plain output, its ``name``. Only the automata
@@ -39,6 +40,7 @@ from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import Reply, RpcRequest, Server, ask, record_line
+from end_effector_hal.wires.sensors import SensorHealth
 
 _log = logging.getLogger("end_effector_hal.runtime")
 MOST_WAITING = 2_000
@@ -47,7 +49,7 @@ LOOK_S = 0.1
 """Interval at which the queue is checked while a client reads, s; the same as for the live page, because each check
 costs time.
 """
-ALIVE_US = 400_000
+ALIVE_US, HEALTH_US = 400_000, 1_000_000
 AT_ONCE = 65_536
 """Maximum number of bytes sent at once; with more, a fast client would count as slow."""
 TOO_LATE = "The command came too late and was not executed."
@@ -60,8 +62,10 @@ RELOAD_WORDS = (RELOAD, GO_ON)
 """
 SWITCH_WORDS = ("switch-on", "switch-off")
 """Commands for one plain output."""
-PUBLISHED = "published"
-"""Kind of the record of a published status."""
+PUBLISHED, READINGS, HEALTH = "published", "readings", "health"
+"""Kinds of the records that are in no recording: a published status, what the sensors read, the state of the links."""
+URGENT = (PUBLISHED, READINGS)
+"""Kinds that are sent at once: a client waits for the statuses after its command, and publishes readings itself."""
 OF_CHANGER = ("lock", "unlock", "arm", "reset")
 """Commands for the tool changer."""
 WORDS = ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS, *OF_CHANGER)
@@ -115,18 +119,30 @@ class RecordStream:
         self._active = False
         self._batches: queue.SimpleQueue[tuple[bool, Sequence[Entry]]] = queue.SimpleQueue()
         self._put_count = self._sent_count = 0  # each counted by one side only
-        self._alive_at = 0
+        self._alive_at = self._health_at = 0
         self._server: Server | None = None
 
-    def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
+    @property
+    def is_read(self) -> bool:
+        """Whether a client receives records, or waits for its first."""
+        return self._active or self.wants_state
+
+    def serve(
+        self,
+        command: Commander,
+        alive: Callable[[], bool],
+        nudge: Callable[[], None],
+        health: Callable[[], SensorHealth],
+    ) -> None:
         """Create the socket and start to serve; raise nothing.
 
         Args:
             command: passes a command to the program, in a thread that may wait.
             alive: returns whether the program works.
             nudge: makes the program run a job without an event, so that it checks :attr:`wants_state`; must not wait.
+            health: returns the state of the sensor links and inputs.
         """
-        self._command, self._alive, self._nudge = command, alive, nudge
+        self._command, self._alive, self._nudge, self._health = command, alive, nudge, health
         try:
             group = str(self._beside.stat().st_gid)
             server = Server(
@@ -153,8 +169,8 @@ class RecordStream:
             return
         self._put_count += len(batch)
         self._batches.put((False, batch))
-        if self._server is not None and any(kind == PUBLISHED for kind, _, _ in batch):
-            self._server.wake()  # the client that gave a command waits for its statuses
+        if self._server is not None and any(kind in URGENT for kind, _, _ in batch):
+            self._server.wake()
 
     def begin(self, first: Sequence[Entry]) -> None:
         """Send the header and these records to the waiting clients; return at once."""
@@ -177,6 +193,9 @@ class RecordStream:
         elif at - self._alive_at >= ALIVE_US and len(server) and self._alive():
             self._alive_at = at
             server.send(record_line("alive", at, {}))
+        if at - self._health_at >= HEALTH_US and len(server) and self._alive():
+            self._health_at = at
+            server.send(record_line(HEALTH, at, self._health()))
         if not len(server):
             self._active = False
         if server.has_newcomers and not self.wants_state:
@@ -199,7 +218,7 @@ class RecordStream:
                 continue
             data = b"".join(record_line(*entry) for entry in batch)
             if begins:
-                at = now_us()
+                at, self._health_at = now_us(), 0
                 server.begin(record_line("header", at, self._header(at)) + data)
             else:
                 following += data

@@ -16,7 +16,7 @@ from ._predicates import (
     predicates_fitted,
     proven_by_arbiter,
 )
-from ._readings import Readings, ToolPlace, tool_place
+from ._readings import JudgedReadings, Readings, ToolPlace, tool_place
 from ._sensor_set import SENT_INVALID, SensorSet, why_invalid
 from ._sensor_state import SensorState, stays
 
@@ -30,6 +30,7 @@ __all__ = [
     "PRESENT",
     "SENT_INVALID",
     "HoldMonitor",
+    "JudgedReadings",
     "Predicates",
     "Readings",
     "SensorSet",

@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sources_of
 from end_effector_hal.description import Description, ToolChanger, measures_of
-from end_effector_hal.signals import Frame
+from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import to_us
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedReadings:
+    """What the sensors read at one time.
+
+    Attributes:
+        at: the time, µs.
+        values: gauge Pa or a bit, by channel; None: invalid, doubted, stale, or never read.
+        sampled: the channels that the newest frame has read; empty: a reading turned stale, without a frame.
+    """
+
+    at: int
+    values: Mapping[str, Value]
+    sampled: tuple[str, ...] = ()
 
 
 class Readings:
@@ -121,6 +137,12 @@ class Readings:
             return None
         # without another call: each frame is asked for a dozen of them
         return self._values[channel] if at - then < self._stale_us.get(channel, self.stale_us) else None
+
+    def judged(self, now: int) -> JudgedReadings:
+        """Return the readings at the time of the newest frame, or at ``now`` µs if time has passed since."""
+        at = self.last_frame if self._arrived else now
+        values = {name: None if self.sent_invalid(name, at) else self.get(name, at) for name in self.carried}
+        return JudgedReadings(at, values, tuple(sorted(self._arrived)))
 
     def sent_invalid(self, channel: str, at: int) -> bool:
         """Return whether frames with the channel arrive, but without a valid value: its device works."""
@@ -235,11 +257,11 @@ class ToolPlace(IntEnum):
     """The tool changer carries no tool."""
 
 
-def tool_place(changer: ToolChanger, readings: Readings, at: int) -> ToolPlace:
-    """Return the place of the tool at ``at`` µs, as far as fresh readings prove it."""
-    present, in_stand = readings.get(changer.present_bit, at), readings.get(changer.stand_bit, at)
+def tool_place(changer: ToolChanger, values: Mapping[str, Value]) -> ToolPlace:
+    """Return the place of the tool, as far as the readings prove it."""
+    present, in_stand = values.get(changer.present_bit), values.get(changer.stand_bit)
     if present is not None and not present:
         return ToolPlace.ABSENT
-    if in_stand is None or (present is None and changer.present_bit in readings.carried):
+    if in_stand is None or (present is None and changer.present_bit in values):
         return ToolPlace.UNKNOWN
     return ToolPlace.IN_STAND if in_stand else ToolPlace.AWAY

@@ -10,6 +10,7 @@ import pytest
 from end_effector_hal.control import Answer
 from end_effector_hal.nodes.transport import Commander
 from end_effector_hal.runtime.stream import RecordStream
+from end_effector_hal.wires.sensors import SensorHealth
 
 NO_THREAD = RuntimeError("can't start new thread")
 
@@ -47,7 +48,7 @@ def test_a_program_goes_on_without_its_stream(tmp_path: Path, left: int) -> None
     stream = RecordStream(tmp_path / "stream", tmp_path, lambda _: {}, ())
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(threading.Thread, "start", start)
-        stream.serve(lambda _: Answer(True), lambda: True, lambda: None)
+        stream.serve(lambda _: Answer(True), lambda: True, lambda: None, lambda: SensorHealth({}, None))
     stream.put([("state", 0, {})])
     stream.close()
     assert not (tmp_path / "stream").exists()

@@ -21,7 +21,7 @@ def test_a_notice_repeats_no_event_and_does_not_anticipate_what_is_published_nex
     gripping = replace(standing, at=2_000, ee=EndEffectorState.GRIPPING, events=())
     tool: Any = object.__new__(EndEffector)
     tool._lock, tool._latest = threading.Lock(), None
-    tool._audience = SimpleNamespace(status=told.append, alarms=())
+    tool._audience = SimpleNamespace(put=told.append, alarms=())
     tool._follow(SimpleNamespace(status=gripping))
     tool._moved(standing)
     tool._audience.alarms = (notice := Alarm("listener.failed", "hal", {"text": "it raised."}),)

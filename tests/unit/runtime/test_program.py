@@ -25,6 +25,7 @@ from end_effector_hal.runtime import InlineWorker, Program
 from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder, open_recorder, open_stream
 from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame, Value
 from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, LastWill, LastWillStep
 from tests.support.declared import declared
@@ -232,6 +233,22 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
 
 GOAL_CALLS, FRAME_CALLS = 205, 345
 """From the call of the program to that of the line arbiter's client; `benchmarks/calls.py` counts both ends too."""
+
+
+def test_the_readings_are_passed_on_after_each_frame_and_when_one_turns_stale(tool: Tool) -> None:
+    shown: list[JudgedReadings] = []
+    tool.program.on_readings = shown.append
+    frame = tool.frame()
+    tool.program.frame(frame)
+    tool.idle()
+    assert shown == [JudgedReadings(frame.at, dict(frame.values), tuple(sorted(frame.values)))]
+    invalid = replace(tool.frame(), values={**QUIET, "bottom": None})
+    tool.program.frame(invalid)
+    assert (shown[-1].values["bottom"], "bottom" in shown[-1].sampled) == (None, False)
+    tool.at += 150_000
+    tool.idle()
+    assert (shown[-1].at, set(shown[-1].values.values()), shown[-1].sampled) == (tool.at, {None}, ())
+    assert len(shown) == 3
 
 
 def test_a_trace_and_a_stream_are_handed_nothing_before_the_line_is_asked_for(tmp_path: Path) -> None:

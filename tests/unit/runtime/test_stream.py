@@ -17,10 +17,15 @@ from end_effector_hal.control import Answer
 from end_effector_hal.runtime.stream import MOST_WAITING, ProgramCommand, RecordStream
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits
+from end_effector_hal.wires.sensors import SensorHealth
 from tests.support.patience import wait_until
 
 pytestmark = pytest.mark.wall
 LIMITS = ClientLimits()
+
+
+def no_health() -> SensorHealth:
+    return SensorHealth({}, None)
 
 
 class Served:
@@ -35,7 +40,7 @@ class Served:
         self.hold = threading.Event()
         self.hold.set()
         self.stream = RecordStream(self.path, arbiter, lambda at: {"run": "7"}, ("grip", "cancel"))
-        self.stream.serve(self.command, lambda: self.works, self.nudge)
+        self.stream.serve(self.command, lambda: self.works, self.nudge, no_health)
         self.state = 0
 
     def command(self, asked: ProgramCommand) -> Answer:
@@ -61,9 +66,9 @@ class Reading:
         self.sock.connect(str(path))
         self.file = self.sock.makefile("rb")
 
-    def next(self, *, but: str = "alive") -> dict[str, Any]:
+    def next(self, *, but: tuple[str, ...] = ("alive", "health")) -> dict[str, Any]:
         try:
-            while (found := json.loads(self.file.readline() or b"null")) and found["kind"] == but:
+            while (found := json.loads(self.file.readline() or b"null")) and found["kind"] in but:
                 pass
         except ConnectionResetError:
             return {"kind": "end"}
@@ -229,10 +234,23 @@ def test_a_flood_of_messages_ends_its_connection_only(served: Served, message: b
     other.close()
 
 
+def test_the_health_of_the_links_comes_at_once_and_not_from_a_program_that_hangs(served: Served) -> None:
+    reader = served.reader()
+    assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
+    first = reader.next(but=("alive",))
+    assert (first["kind"], first["content"]) == ("health", {"links": {}, "inputs": None})
+    assert reader.next(but=("alive",))["kind"] == "health"
+    served.works = False
+    reader.sock.settimeout(1.5)
+    with pytest.raises(TimeoutError):
+        reader.next(but=("alive",))
+    reader.close()
+
+
 def test_there_is_a_sign_of_life_only_while_the_program_works(served: Served) -> None:
     reader = served.reader()
     assert [reader.next()["kind"], reader.next()["kind"]] == ["header", "state"]
-    assert reader.next(but="")["kind"] == "alive"
+    assert reader.next(but=("health",))["kind"] == "alive"
     served.works = False
     reader.sock.settimeout(1.5)
     with pytest.raises(TimeoutError):
@@ -281,7 +299,7 @@ def test_the_socket_has_the_rights_of_the_line_arbiter(served: Served) -> None:
 def test_a_socket_that_cannot_be_made_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
     nowhere = Path("/nowhere/a.sock")
     stream = RecordStream(nowhere.with_name("a.sock.hal"), nowhere, lambda at: {}, ("grip",))
-    stream.serve(lambda word: Answer(True), lambda: True, lambda: None)
+    stream.serve(lambda word: Answer(True), lambda: True, lambda: None, no_health)
     stream.put([("frame", 0, {})])
     stream.close()
     assert "the live page cannot show this program" in caplog.text

@@ -28,13 +28,14 @@ CHANGER = ToolChanger(line="SODIMM_206")
 )
 def test_place(present: bool | None, in_stand: bool | None, place: ToolPlace) -> None:
     readings = Readings(load(profile_path()), get_codec("ees1-ascii"))
-    assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN
+    assert tool_place(CHANGER, readings.judged(0).values) is ToolPlace.UNKNOWN
     readings.take(Frame(0, 1, None, {"tool_present": present, "in_stand": in_stand}))
-    assert tool_place(CHANGER, readings, 149_999) is place
-    assert tool_place(CHANGER, readings, 150_000) is ToolPlace.UNKNOWN
+    readings.idle()
+    assert tool_place(CHANGER, readings.judged(149_999).values) is place
+    assert tool_place(CHANGER, readings.judged(150_000).values) is ToolPlace.UNKNOWN
 
 
 def test_a_codec_that_does_not_carry_them_proves_nothing() -> None:
     readings = Readings(load(profile_path()), get_codec("legacy-nibble"))
     readings.take(Frame(0, None, None, {"locked": True}))
-    assert tool_place(CHANGER, readings, 0) is ToolPlace.UNKNOWN
+    assert tool_place(CHANGER, readings.judged(0).values) is ToolPlace.UNKNOWN

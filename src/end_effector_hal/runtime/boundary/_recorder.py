@@ -10,8 +10,10 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import TraceWriter
 from end_effector_hal.runtime._error_text import error_text, sendable
 from end_effector_hal.runtime.outputs import LineWriter
-from end_effector_hal.runtime.stream import PUBLISHED, Commander, Entry, RecordStream
+from end_effector_hal.runtime.stream import PUBLISHED, READINGS, Commander, Entry, RecordStream
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.sensors import SensorHealth
 from timed_automata import Network
 
 from ._recorded_controller import AnyController, Put, RecordedController
@@ -48,6 +50,7 @@ class Recorder:
         """Records that are kept until `flush`, after the line was written, because they are not needed before."""
         self._controller: RecordedController | None = None
         self._published: Published | None = None
+        self._readings: JudgedReadings | None = None
         self._defect = ""
 
     @property
@@ -61,10 +64,21 @@ class Recorder:
         if self._writer is not None:
             self._writer.on_trouble = on_trouble
 
-    def serve(self, command: Commander, alive: Callable[[], bool], nudge: Callable[[], None]) -> None:
+    def serve(
+        self,
+        command: Commander,
+        alive: Callable[[], bool],
+        nudge: Callable[[], None],
+        health: Callable[[], SensorHealth],
+    ) -> None:
         """Serve the stream from now on; see `RecordStream.serve`."""
         if self._stream is not None:
-            self._stream.serve(command, alive, nudge)
+            self._stream.serve(command, alive, nudge, health)
+
+    @property
+    def is_read(self) -> bool:
+        """Whether a client reads the stream."""
+        return self._stream is not None and self._stream.is_read
 
     def controller(self, description: Description, network: Network) -> AnyController:
         """Return a new controller, wrapped if anything is recorded."""
@@ -85,6 +99,12 @@ class Recorder:
         if self._stream is not None:
             self._published = Published(status.at, status, refused)
             self._entries.append((PUBLISHED, status.at, self._published))
+
+    def readings(self, readings: JudgedReadings) -> None:
+        """Send what the sensors read to the clients of the stream."""
+        if self._stream is not None:
+            self._readings = readings
+            self._entries.append((READINGS, readings.at, readings))
 
     def flush(self) -> None:
         """Pass on the records, and begin the next segment if it is time; never waits.
@@ -133,7 +153,7 @@ class Recorder:
         if self._stream is not None:
             self._stream.put(entries)
         if self._writer is not None:
-            self._writer.put([entry for entry in entries if entry[0] != PUBLISHED])
+            self._writer.put([entry for entry in entries if entry[0] not in (PUBLISHED, READINGS)])
 
     def _begin_segment(self, writer: TraceWriter) -> None:
         snapshot = self._controller.snapshot() if self._controller is not None else None
@@ -152,6 +172,8 @@ class Recorder:
             _log.exception("the live page cannot show the state of the program")
         if self._published is not None:
             entries.append((PUBLISHED, self._published.at, self._published))
+        if self._readings is not None:
+            entries.append((READINGS, self._readings.at, self._readings))
         return entries
 
 

@@ -12,7 +12,9 @@ from typing import Any
 
 from end_effector_hal.control import ControllerSnapshot, Status
 from end_effector_hal.recording import Gap
-from end_effector_hal.runtime.stream import PUBLISHED
+from end_effector_hal.runtime.stream import HEALTH, PUBLISHED, READINGS
+from end_effector_hal.sensing import JudgedReadings
+from end_effector_hal.wires.sensors import SensorHealth
 from timed_automata import Begun, Received, Step, Written
 
 
@@ -161,5 +163,5 @@ KINDS: Mapping[str, type] = {
     "lines": LinesWritten,
     "arbiter": ArbiterSeen,
 }
-STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published}
+STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published, READINGS: JudgedReadings, HEALTH: SensorHealth}
 """Kinds of records in the stream of a program."""

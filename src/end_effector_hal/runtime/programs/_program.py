@@ -41,7 +41,7 @@ from end_effector_hal.runtime.stream import (
     WORDS,
     ProgramCommand,
 )
-from end_effector_hal.sensing import SensorSet
+from end_effector_hal.sensing import JudgedReadings, SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import (
     Alarm,
@@ -51,6 +51,7 @@ from end_effector_hal.vocabulary import (
     with_since,
 )
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.sensors import SensorHealth
 
 from ._adoption import Adoption, DeclaredDeadError
 from ._inline_worker import InlineWorker
@@ -80,6 +81,11 @@ CAME_LATE = (
     "A sensor fault of the tool changer was latched before the start, but the line arbiter read it from its disk "
     f"too late; {RESTARTED}"
 )
+
+
+def no_health() -> SensorHealth:
+    """Return that the program reads no sensors itself."""
+    return SensorHealth({}, None)
 
 
 def no_output(name: str, active: bool) -> Answer:
@@ -145,20 +151,28 @@ class Program:
         self._look_at: int | None = None  # µs at which the faults of the line arbiter are read again
         self._link_faults: tuple[Alarm, ...] = ()
         self._reset()
-        self._worker = worker(self._due, self._time_passed, recorder.flush, clock, self._prepare)
+        self.on_readings: Callable[[JudgedReadings], None] | None = None
+        """Called with what the sensors read, in a thread of the program; it must not wait. None: nobody listens."""
+        self._read: tuple[SensorSet, int] | None = None
+        self._worker = worker(self._due, self._time_passed, self._flush, clock, self._prepare)
         self._latest = LatestStatus(self._adoption.controller.status(), on_status)
         recorder.attend(self._look_around)
         self._thread = threading.Thread(target=self._run, name="program", daemon=True)
 
-    def start(self, switch: Callable[[str, bool], Answer] = no_output) -> None:
+    def start(
+        self,
+        switch: Callable[[str, bool], Answer] = no_output,
+        health: Callable[[], SensorHealth] = no_health,
+    ) -> None:
         """Start the thread: read the lines, read the sensors, adopt.
 
         Args:
             switch: switches a plain output for a client of the stream.
+            health: returns the state of the sensor links and inputs, for clients of the stream.
         """
         self._switch = switch
         self._thread.start()
-        self._recorder.serve(self._asked, lambda: self.alive, self._look_around)
+        self._recorder.serve(self._asked, lambda: self.alive, self._look_around, health)
 
     def begin(self) -> None:
         """Begin in the calling thread instead of the program's own; for virtual time."""
@@ -461,6 +475,16 @@ class Program:
             publisher.repeat()  # not before the reply: the line arbiter answers predicates before writes
 
         return finish
+
+    def _flush(self) -> None:
+        """Pass on the readings and the records of a job; after the lines are written."""
+        now = self.senses, self.senses.revision
+        if now != self._read and (self.on_readings is not None or self._recorder.is_read):
+            self._read, readings = now, self.senses.now.readings.judged(self._clock())
+            if self.on_readings is not None:
+                self.on_readings(readings)
+            self._recorder.readings(readings)
+        self._recorder.flush()
 
     def _submit(self, event: Callable[[], list[Status]]) -> None:
         self._worker.submit(lambda: self._reaction(event()) if self._adoption.begun else None)

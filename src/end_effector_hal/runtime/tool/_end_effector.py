@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
@@ -14,6 +14,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import open_program
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires.inputs import InputsHealth
@@ -98,7 +99,12 @@ class EndEffector(Tool):
         does.
         """
         self._reader.start()
-        self._own.start(self.set_output)
+        self._own.start(self.set_output, lambda: self.sensors)
+
+    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
+        """See `Tool.subscribe_readings`."""
+        super().subscribe_readings(listener, name=name)
+        self._own.on_readings = self._audience.put
 
     def close(self, ending: str = "sigterm") -> None:
         """End: the line arbiter does what the description declares. Listeners get the waiting items, within 2 s.

@@ -9,10 +9,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from end_effector_hal.control import Status
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime._error_text import error_text, sendable
-from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
 
@@ -127,43 +125,30 @@ class Audience:
 
     def __init__(self, on_alarm: Callable[[], None]) -> None:
         self._on_alarm = on_alarm
-        self._statuses: tuple[Listening[Status], ...] = ()
-        self._frames: tuple[Listening[Frame], ...] = ()
+        self._all: tuple[tuple[type, Listening[Any]], ...] = ()
 
-    def add(self, listener: Callable[[Status], None], name: str = "") -> None:
-        """Add a listener for statuses."""
-        self._statuses = (*self._statuses, Listening(listener, name, self._on_alarm))
+    def add(self, kind: type[T], listener: Callable[[T], None], name: str = "") -> None:
+        """Add a listener for items of one class."""
+        self._all = (*self._all, (kind, Listening(listener, name, self._on_alarm)))
 
-    def add_for_frames(self, listener: Callable[[Frame], None], name: str = "") -> None:
-        """Add a listener for frames."""
-        self._frames = (*self._frames, Listening(listener, name, self._on_alarm))
-
-    def status(self, status: Status) -> None:
-        """Queue a status for every listener; never waits."""
-        for each in self._statuses:
-            each.put(status)
-
-    def frame(self, frame: Frame) -> None:
-        """Queue a frame for every listener; never waits."""
-        for each in self._frames:
-            each.put(frame)
+    def put(self, item: object) -> None:
+        """Queue an item for every listener of its class; never waits."""
+        for kind, each in self._all:
+            if kind is type(item):
+                each.put(item)
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
         """The alarms of all listeners."""
-        return tuple(alarm for each in self._all if (alarm := each.alarm))
-
-    @property
-    def _all(self) -> tuple[Listening[Any], ...]:
-        return (*self._statuses, *self._frames)
+        return tuple(alarm for _, each in self._all if (alarm := each.alarm))
 
     def acknowledge(self) -> None:
         """Forget all alarms that are over."""
-        for each in self._all:
+        for _, each in self._all:
             each.acknowledge()
 
     def close(self) -> None:
         """Pass the waiting items to the listeners, for two seconds at most; then no listener is called any more."""
         until_s = time.monotonic() + END_S
-        for each in self._all:
+        for _, each in self._all:
             each.close(until_s)

@@ -8,25 +8,35 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.recording import content_hash
-from end_effector_hal.runtime.boundary import FrameTaken, Header, Published
+from end_effector_hal.runtime.boundary import STREAMED, FrameTaken, Header, Published
 from end_effector_hal.runtime.programs import LatestStatus, proof
-from end_effector_hal.runtime.stream import MAINTENANCE_WORDS, PUBLISHED, SWITCH_WORDS, program_socket
+from end_effector_hal.runtime.stream import (
+    HEALTH,
+    MAINTENANCE_WORDS,
+    PUBLISHED,
+    READINGS,
+    SWITCH_WORDS,
+    program_socket,
+)
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Alarm, ChangerState, Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc.aio import ANSWER_S, AsyncClient
+from end_effector_hal.wires.sensors import SensorHealth
 
 SILENT_US = 1_200_000
 """Silence after which the HAL counts as lost, µs; a HAL that works sends a sign of life every 0.4 s."""
 LOOK_S = 0.3
 FOLLOWS_S = 1.0
 """Longest wait for the status that follows an answer, s."""
-_RECORDS = {"header": Header, "frame": FrameTaken, PUBLISHED: Published}
+_RECORDS = {kind: STREAMED[kind] for kind in ("header", "frame", PUBLISHED, READINGS, HEALTH)}
 
 
 class RemoteProgram:
@@ -36,8 +46,10 @@ class RemoteProgram:
         description: the tool; a HAL that runs another one is not followed.
         on_status: called with each status.
         on_frame: called with each frame that the program has processed.
+        on_readings: called with what the sensors read.
 
     Attributes:
+        health: state of the sensor links and inputs, as the HAL has sent it last.
         why: reason why the HAL is lost, a sentence; empty: it is not lost.
         is_other: whether the last HAL that was reached runs another description.
     """
@@ -47,10 +59,13 @@ class RemoteProgram:
         description: Description,
         on_status: Callable[[Status], None],
         on_frame: Callable[[Frame], None],
+        on_readings: Callable[[JudgedReadings], None],
     ) -> None:
         self._description, self._hash = description, content_hash(description)
         self._latest = LatestStatus(_nothing_known(description), on_status)
-        self._on_frame = on_frame
+        self._on_frame, self._on_readings = on_frame, on_readings
+        self._channels = carrier_of(description).channels
+        self.health = SensorHealth({}, None)
         self._published: Status | None = None  # the latest status of the program itself
         self._heard_at = 0
         self.why, self.is_other = "Nothing was received from the HAL yet.", False
@@ -142,7 +157,12 @@ class RemoteProgram:
     def _end(self) -> None:
         self._following.cancel()
 
-    def _take(self, kind: str, at: int, record: Header | FrameTaken | Published | None) -> None:
+    def _take(
+        self,
+        kind: str,
+        at: int,
+        record: Header | FrameTaken | Published | JudgedReadings | SensorHealth | None,
+    ) -> None:
         self._heard_at = now_us()
         if isinstance(record, Header):
             self.is_other = record.hash != self._hash
@@ -157,6 +177,10 @@ class RemoteProgram:
             self._publish()
         elif isinstance(record, FrameTaken):
             self._on_frame(Frame(record.stamp, record.seq, record.device_ms, record.values))
+        elif isinstance(record, JudgedReadings):
+            self._on_readings(record)
+        elif isinstance(record, SensorHealth):
+            self.health = record
         if self.why and self._published is not None:
             self._publish()
 
@@ -169,6 +193,8 @@ class RemoteProgram:
         self.why = why
         if self._latest.status.alarm("hal.lost"):
             return  # it is said once, with its first reason
+        self.health = SensorHealth({}, None)
+        self._on_readings(JudgedReadings(now_us(), dict.fromkeys(self._channels)))
         alarm = Alarm("hal.lost", values={"why": why}, since=now_us())
         self._latest.publish(replace(unknown_now(self._latest.status), at=now_us(), alarms=(alarm,)))
 

@@ -35,7 +35,7 @@ class RemoteTool(Tool):
 
     def __init__(self, description: Description) -> None:
         super().__init__(description)
-        self._remote = RemoteProgram(description, self._moved, self._frame_came)
+        self._remote = RemoteProgram(description, self._moved, self._frame_came, self._audience.put)
         self._follow(self._remote)
         self._remote.start()
 
@@ -70,8 +70,8 @@ class RemoteTool(Tool):
 
     @property
     def sensors(self) -> SensorHealth:
-        """Empty: only the HAL reads the sensors; its alarms report a link that is down."""
-        return SensorHealth({}, None)
+        """State and counters of the sensor links and inputs, at most a second old; empty while the HAL is lost."""
+        return self._remote.health
 
     @property
     def outputs(self) -> Mapping[str, bool]:

@@ -11,6 +11,7 @@ from end_effector_hal._closing import Closing
 from end_effector_hal.control import Answer, Status
 from end_effector_hal.description import Description, did_you_mean
 from end_effector_hal.errors import NotReadyError, UsageError
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Alarm, Command, EndEffectorState, distinct
 from end_effector_hal.wires import now_us
@@ -78,11 +79,17 @@ class Tool(Closing):
         next status, and the alarm ends when it works again and after a :meth:`reset`. Up to 1,000 statuses wait for a
         slow listener; then the oldest are dropped.
         """
-        self._audience.add(listener, name)
+        self._audience.add(Status, listener, name)
 
     def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
         """Call the listener with every frame, in order, in its own thread; the rules of :meth:`subscribe` apply."""
-        self._audience.add_for_frames(listener, name)
+        self._audience.add(Frame, listener, name)
+
+    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
+        """Call the listener with what the sensors read, after each frame and whenever a reading turns stale; the rules
+        of :meth:`subscribe` apply.
+        """
+        self._audience.add(JudgedReadings, listener, name)
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
         """Wait until the tool has adopted its lines, and its sensors give no reason to refuse a command.
@@ -156,6 +163,13 @@ class Tool(Closing):
         self._audience_changed()
         return reset_tool(self.description, self._program)
 
+    def command(self, name: str) -> Answer:
+        """Give a command by its channel (`control.goals.CHANNELS`) and return the decision; for a caller that follows
+        the statuses from `Answer.count` by itself.
+        """
+        answer = self._program.command(name)
+        return replace(answer, count=answer.count or self._program.status.count)
+
     def arm(self) -> Answer:
         """Arm an unlock where no sensor shows the tool's stand (IL-02); it expires after 10 s."""
         return self._program.command("arm")
@@ -193,7 +207,7 @@ class Tool(Closing):
 
     def _publish(self, status: Status) -> None:
         self._told = self._audience.alarms
-        self._audience.status(self._with_notices(status))
+        self._audience.put(self._with_notices(status))
 
     def _audience_changed(self) -> None:
         with self._lock:
@@ -202,6 +216,6 @@ class Tool(Closing):
             self._publish(replace(status, at=now_us(), events=()))
 
     def _frame_came(self, frame: Frame) -> None:
-        self._audience.frame(frame)
+        self._audience.put(frame)
         if self._audience.alarms != self._told:  # a listener that does not return reports nothing itself
             self._audience_changed()
