@@ -43,14 +43,9 @@ class Floor:
             self._client = Driven(children, "floor/tool.py", [port, socket, self.notes[1]], folder, where)
             self.nodes["tool"] = self._client.pid
         else:
-            of = "" if part == "ros" else "ros2_"
-            if part == "ros2-one":
-                self.nodes["tool"] = process("ros2_tool", port, socket)
-            else:
-                self.nodes["unit"] = process(f"{of}unit", socket)
-                self.nodes["main"] = process(f"{of}main")
-                self.nodes["link"] = process(f"{of}link", port)
-            self._client = Driven(children, f"floor/{of}client.py", [self.notes[1]], folder, where)
+            of = "ros1" if part == "ros" else "ros2"
+            self.nodes["tool"] = process(f"{of}_tool", port, socket)
+            self._client = Driven(children, f"floor/{of}_client.py", [self.notes[1]], folder, where)
         self._client.wait_ready()
         time.sleep(1.0)  # for every connection
 

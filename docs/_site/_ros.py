@@ -19,20 +19,17 @@ def entries() -> str:
 
 
 def _topics(found: tuple[Topic, ...]) -> Iterator[str]:
-    for title, internal in (("## Topics", False), ("## Topics between the nodes", True)):
-        yield title
-        if internal:
-            yield "They may change with any version."
-        yield table(
-            ("name", "type", "publishers", "subscribers of the HAL", "when", "new subscribers get the last", "queue"),
+    yield "## Topics"
+    yield table(
+        ("name", "type", "publishers", "subscribers of the HAL", "when", "new subscribers get the last", "queue"),
+        (
             (
-                (
-                    f"`{each.name}`", _type(each.type), ", ".join(each.publishers), ", ".join(each.subscribers),
-                    _when(each), "yes" if each.latched else "no", str(each.queue),
-                )
-                for each in found if each.internal is internal
-            ),
-        )  # fmt: skip
+                f"`{each.name}`", _type(each.type), ", ".join(each.publishers), ", ".join(each.subscribers),
+                _when(each), "yes" if each.latched else "no", str(each.queue),
+            )
+            for each in found
+        ),
+    )  # fmt: skip
 
 
 def _when(topic: Topic) -> str:
@@ -46,11 +43,8 @@ def _when(topic: Topic) -> str:
 def _services(found: tuple[Service, ...]) -> Iterator[str]:
     yield "## Services"
     yield table(
-        ("name", "type", "node", "who may call"),
-        (
-            (f"`{each.name}`", _type(each.type), each.server, ", ".join(each.callers) or "every node")
-            for each in found
-        ),
+        ("name", "type", "node"),
+        ((f"`{each.name}`", _type(each.type), each.server) for each in found),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from math import nan
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,9 +16,14 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 MESSAGES = Path(__file__).parents[2] / "ros/end_effector_msgs/msg"
-STATE, FRAME, COMMAND = (
-    f"end_effector_msgs/msg/{name}" for name in ("EndEffectorState", "SensorFrame", "SupervisorCommand")
-)
+STATE, COMMAND = (f"end_effector_msgs/msg/{name}" for name in ("EndEffectorState", "SupervisorCommand"))
+PRESSURE = "sensor_msgs/msg/FluidPressure"
+TOPICS = {
+    "bottom": "/PressureVacuumBottom",
+    "cylinder": "/PressureCylinder",
+    "top": "/PressureVacuumTop",
+    "supply": "/PressureSupply",
+}
 NAMES = ["bottom_vacuum", "cylinder", "top_vacuum"]
 STARTED_US = 1_790_000_000_000_000
 """When the bags begin, time of day."""
@@ -37,15 +43,12 @@ def state(
     return topic, STATE, log_us, {**given, **fields}
 
 
-def frame(at_us: int, log_us: int, *, topic: str = "/sensor_frame", **channels: int | None) -> Message:
-    """A frame of the sensors; None: carried, but not valid."""
-    fields = {
-        "at_us": at_us,
-        "channels": list(channels),
-        "values": [value or 0 for value in channels.values()],
-        "valid": [value is not None for value in channels.values()],
-    }
-    return topic, FRAME, log_us, fields
+def frame(log_us: int, **channels: int | None) -> list[Message]:
+    """The pressures of a frame, gauge; None: carried, but not valid."""
+    absolute = {channel: nan if value is None else 101_325.0 + value for channel, value in channels.items()}
+    return [
+        (TOPICS[channel], PRESSURE, log_us, {"fluid_pressure": value}) for channel, value in absolute.items()
+    ]
 
 
 def definitions(change: Callable[[str, str], str] = lambda name, text: text) -> dict[str, Any]:

@@ -1,16 +1,107 @@
-"""A transport of the test for one node, which needs no ROS then."""
+"""A transport and a tool of the test for one node, which needs neither ROS nor a HAL then."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
-from end_effector_hal.control import Answer
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.nodes.interface import Action, Service, Topic
-from end_effector_hal.nodes.transport import Frames, UnknownSenders
+from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
+from end_effector_hal.runtime import Result
+from end_effector_hal.sensing import JudgedReadings
+from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import now_us
+from end_effector_hal.wires.sensors import SensorHealth
+
+
+def status(
+    state: EndEffectorState = EndEffectorState.STAND_BY, count: int = 1, actuators: int = 3, **fields: Any
+) -> Status:
+    """A status of a tool that works."""
+    given = {
+        "at": now_us(),
+        "ee": state,
+        "command": Command.NONE,
+        "actuators": (0,) * actuators,
+        "outputs": (False,) * actuators,
+        "evidence": (Evidence.GONE,) * actuators,
+        "link_up": True,
+        "begun": 1,
+        "count": count,
+    }
+    return Status(**{**given, **fields})
+
+
+class LoneTool:
+    """In place of a tool: it says what a test says, at once and in the thread of the test.
+
+    Attributes:
+        asked: the commands that it was given.
+        answer: its answer to the next ones.
+        ends: the end of a goal; None: it does not end in time.
+    """
+
+    def __init__(self, description: Description | None = None) -> None:
+        self.description = description or load(profile_path())
+        self.status = status(actuators=len(self.description.sequence), link_up=False, begun=0, count=0)
+        self.alive, self.sensors = True, SensorHealth({}, None)
+        self.asked: list[object] = []
+        self.answer = Answer(True, count=7)
+        self.ends: Result | None = Result(Outcome.SUCCEEDED, EndEffectorState.STAND_BY)
+        self._statuses: list[Callable[[Status], None]] = []
+        self._readings: list[Callable[[JudgedReadings], None]] = []
+
+    def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
+        self._statuses.append(listener)
+
+    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
+        self._readings.append(listener)
+
+    def says(self, status: Status) -> None:
+        self.status = status
+        for each in self._statuses:
+            each(status)
+
+    def reads(self, *sampled: str, **values: int | bool | None) -> None:
+        """Give its listeners readings; all of them were sampled unless the names of some are given."""
+        known = dict.fromkeys(self.description.channels) | values
+        for each in self._readings:
+            each(JudgedReadings(now_us(), known, sampled or tuple(values)))
+
+    def ending(self, on: str = "sigterm") -> str:
+        return "What is held stays held."
+
+    def command(self, name: str) -> Answer:
+        self.asked.append(name)
+        return self.answer
+
+    def arm(self) -> Answer:
+        return self.command("arm")
+
+    def begin(self, command: Command) -> Any:
+        self.asked.append(command)
+        return SimpleNamespace(wait=self._wait)
+
+    def set_actuator(self, name: str, active: bool) -> Answer:
+        self.asked.append((name, active))
+        return self.answer
+
+    set_output = set_actuator
+
+    def stop(self) -> Answer:
+        return self.command("stop")
+
+    def reset(self) -> Answer:
+        return self.command("reset")
+
+    def _wait(self, timeout_s: float) -> Result:
+        if self.ends is None:
+            raise TimeoutError(f"not within {timeout_s:g} s")
+        return self.ends
 
 
 class LoneTransport:
@@ -20,46 +111,30 @@ class LoneTransport:
 
     def __init__(self, tool: Description | None = None, without: tuple[Action, ...] = ()) -> None:
         self.log = logging.getLogger("tests.lone_node")
-        self.unknown_senders = UnknownSenders(lambda alarm: None, now_us)
         self.published: dict[str, list[Any]] = {}
-        self.callbacks: dict[str, Callable[[Any], None]] = {}
         self.ticks: dict[float, Callable[[], None]] = {}
         self.closers: list[Callable[[], None]] = []
         self.goals: dict[str, Callable[[Any], None]] = {}
         self.services: dict[str, Callable[[Any], Answer]] = {}
-        self.answers: Callable[[int], Answer] = lambda command: Answer(True)
-        self._tool, self._without = tool or load(profile_path()), without
+        self.hal, self._without = LoneTool(tool), without
 
-    def description(self) -> Description:
-        return self._tool
+    def tool(self) -> LoneTool:
+        return self.hal
 
-    def frames(self, description: Description) -> Frames:
-        return Frames(description)
+    def parameter(self, parameter: Parameter, default: str = "") -> str:
+        return default
 
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
         return self.published.setdefault(topic.name, []).append
 
-    def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        self.callbacks[topic.name] = callback
-
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         self.ticks[rate_hz] = callback
-
-    def on_start(self, callback: Callable[[], None]) -> None:
-        callback()
 
     def on_close(self, callback: Callable[[], None]) -> None:
         self.closers.insert(0, callback)
 
-    def command_client(self, service: Service) -> Any:
-        return self
-
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
         self.services[service.name] = handler
-
-    def ask(self, command: int) -> Answer:
-        """As the client of another node, which answers what a test says."""
-        return self.answers(command)
 
     def offers(self, action: Action) -> bool:
         return action not in self._without

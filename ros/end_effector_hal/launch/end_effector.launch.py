@@ -16,10 +16,11 @@ from launch_ros.substitutions import ExecutableInPackage
 PACKAGE = "end_effector_hal"
 PROGRAMS = {
     "one": ("hal",),
-    "five": ("pressure", "position", "grip", "tool_change", "hal_main"),
+    "five": ("hal_main", "grip", "tool_change", "pressure", "position"),
     "managed": ("lifecycle_hal",),
 }
-RECORDERS = ("hal", "lifecycle_hal", "grip", "data_logger")
+HOSTS = ("hal", "lifecycle_hal", "hal_main")
+RECORDERS = (*HOSTS, "data_logger")
 SWITCH = ("true", "false")
 # an unfinished grip is unwound, and a last will is executed to its end
 END_S = "30"
@@ -53,6 +54,12 @@ ARGUMENTS = (
         "managed: prove the tool when it is configured and `eehal verify` has kept no verdict",
     ),
     ("arbiter", "true", SWITCH, "start the line arbiter too; false: it runs already (a system service)"),
+    (
+        "connect",
+        "false",
+        SWITCH,
+        "use the tool that `eehal serve` runs, which outlives a restart of ROS; arbiter:=false where it has its own",
+    ),
     (
         "simulated",
         "false",
@@ -102,6 +109,8 @@ def _processes(context):
         parameters = {"description": tool}
         if given["processes"] == "managed":
             parameters["prove"] = given["prove"]
+        if program in HOSTS:
+            parameters["connect"] = given["connect"]
         if given["frame_id"] and program in ("hal", "lifecycle_hal", "pressure"):
             parameters["frame_id"] = given["frame_id"]
         if given["log_directory"] and program in RECORDERS:

@@ -23,8 +23,6 @@ from end_effector_hal.nodes.interface import (
     RESET_FAULTS,
     STOP_TOOL,
     SUPERVISOR,
-    Service,
-    Topic,
     load_for_nodes,
     services,
     topics,
@@ -63,7 +61,7 @@ OF_LIFECYCLE = tuple(
 )
 """Services that a managed node offers in addition."""
 CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)}
-"""Public services that a node of this package calls."""
+"""Services that a node of this package calls."""
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
 
 
@@ -115,7 +113,7 @@ def security_policy(description: Description, processes: str = "one", namespace:
         profiles = ET.SubElement(enclave, "profiles")
         for node in nodes:
             profile = ET.SubElement(profiles, "profile", ns=space, node=node)
-            _fill(profile, node, frozenset(nodes), description)
+            _fill(profile, node, description)
     ET.indent(policy)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(policy, encoding="unicode")}\n'
 
@@ -133,8 +131,7 @@ def _processes(processes: str) -> Iterator[tuple[str, Sequence[str]]]:
     yield CLIENT, (CLIENT,)
 
 
-def _fill(profile: ET.Element, node: str, process: frozenset[str], description: Description) -> None:
-    public = [each for each in services(description) if not each.internal]
+def _fill(profile: ET.Element, node: str, description: Description) -> None:
     client = node == CLIENT
     lifecycle = node == MANAGER
     own = (*OWN_TOPICS, *(("~/transition_event",) if lifecycle else ()))
@@ -143,21 +140,11 @@ def _fill(profile: ET.Element, node: str, process: frozenset[str], description: 
         profile,
         "topics",
         "subscribe",
-        [
-            topic.name
-            for topic in topics(description)
-            if (node in topic.subscribers and not _carried(topic, process)) or (client and not topic.internal)
-        ],
+        [topic.name for topic in topics(description) if node in topic.subscribers or client],
     )
     served = (*OWN_SERVICES, *(OF_LIFECYCLE if lifecycle else ()))
-    _allow(profile, "services", "reply", (*served, *_served(node, process, description)))
-    called = [
-        service.name
-        for service in services(description)
-        if (node in service.callers and service.server not in process)
-        or service in CALLED.get(node, ())
-        or (client and service in public)
-    ]
+    _allow(profile, "services", "reply", (*served, *_served(node, description)))
+    called = [each.name for each in services(description) if client or each in CALLED.get(node, ())]
     if node == OPERATOR:
         called += [f"{MANAGER}/{each}" for each in ("change_state", "get_state")]
     _allow(profile, "services", "request", called)
@@ -173,24 +160,8 @@ def _published(node: str, description: Description) -> list[str]:
     return [topic.name for topic in topics(description) if node in topic.publishers]
 
 
-def _served(node: str, process: frozenset[str], description: Description) -> list[str]:
-    return [
-        service.name
-        for service in services(description)
-        if service.server == node and not _inside(service, process)
-    ]
-
-
-def _carried(topic: Topic, process: frozenset[str]) -> bool:
-    """Return whether all publishers of the topic run in this process, so that its nodes receive the messages without
-    the middleware.
-    """
-    return process.issuperset(topic.publishers)
-
-
-def _inside(service: Service, process: frozenset[str]) -> bool:
-    """Return whether the service is called only within this process and does not use the middleware."""
-    return service.internal and process.issuperset(service.callers)
+def _served(node: str, description: Description) -> list[str]:
+    return [service.name for service in services(description) if service.server == node]
 
 
 def _allow(profile: ET.Element, kind: str, right: str, names: Sequence[str]) -> None:

@@ -1,138 +1,112 @@
-"""Node Pressure: reads the sensor link and the inputs of the board; publishes every frame, and its pressures in Pa."""
+"""Node Pressure: the pressures of the sensors, in Pa, and the state of the sensor links."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Sequence
+import logging
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from end_effector_hal.arbiter import REPEAT_US, PredicatePublisher
-from end_effector_hal.codecs import carrier_of
-from end_effector_hal.sensing import SensorSet
-from end_effector_hal.signals import Frame, Value
+from end_effector_hal.control import Status
+from end_effector_hal.description import Description
+from end_effector_hal.runtime import silent_links
+from end_effector_hal.sensing import JudgedReadings
+from end_effector_hal.signals import Value
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth, LinkState
-from end_effector_hal.wires.sensors import SensorReader
+from end_effector_hal.wires.sensors import SensorHealth
 
-from .interface import FRAME_ID, SENSOR_FRAME, STATE_HZ, pressure_topics
-from .report import ERROR, OK, WARN, Health, publish_health
-from .transport import (
-    AMBIENT_PA,
-    MessageHeader,
-    NodeTransport,
-    PressureMessage,
-    absolute_pa,
-)
+from .interface import FRAME_ID, PRESSURE, pressure_topics
+from .report import ERROR, OK, WARN, Health, publish_health, silence
+from .transport import AMBIENT_PA, MessageHeader, NodeTransport, PressureMessage
+
+_OF_READINGS = ("channel.", "device.", "evidence.", "link.restarted", "link.two_senders", "stamps.")
+"""Beginnings of the ids of alarms about readings."""
 
 
 class PressureNode:
-    """Publishes the frames of the link in the thread of the link: the frame first, because the reaction depends on it.
-
-    If a frame changes a predicate, the line arbiter gets the predicates before the frame is published: this node reads
-    the sensors on which the interlocks IL-01, IL-02, IL-05, IL-07 and IL-13 depend, except the input lines that the
-    arbiter reads itself.
+    """Publishes a pressure with each frame that has read it.
 
     A pressure that is invalid, doubted or stale is NaN, never the last value; NaN is published once.
     """
 
     def __init__(self, node: NodeTransport) -> None:
-        description, self._log = node.description(), node.log
-        self._frame = node.publisher(SENSOR_FRAME)
+        self._log, self._tool = node.log, node.tool()
+        description = self._tool.description
         self._frame_id = node.parameter(FRAME_ID) or f"{description.name}_link"
         self._pressures: dict[str, Callable[[Any], None]] = {
             channel: node.publisher(topic) for channel, topic in pressure_topics(description)
         }
-        self._frames = node.frames(description)
-        self._senses = SensorSet(description, carrier_of(description))
-        self._looked_us = 0
-        self._lock = threading.Lock()
         self._unknown: set[str] = set()
         """Pressures whose last published value is NaN."""
-        self._predicates = PredicatePublisher(description)
-        node.on_close(self._predicates.close)
-        self._predicates.use(self._senses)
-        self._reader = SensorReader(description, on_frame=self._on_frame, on_change=self._on_change)
-        publish_health(node, description.name, self._health, hardware=self._reader.where)
-        node.on_close(self._reader.close)
-        node.every(STATE_HZ, self._tick)
-        if self._predicates.repeats:
-            node.every(1e6 / REPEAT_US, self._repeat)
-        node.on_start(self._reader.start, last=True)
+        self._logged: dict[str, str] = {}
+        """The last line in the log about each source."""
+        self._tool.subscribe_readings(self._on_readings, name=PRESSURE)
+        where = ", ".join(link.port for link in description.links.values())
+        publish_health(node, description.name, self._health, hardware=where or description.sensors)
 
-    def _on_frame(self, frame: Frame) -> None:
-        with self._lock:
-            accepted = self._senses.accepts(frame, now_us())
-            if accepted:
-                self._look(frame.at - 1)
-                self._senses.frame(frame)
-                self._looked_us = self._senses.at
-            self._predicates.publish(None if accepted else frame)
-        self._frame(self._frames.message_of(frame))
-        with self._lock:
-            self._predicates.repeat()
-            if not accepted:
-                return
-            readings = self._senses.now.readings
-            for channel in self._pressures:
-                if channel in frame.values or channel not in readings.carried:
-                    value = readings.get(channel, frame.at) if readings.arrived(channel) else None
-                    self._publish_pressure(channel, value, frame.at)
+    def _on_readings(self, readings: JudgedReadings) -> None:
+        for channel in self._pressures:
+            value = readings.values.get(channel)
+            if value is None and channel not in self._unknown:
+                self._unknown.add(channel)
+                self._publish(channel, None, readings.at)
+            elif value is not None and (channel in readings.sampled or channel in self._unknown):
+                self._unknown.discard(channel)
+                self._publish(channel, value, readings.at)
 
-    def _tick(self) -> None:
-        with self._lock:
-            at = now_us()
-            self._look(at)
-            readings = self._senses.now.readings
-            stale = readings.stale(at)
-            for channel in self._pressures.keys() - self._unknown:
-                if channel in stale or channel not in readings.carried:
-                    self._publish_pressure(channel, None, at)
-
-    def _repeat(self) -> None:
-        """Repeat the predicates of a slow link while its readings are fresh."""
-        with self._lock:
-            at = now_us()
-            self._look(at)
-            self._predicates.repeat(at)
-
-    def _look(self, at: int) -> None:
-        """Let readings turn stale that do so until ``at`` µs."""
-        due = self._senses.deadline(self._looked_us)
-        if due is not None and due <= at:
-            self._senses.advance(at)
-        self._looked_us = max(self._looked_us, at)
-
-    def _publish_pressure(self, channel: str, value: Value, at_us: int) -> None:
-        (self._unknown.add if value is None else self._unknown.discard)(channel)
-        self._pressures[channel](PressureMessage(absolute_pa(value), MessageHeader(at_us, self._frame_id)))
-
-    def _on_change(self, source: str, health: LinkHealth | InputsHealth) -> None:
-        if health.error:
-            self._log.error("%s", health.error)
-        elif isinstance(health, InputsHealth):
-            self._log.info("the %s are read", source)
-        else:
-            self._log.info("%s", " ".join((f"the {source} is {health.state.value}", *health.faults)))
+    def _publish(self, channel: str, value: Value, at_us: int) -> None:
+        header = MessageHeader(at_us, self._frame_id)
+        self._pressures[channel](PressureMessage(absolute_pa(value), header))
 
     def _health(self) -> Health:
-        health, at = self._reader.health, now_us()
-        with self._lock:
-            readings = self._senses.now.readings
-            notices = tuple(map(str, self._senses.notices(at, held=False)))
-            up = readings.link_up(at)
-        links, inputs = health.links, health.inputs
-        told: list[Health] = []
-        for name, link in links.items():
-            if inputs or name:  # which of them is silent
-                up = at - (link.last_frame or 0) < readings.down_us
-            notes = (*(() if told else notices), *link.faults)
-            told.append(_of_link(link, at, notes, up=up, name=name))
-        if inputs:
-            told.append(_of_inputs(inputs, () if links else notices, up=up or bool(links)))
+        if silent := silence(self._tool):
+            return silent
+        status, sensors = self._tool.status, self._tool.sensors
+        self._log_changes(sensors)
+        told = list(_sources(self._tool.description, status, sensors))
+        if not told:
+            return Health(WARN, "The HAL has not reported the state of its sensors yet.")
         found = told[0] if len(told) == 1 else _together(told)
         return replace(found, values={**found.values, "ambient added (Pa)": AMBIENT_PA})
+
+    def _log_changes(self, sensors: SensorHealth) -> None:
+        for name, (level, line) in _lines(self._tool.description, sensors).items():
+            if line != self._logged.get(name):
+                self._logged[name] = line
+                self._log.log(level, "%s", line)
+
+
+def absolute_pa(value: Value) -> float:
+    """Return the absolute pressure of a gauge pressure, Pa; NaN if it is invalid, or a bit."""
+    return float("nan") if value is None or isinstance(value, bool) else float(AMBIENT_PA + value)
+
+
+def _lines(description: Description, sensors: SensorHealth) -> dict[str, tuple[int, str]]:
+    """Return the level and the text of a line of the log for each source."""
+    found: dict[str, tuple[int, str]] = {}
+    for name, link in sensors.links.items():
+        source = description.link_name(name) if name else "sensor link"
+        state = " ".join((f"the {source} is {link.state.value}", *link.faults))
+        found[name] = (logging.ERROR, link.error) if link.error else (logging.INFO, state)
+    if inputs := sensors.inputs:
+        state = "the inputs of the board are read"
+        found["inputs of the board"] = (
+            (logging.ERROR, inputs.error) if inputs.error else (logging.INFO, state)
+        )
+    return found
+
+
+def _sources(description: Description, status: Status, sensors: SensorHealth) -> Iterator[Health]:
+    """Yield the health of each source; the first one has the alarms about readings."""
+    at, silent = now_us(), silent_links(description, status, sensors.links)
+    notices = [str(each) for each in status.alarms if not each.over and each.id.startswith(_OF_READINGS)]
+    for name, link in sensors.links.items():
+        yield _of_link(link, at, (*notices, *link.faults), up=name not in silent, name=name)
+        notices = []
+    if sensors.inputs:
+        yield _of_inputs(sensors.inputs, notices, up=status.link_up or bool(sensors.links))
 
 
 def _of_link(health: LinkHealth, at: int, notices: Sequence[str], *, up: bool, name: str) -> Health:

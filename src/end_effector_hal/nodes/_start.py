@@ -19,7 +19,7 @@ PROGRAMS = {
 """The node of each executable."""
 _NODES = {
     HAL_MAIN: ("hal_main", "HalMainNode"),
-    GRIP: ("grip", "GripNode"),
+    GRIP: ("_grip", "GripNode"),
     TOOL_CHANGE: ("_tool_change", "ToolChangeNode"),
     PRESSURE: ("_pressure", "PressureNode"),
     POSITION: ("_position", "PositionNode"),

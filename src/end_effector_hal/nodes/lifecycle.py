@@ -5,14 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from end_effector_hal.control import network_of
+from end_effector_hal.control import Status, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime import changer_is_sensed
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
-
-from .transport import StateMessage
 
 if TYPE_CHECKING:
     from end_effector_hal.verification.proof import Verdict
@@ -50,20 +48,18 @@ def require_proof(description: Description, *, prove_now: bool) -> Verdict:
     return verdict
 
 
-def what_is_missing(description: Description, state: StateMessage | None) -> tuple[str, ...]:
+def what_is_missing(description: Description, status: Status) -> tuple[str, ...]:
     """Return clauses with the reasons why a tool is not ready, and its alarms; empty: it is ready."""
-    if state is None:
-        return ("its nodes report nothing",)
-    pairs = zip(state.actuator_names, state.evidence, strict=True)
+    pairs = zip(description.sequence, status.evidence, strict=True)
     unknown = [name for name, level in pairs if level == Evidence.UNKNOWN]
     lacks: list[str] = []
-    if not state.link_up:
+    if not status.link_up:
         silent = f"no frame comes over the {description.sensors}"
         lacks.append(silent if description.links else "the inputs of the board are not read")
-    elif state.state == EndEffectorState.OFF:
+    elif status.ee == EndEffectorState.OFF:
         lacks.append("its lines are not adopted")
     elif unknown:
         lacks.append(f"its sensors do not show {', '.join(unknown)}")
-    elif state.tool_changer == ChangerState.UNKNOWN and changer_is_sensed(description):
+    elif status.changer == ChangerState.UNKNOWN and changer_is_sensed(description):
         lacks.append("its sensors do not show whether the tool is locked")
-    return (*lacks, *(alarm.rstrip(".") for alarm in state.alarms if lacks))
+    return (*lacks, *(alarm.rstrip(".") for alarm in status.alarm_texts if lacks))

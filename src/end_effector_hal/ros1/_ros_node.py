@@ -16,33 +16,23 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes.interface import DESCRIPTION, Action, Parameter, Service, Topic, load_for_nodes
-from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, node_log
-from end_effector_hal.nodes.transport import (
-    ActionClient,
-    ActionServer,
-    ClientGoal,
-    CommandClient,
-    Commander,
-    Frames,
-    UnknownSenders,
+from end_effector_hal.nodes import open_tool
+from end_effector_hal.nodes.interface import (
+    DESCRIPTION,
+    HAL_MAIN,
+    Action,
+    Parameter,
+    Service,
+    Topic,
+    load_for_nodes,
 )
-from end_effector_hal.wires import now_us
+from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, node_log
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
+from end_effector_hal.runtime import Tool
 
 from ._name_taken import node_name, private_parameter, refuse_taken_name, tool_named
 from .actions import action_client, action_server
-from .connections import (
-    CommandService,
-    KnownPublishers,
-    answer_of,
-    caller_of,
-    message_class,
-    nodes_of,
-    publisher,
-    response_maker,
-    send_directly,
-    service_class,
-)
+from .connections import answer_of, message_class, publisher, response_maker, service_class
 from .master import MasterWatch
 
 _LEVELS = (
@@ -81,7 +71,6 @@ class RosNode:
         needs_tool = name in DESCRIPTION.nodes
         self._tool = tool_named(argv, private_parameter(full)) if needs_tool else None
         refuse_taken_name(full, str(self._tool or ""))
-        send_directly()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
         try:
@@ -91,7 +80,7 @@ class RosNode:
             raise UsageError(f"{error}.", todo="Private parameters are given as _name:=value.") from None
         self.name = rospy.get_name().lstrip("/")
         self.log, self._log_handler = node_log(name, write_line)
-        self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
+        self._hosts = name == HAL_MAIN
         self._closing = False
         self._closers: list[Callable[[], None]] = []
         self._at_end = ExitStack()
@@ -106,9 +95,9 @@ class RosNode:
         assert self._tool is not None, "only nodes of the table have a description"
         return load_for_nodes(self._tool)
 
-    def frames(self, description: Description) -> Frames:
-        """Return new frames, as a process has only one node in ROS 1."""
-        return Frames(description)
+    def tool(self) -> Tool:
+        """Return the tool, which HALMain runs; every other node talks to it over its socket. Call it once."""
+        return open_tool(self, hosts=self._hosts)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """Return a private parameter."""
@@ -125,34 +114,9 @@ class RosNode:
         return publisher(topic, lambda: self._closing)
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Call ``callback`` for every message of a topic that comes from a node that the interface table names."""
-        kind, options = message_class(topic.type), {"queue_size": topic.queue, "tcp_nodelay": True}
-        if topic.public:
-            rospy.Subscriber(topic.name, kind, callback, **options)
-            return
-
-        def admitted(message: Any) -> None:
-            if publishers.admit(message):
-                callback(message)
-
-        # the callback only once it is known whose messages count
-        subscriber = rospy.Subscriber(topic.name, kind, **options)
-        publishers = KnownPublishers(
-            subscriber.resolved_name,
-            nodes_of(topic.name, topic.publishers),
-            self.unknown_senders,
-            lambda: subscriber.impl.connections,
-        )
-        subscriber.impl.add_callback(admitted, None)
-
-    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Return why a call of an internal service is refused; empty: the interface table names its caller."""
-        caller, known = caller_of(request), nodes_of(service.name, service.callers)
-        if caller in known:
-            return ""
-        return self.unknown_senders.drop(
-            str(rospy.resolve_name(service.name)), caller, " and ".join(sorted(known))
-        )
+        """Call ``callback`` for every message of a topic."""
+        kind = message_class(topic.type)
+        rospy.Subscriber(topic.name, kind, callback, queue_size=topic.queue, tcp_nodelay=True)
 
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
         """Answer the calls of a service."""
@@ -166,10 +130,6 @@ class RosNode:
             return answer_of(rospy.ServiceProxy(service.name, service_class(service.type))())
         except rospy.ServiceException:
             return None
-
-    def command_client(self, service: Service) -> CommandClient:
-        """Return a client that sends commands to another node."""
-        return Commander(service.server, lambda: CommandService(service))
 
     def offers(self, action: Action) -> bool:
         """Return whether the interface table offers an action in ROS 1."""

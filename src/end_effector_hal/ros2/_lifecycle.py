@@ -15,7 +15,6 @@ from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
-    END_EFFECTOR_STATE,
     MANAGER,
     PARAMETERS,
     PROFILE,
@@ -25,8 +24,8 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.lifecycle import require_proof, what_is_missing
 from end_effector_hal.nodes.process import node_log
-from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import content_hash
+from end_effector_hal.runtime import Tool
 from end_effector_hal.wires import now_us
 
 from ._node_group import NodeGroup
@@ -135,37 +134,32 @@ class ToolLifecycle(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 todo="Clean up and configure again.",
             )
         try:
-            group = self._start_group(description)
-            self._wait_until_ready(group, description, ready_s)
+            group, tool = self._start_group(description)
+            self._wait_until_ready(group, tool, ready_s)
         except BaseException:
             self._end_group()
             raise
 
-    def _start_group(self, description: Description) -> NodeGroup:
+    def _start_group(self, description: Description) -> tuple[NodeGroup, Tool]:
         with self._starting:
             if self._process.ending:
                 raise UsageError(f"{description.name} was ended before its nodes began.")
             self._group = group = NodeGroup(
                 self._process, self._names, self._arguments, self._given, description
             )
-            for name in self._names:
-                start_node(name, RclpyNode(name, group))
+            nodes = [RclpyNode(name, group) for name in self._names]
+            for name, node in zip(self._names, nodes, strict=True):
+                start_node(name, node)
             group.start()
-        return group
+        return group, nodes[0].tool()
 
-    def _wait_until_ready(self, group: NodeGroup, description: Description, ready_s: float) -> None:
-        last: list[StateMessage | None] = [None]
-
-        def on_state(message: StateMessage) -> None:
-            last[0] = message
-
-        group.bus.subscribe(END_EFFECTOR_STATE, on_state)
-        until = now_us() + round(ready_s * 1e6)
-        while (why := what_is_missing(description, last[0])) and now_us() < until and not group.ending:
+    def _wait_until_ready(self, group: NodeGroup, tool: Tool, ready_s: float) -> None:
+        description, until = tool.description, now_us() + round(ready_s * 1e6)
+        while (why := what_is_missing(description, tool.status)) and now_us() < until and not group.ending:
             time.sleep(_LOOK_S)
         if group.ending:
             raise UsageError(f"{description.name} was ended while it waited for its sensors.")
-        if why and last[0] is not None and any(last[0].outputs):
+        if why and any(tool.status.outputs):
             # nodes that ended would leave nobody to drop what is held
             self._log.warning(
                 "active because outputs are active, although the tool is not ready: %s", "; ".join(why)

@@ -1,4 +1,4 @@
-"""Nodes that start and end together: they share one executor in a thread of its own, and one bus."""
+"""Nodes that start and end together: they share one executor in a thread of its own, and one tool."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ from rclpy.node import Node
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
+from end_effector_hal.nodes import open_tool
+from end_effector_hal.nodes.interface import HAL_MAIN
 from end_effector_hal.nodes.process import Starters, Ticker
-from end_effector_hal.nodes.transport import SharedFrames
+from end_effector_hal.nodes.transport import NodeTransport
+from end_effector_hal.runtime import Tool
 
 from ._process import Process
-from .connections import LocalBus
 
 _log = logging.getLogger("end_effector_hal.ros2")
 LAST_MESSAGES_S = 0.05
@@ -33,7 +35,7 @@ class NodeGroup:
 
     Args:
         process: the process that they run in.
-        names: the nodes that will run here.
+        names: the nodes that will run here; HALMain, whose parameters say how the tool is run, is the first.
         arguments: arguments of ROS that replace those of the process.
         parameters: values for parameters that the arguments do not set.
         description: the tool, which overrides their parameters; None: the parameters name it.
@@ -54,8 +56,8 @@ class NodeGroup:
         together = threading.Barrier(WORKERS, timeout=LONGEST_END_S)
         for _ in range(WORKERS):  # all threads are started now: a call needs no new one
             self.workers.submit(together.wait)
-        self.bus = LocalBus(frozenset(names), _log)
-        self.frames = SharedFrames()
+        self._hosts = HAL_MAIN in names
+        self._tool: Tool | None = None
         self._closing = self._closed = False
         self._nodes: list[Node] = []
         self._tickers: list[Ticker] = []
@@ -64,6 +66,12 @@ class NodeGroup:
         self._closers: list[Callable[[], None]] = []
         self._enders: list[Callable[[], None]] = []
         self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
+
+    def tool(self, node: NodeTransport) -> Tool:
+        """Return the tool that the nodes share; the first ``node`` that calls this opens it."""
+        if self._tool is None:
+            self._tool = open_tool(node, hosts=self._hosts)
+        return self._tool
 
     def node(self, name: str) -> Node:
         """Return a new node of rclpy in this group."""

@@ -26,23 +26,12 @@ from end_effector_hal.nodes.interface import (
     load_for_nodes,
 )
 from end_effector_hal.nodes.process import node_log
-from end_effector_hal.nodes.transport import (
-    ActionClient,
-    ActionServer,
-    ClientGoal,
-    CommandClient,
-    Commander,
-    Frames,
-    UnknownSenders,
-)
-from end_effector_hal.wires import now_us
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
+from end_effector_hal.runtime import Tool
 
 from ._node_group import NodeGroup
 from .actions import RclpyActionClient, RclpyActionServer
 from .connections import (
-    LocalService,
-    PublishersInGraph,
-    RclpyCommandService,
     RclpyMessageMaker,
     answer_of,
     has_action_class,
@@ -84,8 +73,7 @@ CALL_S = 5.0
 class RclpyNode:
     """The transport of one node.
 
-    Callbacks of topics run in the executor's thread, those of topics within this process in the thread of the
-    publisher; those of services run in threads of their own.
+    Callbacks of topics run in the executor's thread, those of services in threads of their own.
 
     Args:
         name: name of the node in the interface table.
@@ -98,7 +86,6 @@ class RclpyNode:
         self._group, self._node = group, group.node(name)
         self.name = self._node.get_name()
         self.log, self._log_handler = node_log(name, writer_of(self._node))
-        self.unknown_senders = UnknownSenders(lambda alarm: self.log.warning("%s", alarm), now_us)
         self._topics, self._calls = MutuallyExclusiveCallbackGroup(), ReentrantCallbackGroup()
         self._parameters = {
             each.name: declared(self._node, each, group.parameters.get(each.name, ""))
@@ -116,9 +103,9 @@ class RclpyNode:
         given = [self._parameters.get(each.name, "") for each in (DESCRIPTION, PROFILE)]
         return load_for_nodes(tool_path(*given, how=HOW))
 
-    def frames(self, description: Description) -> Frames:
-        """Return the frames that the nodes of this group share."""
-        return self._group.frames.of(description)
+    def tool(self) -> Tool:
+        """Return the tool that the nodes of this group share."""
+        return self._group.tool(self)
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """Return a parameter."""
@@ -129,13 +116,12 @@ class RclpyNode:
         return self.parameter(parameter)
 
     def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """Return a function that publishes a message on a topic, first to the nodes of this process."""
+        """Return a function that publishes a message on a topic."""
         kind = message_class(topic.type)
         make = RclpyMessageMaker(kind, self._node.get_clock())
         sender = self._node.create_publisher(kind, topic.name, writer_quality(topic))
 
         def publish(message: Any) -> None:
-            self._group.bus.deliver(topic, message)
             # a latched one is kept for subscribers that are yet to come
             if topic.latched or sender.get_subscription_count():
                 sender.publish(make(message))
@@ -143,49 +129,24 @@ class RclpyNode:
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Call ``callback`` for every message of a topic that comes from a node that the interface table names."""
-        if self._group.bus.carries(topic):
-            self._group.bus.subscribe(topic, callback)
-            return
-        name = self._node.resolve_topic_name(topic.name)
-        own = f"{self._node.get_namespace().rstrip('/')}/"
-        # a remap leads to the nodes of another namespace
-        space = name.removesuffix(topic.name) if name.endswith(f"/{topic.name}") else own
-        publishers = PublishersInGraph(
-            name,
-            frozenset(f"{space}{each}" for each in topic.publishers),
-            self.unknown_senders,
-            lambda: int(self._node.count_publishers(name)),
-            lambda: [
-                f"{each.node_namespace.rstrip('/')}/{each.node_name}"
-                for each in self._node.get_publishers_info_by_topic(name)
-            ],
-        )
+        """Call ``callback`` for every message of a topic."""
 
-        def admitted(message: Any) -> None:
+        def guarded(message: Any) -> None:
             try:
-                if topic.public or publishers.admit(message):
-                    callback(message)
+                callback(message)
             except Exception:
                 self.log.exception("a callback of %s failed", topic.name)
 
         self._node.create_subscription(
             message_class(topic.type),
             topic.name,
-            admitted,
+            guarded,
             reader_quality(topic),
             callback_group=self._topics,
         )
 
-    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Return an empty text: ROS 2 does not report the caller to a server in Python (SAFETY.md)."""
-        return ""
-
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
-        """Answer the calls of a service; an internal one only within this process, if its callers run here too."""
-        self._group.bus.serve(service, handler)
-        if service.internal and self._group.bus.runs(service.callers):
-            return
+        """Answer the calls of a service."""
         fill = response_maker(service_class(service.type))
 
         async def answer(request: Any, response: Any) -> Any:
@@ -218,16 +179,6 @@ class RclpyNode:
             return answer_of(future.result()) if answered.wait(CALL_S) else None
         finally:
             self._node.destroy_client(client)
-
-    def command_client(self, service: Service) -> CommandClient:
-        """Return a client that sends commands to another node."""
-        bus = self._group.bus
-        if bus.serves(service):
-            return Commander(service.server, lambda: LocalService(lambda: bus.handler(service), service))
-        client = self._node.create_client(
-            service_class(service.type), service.name, callback_group=self._calls
-        )
-        return Commander(service.server, lambda: RclpyCommandService(client, service))
 
     def offers(self, action: Action) -> bool:
         """Return whether the type of an action is installed; a missing optional type is logged."""

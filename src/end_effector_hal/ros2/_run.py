@@ -8,7 +8,7 @@ from contextlib import closing
 from end_effector_hal.errors import RosError, UsageError
 from end_effector_hal.nodes import PROGRAMS as NODE_PROGRAMS
 from end_effector_hal.nodes import start_node
-from end_effector_hal.nodes.interface import GRIP, HAL_MAIN, POSITION, PRESSURE, TOOL_CHANGE
+from end_effector_hal.nodes.interface import HAL_NODES
 from end_effector_hal.nodes.process import guarded
 
 ROS_PACKAGES = (
@@ -25,15 +25,13 @@ ROS_PACKAGES = (
 """Packages of ROS 2 that the nodes import."""
 
 
-_HAL = (PRESSURE, GRIP, TOOL_CHANGE, POSITION, HAL_MAIN)
 MANAGED = "lifecycle_hal"
 PROGRAMS = {
-    "hal": _HAL,
-    MANAGED: _HAL,
+    "hal": HAL_NODES,
+    MANAGED: HAL_NODES,
     **{program: (node,) for program, node in NODE_PROGRAMS.items()},
 }
-"""The executables and their nodes. Grip is the first node that gets a frame, because a line depends on it. HALMain
-starts last and ends first, so that it can report its end to its clients.
+"""The executables and their nodes: HALMain starts first, because it runs the tool of the others, and ends last.
 
 The nodes of `MANAGED` work while its lifecycle node is active.
 """

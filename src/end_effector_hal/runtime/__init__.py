@@ -20,7 +20,6 @@ from .programs import (
 from .tool import (
     EndEffector,
     GoalRunner,
-    PlainOutputs,
     Refused,
     RemoteTool,
     Result,
@@ -29,7 +28,7 @@ from .tool import (
     changer_is_sensed,
     latch_stop,
     reset,
-    reset_tool,
+    silent_links,
     stop,
 )
 
@@ -39,7 +38,6 @@ __all__ = [
     "GoalRunner",
     "InlineWorker",
     "LineWriter",
-    "PlainOutputs",
     "Program",
     "Refused",
     "RemoteTool",
@@ -59,7 +57,7 @@ __all__ = [
     "release_is_decided",
     "reload_answer",
     "reset",
-    "reset_tool",
     "sendable",
+    "silent_links",
     "stop",
 ]

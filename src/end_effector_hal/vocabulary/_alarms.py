@@ -115,11 +115,6 @@ ALARMS: Mapping[str, AlarmText] = {
     "device.warning": _warning("{channel}: {what}."),
     "listener.failed": _warning("{text}"),
     "recording.failed": _warning("{text}"),
-    "node.silent": _error(
-        "The node {about} is silent: what it left active is held or released as the description declares."
-    ),
-    "node.awaited": _error("The node {about} has not reported yet."),
-    "node.unknown_sender": _warning("{text}"),
     UNKNOWN_ALARM: _warning("{text}"),
 }
 """The texts of all alarms, by id."""

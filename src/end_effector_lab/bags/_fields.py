@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
+from math import isfinite
 from typing import Any, TypeVar
 
 from end_effector_hal.nodes.data_logger import events_of
-from end_effector_hal.nodes.transport import EventMessage, FrameMessage, StateMessage
+from end_effector_hal.nodes.transport import AMBIENT_PA, EventMessage, StateMessage
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
@@ -50,14 +51,10 @@ def _event(content: Any) -> EventMessage:
     )
 
 
-def frame_of(content: Any) -> FrameMessage:
-    """Return the frame; raises ValueError if it is not a frame."""
-    return FrameMessage(
-        at_us=_one(content, "at_us", int),
-        channels=_list(content, "channels", str),
-        values=_list(content, "values", int),
-        valid=_list(content, "valid", bool),
-    )
+def pressure_of(content: Any) -> int | None:
+    """Return the gauge pressure, Pa; None: not known. Raises ValueError if it is not a pressure."""
+    absolute = _one(content, "fluid_pressure", float)
+    return round(absolute) - AMBIENT_PA if isfinite(absolute) else None
 
 
 def command_of(content: Any) -> Command:

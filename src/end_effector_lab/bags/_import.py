@@ -12,16 +12,18 @@ from typing import Any
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
-from end_effector_hal.nodes.data_logger import CommandsLog, write_frame, write_state
-from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS, Topic
+from end_effector_hal.nodes.data_logger import CommandsLog, write_state
+from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, Topic, pressure_topics
 from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, RecordingLimits, RunInfo
 from end_effector_hal.vocabulary import printable
 
 from ._bag import Bag, BagMessage, plain_type
-from ._fields import LineOfTime, command_of, frame_of, lacking, state_of
+from ._fields import LineOfTime, command_of, lacking, pressure_of, state_of
 
 NO_TRACE = "A bag holds no traces: `eehal replay` cannot judge this run."
+MOST_FRAMES = 100_000
+"""Largest number of frames that are kept until the recording begins; half an hour at 50 Hz."""
 MOST_GAPS = 90
 """Largest number of gaps that are reported; the last ones are kept."""
 WHOLE = RecordingLimits(total_bytes=10**15)
@@ -37,7 +39,7 @@ class ImportedBag:
         tool: name of the tool.
         namespace: namespace of its topics; empty if there is none.
         states: number of state messages, most of which repeat the previous one.
-        frames: number of sensor messages.
+        pressures: number of pressure messages.
         seconds: time from the beginning of the bag to the newest stamp.
         notes: sentences for a reader of the recording.
         faults: one sentence per topic about the messages that are left out.
@@ -47,7 +49,7 @@ class ImportedBag:
     tool: str
     namespace: str
     states: int
-    frames: int
+    pressures: int
     seconds: float
     notes: tuple[str, ...]
     faults: tuple[str, ...]
@@ -93,7 +95,7 @@ def _space(bag: Bag, topics: Mapping[str, str], namespace: str | None) -> str:
         what = other or [f"its topics are {', '.join(sorted(topics))}" if topics else "it has no topics"]
         raise UsageError(
             f"The bag has no states of an end-effector: {printable('; '.join(what))}.",
-            todo=f"Record {END_EFFECTOR_STATE.name} and {SENSOR_FRAME.name}.",
+            todo=f"Record {END_EFFECTOR_STATE.name}, and the topics of the pressures.",
         )
     shown = printable(", ".join(each or "/" for each in spaces))
     if namespace is None:
@@ -125,6 +127,13 @@ class _Import:
         self._stack = stack
         self._time = LineOfTime()
         self._newest = self._log_offset = 0
+        self._pressures = pressure_topics(description) if description is not None else ()
+        self._frame: dict[str, int | None] = {}
+        """Pressures of one frame, which is not complete yet."""
+        self._frame_us = 0
+        """When the first of them was recorded."""
+        self._frames: deque[tuple[int, dict[str, int | None]]] = deque(maxlen=MOST_FRAMES)
+        """Frames from before the second state: only then it is known when the bag began."""
         self._first_log: int | None = None
         self._generation, self._has_events = 0, False
         self._tool = ""
@@ -146,8 +155,8 @@ class _Import:
             self._name(topic): handler
             for topic, handler in (
                 (END_EFFECTOR_STATE, self._on_state),
-                (SENSOR_FRAME, self._on_frame),
                 (SUPERVISOR_COMMANDS, self._on_command),
+                *((topic, self._pressure_handler(channel)) for channel, topic in self._pressures),
             )
             if plain_type(topics.get(self._name(topic), "")) == topic.type
         }
@@ -167,6 +176,7 @@ class _Import:
                 self._why.setdefault(message.topic, str(error))
         if self._first is not None:
             self._begin(self._first, self._first.at_us)
+        self._write_frames()
         faults = tuple(printable(each) for each in self._left_out())
         recording = self._recording
         if recording is None:
@@ -175,11 +185,19 @@ class _Import:
         self._tell(topics)
         for each in (*self._gaps, *faults):
             recording.note(each)
-        states, frames = (self._read[self._name(each)] for each in (END_EFFECTOR_STATE, SENSOR_FRAME))
-        seconds = recording.seconds(self._newest)
         return ImportedBag(
-            self._folder, self._tool, self._space, states, frames, seconds, tuple(self._notes), faults
+            self._folder,
+            self._tool,
+            self._space,
+            self._read[self._name(END_EFFECTOR_STATE)],
+            self._count_pressures(),
+            recording.seconds(self._newest),
+            tuple(self._notes),
+            faults,
         )
+
+    def _count_pressures(self) -> int:
+        return sum(self._read[self._name(topic)] for _, topic in self._pressures)
 
     def _name(self, topic: Topic) -> str:
         return f"{self._space}/{topic.name}"
@@ -191,13 +209,11 @@ class _Import:
         ]
 
     def _tell(self, topics: Mapping[str, str]) -> None:
-        frames = self._name(SENSOR_FRAME)
         if self._description is None:
             self._note("Without --description or --profile there are neither pressures nor thresholds.")
-        elif not self._read[frames]:
-            found = topics.get(frames)
-            why = f"is of the type {found}, or empty" if found else "is not in the bag"
-            self._note(printable(f"There are no pressures: {frames} {why}."))
+        elif not self._count_pressures():
+            names = ", ".join(self._name(topic) for _, topic in self._pressures)
+            self._note(printable(f"There are no pressures: the bag has no messages of {names}."))
         if self._restarts:
             self._note(
                 f"HALMain was started again {self._restarts} times, the last before {self._restarted}."
@@ -233,14 +249,27 @@ class _Import:
             self._begin(self._first, self._begun(message, state.at_us))
         self._write(state)
 
-    def _on_frame(self, message: BagMessage) -> None:
-        frame = frame_of(message.read())
-        frame.at_us = self._place(message, frame.at_us, fresh=True)
+    def _pressure_handler(self, channel: str) -> Callable[[BagMessage], None]:
+        return lambda message: self._on_pressure(channel, message)
+
+    def _on_pressure(self, channel: str, message: BagMessage) -> None:
+        """Keep a pressure until the same one of the next frame comes."""
+        value = pressure_of(message.read())
         self._read[message.topic] += 1
-        if self._first is not None:
-            self._begin(self._first, self._begun(message, frame.at_us))
-        if self._recording is not None:
-            write_frame(self._recording, frame)
+        if channel in self._frame:
+            self._write_frames()
+        self._frame_us = self._frame_us if self._frame else message.log_us
+        self._frame[channel] = value
+
+    def _write_frames(self) -> None:
+        if self._frame:
+            self._frames.append((self._frame_us, self._frame))
+            self._frame = {}
+        while self._frames and self._recording is not None:
+            log_us, values = self._frames.popleft()
+            at = log_us + self._log_offset
+            self._newest = max(self._newest, at)
+            self._recording.values(at, values)
 
     def _on_command(self, message: BagMessage) -> None:
         command = command_of(message.read())

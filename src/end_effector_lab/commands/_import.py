@@ -33,7 +33,7 @@ def command(
     namespace: str | None,
     as_json: bool,
 ) -> None:
-    """Convert the states and sensor frames in BAG to a recording, as DataLogger would have written it.
+    """Convert the states and pressures in BAG to a recording, as DataLogger would have written it.
 
     BAG is a .bag file of ROS 1, a folder of rosbag2 (MCAP or SQLite), or an .mcap file. Messages that cannot be read
     are listed, and the rest is imported. A damaged bag is refused with the name of the tool that repairs it.
@@ -56,7 +56,7 @@ def command(
     else:
         click.echo(
             f"{imported.folder}: {imported.tool}, {imported.seconds:.3f} s, {imported.states} states, "
-            f"{imported.frames} sensor frames"
+            f"{imported.pressures} pressures"
         )
         for note in imported.notes:
             click.echo(f"Note: {note}", err=True)

@@ -21,7 +21,7 @@ MESSAGES = [
     for n in range(200)
     for each in (
         state(n * S, n * S, n % 2, count=n, alarms=["x" * 400]),
-        frame(n * S + 9, n * S + 9, bottom=n),
+        *frame(n * S + 9, bottom=n),
     )
 ]
 

@@ -13,10 +13,20 @@ from rosbags.rosbag2 import CompressionMode
 from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS
+from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, pressure_topics
 from end_effector_hal.recording import EventRow, read_alarms, read_pressures, read_run, read_states
 from end_effector_lab.bags import Bag, ImportedBag, import_bag
-from tests.support.bags import COMMAND, FRAME, STATE, definitions, frame, state, write_ros1, write_ros2
+from tests.support.bags import (
+    COMMAND,
+    PRESSURE,
+    STATE,
+    TOPICS,
+    definitions,
+    frame,
+    state,
+    write_ros1,
+    write_ros2,
+)
 
 S = 1_000_000
 Write = Callable[..., Path]
@@ -48,15 +58,15 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
     pressures = {"bottom": -500, "cylinder": 2_000, "top": None, "supply": 600_000}
     bag = write([
         state(10 * S, 0),
-        frame(10 * S + 20_000, 20_000, **pressures),
+        *frame(20_000, **pressures),
         state(12 * S, 2 * S, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
         ("/supervisor_commands", COMMAND, 2 * S, {"command": 2}),
         state(12 * S, 2 * S + 100_000, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
-        frame(12 * S + 20_000, 2 * S + 20_000, **{**pressures, "bottom": -60_000}),
+        *frame(2 * S + 20_000, **{**pressures, "bottom": -60_000}),
         state(13 * S, 3 * S, 3, actuators=[2, 2, 2], count=2),
     ])  # fmt: skip
     found = imported(bag, description=verdin)
-    assert (found.tool, found.states, found.frames, found.seconds) == ("verdin_gripper", 4, 2, 3.0)
+    assert (found.tool, found.states, found.pressures, found.seconds) == ("verdin_gripper", 4, 8, 3.0)
     assert not found.faults
     assert rows(found) == [
         (0.0, 0, -1, (0, 0, 0)), (2.0, 1, 2, (1, 0, 0)), (3.0, 3, -1, (2, 2, 2)),
@@ -98,7 +108,7 @@ def test_events_are_those_of_the_states_and_a_wrong_one_leaves_its_state_out(wri
 
 
 def test_without_a_description_there_are_states_and_alarms(write: Write) -> None:
-    found = imported(write([state(1 * S, 0), state(2 * S, 1 * S, 1), frame(2 * S, 1 * S, bottom=1)]))
+    found = imported(write([state(1 * S, 0), state(2 * S, 1 * S, 1), *frame(1 * S, bottom=1)]))
     assert [row[0] for row in rows(found)] == [0.0, 1.0]
     assert not (found.folder / "pressures.csv").exists()
     assert read_run(found.folder).actuators == {
@@ -118,18 +128,11 @@ def test_a_state_from_before_the_bag_stands_at_its_beginning(write: Write) -> No
     assert read_run(found.folder).start_us == 9_995 * S
 
 
-def test_a_frame_says_when_the_bag_began(write: Write) -> None:
-    bag = write(
-        [state(10 * S, 0, 6), frame(10_000 * S, S // 2, bottom=1), state(10_001 * S, 3 * S // 2, 1, count=1)]
-    )
-    assert [row[0] for row in rows(imported(bag))] == [0.0, 1.5]
-
-
 def test_the_machine_is_restarted_in_the_middle(write: Write, verdin: Description) -> None:
     """Its clock begins again: the times at which the messages were written down count."""
     bag = write([
-        state(9_000 * S, 0), state(9_001 * S, S, 3, count=1), frame(9_001 * S, S, supply=500_000),
-        state(20 * S, 61 * S, 6, since_us=19 * S), frame(20 * S, 61 * S, supply=400_000),
+        state(9_000 * S, 0), state(9_001 * S, S, 3, count=1), *frame(S, supply=500_000),
+        state(20 * S, 61 * S, 6, since_us=19 * S), *frame(61 * S, supply=400_000),
         state(22 * S, 63 * S, 1, since_us=19 * S, count=1),
     ])  # fmt: skip
     found = imported(bag, description=verdin)
@@ -143,10 +146,11 @@ def test_the_wall_clock_is_set_in_the_middle(write: Write) -> None:
     """The stamps are of the monotonic clock, which goes on."""
     day = 86_400 * S
     bag = write([
-        frame(1 * S, 0, bottom=1), state(1 * S, 0), state(2 * S, day, 1, count=1), state(3 * S, day + S, 3, count=2),
+        state(1 * S, 0), state(2 * S, 1 * S, 3, count=1),
+        state(3 * S, day, 1, count=2), state(4 * S, day + S, 3, count=3),
     ])  # fmt: skip
     found = imported(bag)
-    assert [row[0] for row in rows(found)] == [0.0, 1.0, 2.0]
+    assert [row[0] for row in rows(found)] == [0.0, 1.0, 2.0, 3.0]
     assert not any("jumped" in note for note in found.notes)
 
 
@@ -227,30 +231,27 @@ def test_an_older_version_of_the_messages(write: Write) -> None:
 
 
 def test_fields_of_other_types(write: Write) -> None:
-    changed = definitions(
-        lambda _, text: text.replace("int8 state ", "string state ").replace("int32[]", "string[]")
-    )
+    changed = definitions(lambda _, text: text.replace("int8 state ", "string state "))
     with pytest.raises(UsageError, match=r"no message .* can be used.*field state is of another type"):
         imported(write([state(S, 0, "GRIPPED")], changed))
     assert not Path("imported").exists()
 
 
 def test_topics_that_are_missing_or_of_another_type(write: Write, verdin: Description) -> None:
-    with pytest.raises(UsageError, match="no states of an end-effector: its topics are /sensor_frame"):
-        imported(write([frame(S, 0, bottom=1)]))
+    with pytest.raises(UsageError, match="no states of an end-effector: its topics are /PressureSupply"):
+        imported(write(frame(0, supply=1)))
 
 
 def test_a_topic_of_another_type(write: Write, verdin: Description) -> None:
-    wrong = ("/EndEffectorState", FRAME, 0, {})
-    with pytest.raises(
-        UsageError, match="/EndEffectorState is of the type end_effector_msgs/msg/SensorFrame"
-    ):
+    wrong = ("/EndEffectorState", PRESSURE, 0, {})
+    with pytest.raises(UsageError, match="/EndEffectorState is of the type sensor_msgs/msg/FluidPressure"):
         imported(write([wrong]))
 
 
 def test_no_frames(write: Write, verdin: Description) -> None:
     found = imported(write([state(S, 0)]), description=verdin)
-    assert "There are no pressures: /sensor_frame is not in the bag." in found.notes
+    (note,) = [each for each in found.notes if each.startswith("There are no pressures")]
+    assert all(topic in note for topic in TOPICS.values())
     assert [row[0] for row in rows(found)] == [0.0]
 
 
@@ -264,7 +265,8 @@ def test_a_folder_that_is_there_is_left_alone(write: Write) -> None:
     assert (found.folder / "states.csv").read_bytes() == before
 
 
-def test_the_topics_are_those_of_the_table() -> None:
-    names = [each.name for each in (END_EFFECTOR_STATE, SENSOR_FRAME, SUPERVISOR_COMMANDS)]
-    assert names == ["EndEffectorState", "sensor_frame", "supervisor_commands"]
+def test_the_topics_are_those_of_the_table(verdin: Description) -> None:
+    assert (END_EFFECTOR_STATE.name, SUPERVISOR_COMMANDS.name) == ("EndEffectorState", "supervisor_commands")
     assert STATE.replace("/msg/", "/") == END_EFFECTOR_STATE.type
+    assert {channel: f"/{topic.name}" for channel, topic in pressure_topics(verdin)} == TOPICS
+    assert {topic.type for _, topic in pressure_topics(verdin)} == {PRESSURE.replace("/msg/", "/")}

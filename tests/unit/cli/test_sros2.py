@@ -28,23 +28,13 @@ def test_an_enclave_for_each_process(verdin: Description) -> None:
     assert [*five] == [f"/cell/left/{each}" for each in (*FIVE, *others)]
 
 
-def test_nobody_else_can_speak_for_a_node_or_to_it_inside(verdin: Description) -> None:
+def test_each_node_speaks_for_itself_only(verdin: Description) -> None:
     text = security_policy(verdin, "five")
-    assert holders(text, "publish", "/sensor_frame") == {"pressure"}
-    assert holders(text, "publish", "/grip/state") == {"grip"}
     assert holders(text, "publish", "/EndEffectorState") == {"hal_main"}
-    assert holders(text, "request", "/grip/command") == {"hal_main", "tool_change"}
-    assert holders(text, "reply", "/grip/command") == {"grip"}
-    assert holders(text, "subscribe", "/grip/state") == {"hal_main", "tool_change"}
-    assert holders(text, "subscribe", "/sensor_frame") == {"grip", "position", "data_logger"}
-
-
-def test_in_one_process_what_stays_inside_is_allowed_to_nobody(verdin: Description) -> None:
-    text = security_policy(verdin)
-    assert holders(text, "subscribe", "/sensor_frame") == {"data_logger"}
-    assert not holders(text, "subscribe", "/grip/state")
-    for right in ("request", "reply"):
-        assert not holders(text, right, "/grip/command")
+    assert holders(text, "publish", "/PressureCylinder") == {"pressure"}
+    assert holders(text, "reply", "/StopTool") == {"grip"}
+    assert holders(text, "subscribe", "/EndEffectorState") == {"data_logger", "supervisor", "client"}
+    assert holders(text, "subscribe", "/PressureCylinder") == {"client"}
 
 
 @pytest.mark.parametrize("five", [False, True])
@@ -60,7 +50,7 @@ def test_who_commands_the_tool(verdin: Description, five: bool) -> None:
     assert not holders(text, "request", "/Drop/_action/send_goal")
     client = read_policy(text)["/left/client"]
     assert client["publish"] == {"/rosout", "/parameter_events"}
-    assert "/left/sensor_frame" not in client["subscribe"]
+    assert "/left/PressureSupply" in client["subscribe"]
 
 
 def test_parameters_are_set_by_nobody(verdin: Description) -> None:

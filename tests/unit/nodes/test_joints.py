@@ -12,16 +12,15 @@ from end_effector_hal.description import Description, load
 from end_effector_hal.nodes._position import PositionNode
 from end_effector_hal.nodes.interface import (
     JOINT_STATES,
-    SENSOR_FRAME,
+    POSITION_TOOL_CHANGER,
+    POSITION_TOOL_STAND,
     STATE_HZ,
     actuator_joints,
     grip_joint,
     grip_position,
 )
-from end_effector_hal.nodes.transport import FrameMessage
 from end_effector_hal.vocabulary import Evidence
-from end_effector_hal.wires import now_us
-from tests.support.lone_node import LoneTransport
+from tests.support.lone_node import LoneTransport, status
 
 TOOL = """\
 name: tool
@@ -73,22 +72,40 @@ def test_a_joint_is_published_at_once_repeated_and_left_out_when_it_is_not_prove
     PositionNode(cast("Any", transport))
     published, tick = transport.published[JOINT_STATES.name], transport.ticks[STATE_HZ]
 
-    def frame(seq: int, extended: bool) -> None:
-        channels, values = ["in_stand", "top"], [int(extended), 0]
-        message = FrameMessage(now_us(), seq, -1, channels, values, [True, True])
-        transport.callbacks[SENSOR_FRAME.name](message)
+    def shown(level: Evidence) -> None:
+        transport.hal.says(status(evidence=(Evidence.UNKNOWN, Evidence.UNKNOWN, level)))
 
     def seen() -> list[dict[str, float]]:
         return [dict(zip(each.name, each.position, strict=True)) for each in cast("list[Any]", published)]
 
+    shown(Evidence.UNKNOWN)
     tick()
     assert seen() == [], "nothing is proven before the first frame"
-    frame(1, extended=True)
+    shown(Evidence.CONFIRMED)
     assert seen() == [{"tool_grip_joint": 0.025}], "a change does not wait for the clock"
-    frame(2, extended=True)
+    shown(Evidence.CONFIRMED)
     assert len(seen()) == 1
     tick()
     assert seen() == [{"tool_grip_joint": 0.025}] * 2
-    frame(3, extended=False)
+    shown(Evidence.PARTIAL)
     tick()
     assert len(seen()) == 2, "on its way it stands nowhere"
+
+
+def test_the_changer_and_its_stand_stand_where_their_bits_say(caplog: pytest.LogCaptureFixture) -> None:
+    transport = LoneTransport()
+    PositionNode(cast("Any", transport))
+    with caplog.at_level("INFO"):
+        transport.hal.reads(locked=True, unlocked=False, tool_present=True, in_stand=True)
+        transport.hal.reads(locked=False, unlocked=False, tool_present=True, in_stand=True)
+        transport.hal.reads(locked=None, unlocked=False, tool_present=False, in_stand=True)
+    assert [each.position_name for each in transport.published[POSITION_TOOL_CHANGER.name]] == [
+        "LOCKED",
+        "BETWEEN",
+        "UNKNOWN",
+    ]
+    assert [each.position_name for each in transport.published[POSITION_TOOL_STAND.name]] == [
+        "IN_STAND",
+        "ABSENT",
+    ]
+    assert "tool_changer: LOCKED -> BETWEEN" in [each.getMessage() for each in caplog.records]

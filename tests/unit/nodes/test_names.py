@@ -27,7 +27,7 @@ def faults(path: Path, *changes: tuple[str, str]) -> list[str]:
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        (SERVICE, "service: grip/command", "38:14: service 'grip/command' belongs to the nodes"),
+        (SERVICE, "service: StopTool", "38:14: service 'StopTool' belongs to the nodes"),
         (SERVICE, "service: ArmToolChanger", "38:14: service 'ArmToolChanger' belongs to the nodes"),
         (SERVICE, "service: Grip/get_loggers", "38:14: service 'Grip/get_loggers' belongs to the nodes"),
         ("service: SetToolChanger", "service: Drop", "55:12: service 'Drop' belongs to the nodes"),
@@ -38,8 +38,8 @@ def faults(path: Path, *changes: tuple[str, str]) -> list[str]:
         (TOPIC, "topic: rosout", "39:12: topic 'rosout' belongs to the nodes"),
         (
             TOPIC,
-            "topic: left/sensor_frame",
-            "39:12: topic 'left/sensor_frame' belongs to the nodes of a tool in the namespace 'left'",
+            "topic: left/EndEffectorState",
+            "39:12: topic 'left/EndEffectorState' belongs to the nodes of a tool in the namespace 'left'",
         ),
         (TOPIC, "topic: SetTopVacuum", "48:14: service 'SetTopVacuum' is the topic of cylinder already"),
         (TOPIC, "topic: PositionCylinder", "34:5: position topic 'PositionCylinder' is the topic of cylinder already"),
@@ -62,16 +62,16 @@ def test_a_name_that_is_made_of_an_actuators_name_is_refused_too(tmp_path: Path)
 
 
 def test_an_absolute_spelling_is_no_name(tmp_path: Path) -> None:
-    (found,) = faults(tmp_path / "tool.yaml", (SERVICE, "service: /grip/command"))
-    assert "is not a name (/grip/command)" in found
+    (found,) = faults(tmp_path / "tool.yaml", (SERVICE, "service: /grip/it"))
+    assert "is not a name (/grip/it)" in found
 
 
 def test_two_faults_are_told_at_once(tmp_path: Path) -> None:
-    found = faults(tmp_path / "tool.yaml", (SERVICE, "service: grip/command"), (TOPIC, "topic: grip/state"))
+    found = faults(tmp_path / "tool.yaml", (SERVICE, "service: ResetFaults"), (TOPIC, "topic: joint_states"))
     assert [line.split(": ")[0] for line in found] == ["38:14", "39:12"]
 
 
-@pytest.mark.parametrize("name", ["grip/commands", "Gripper", "my/GripState", "sensor_frames", "DropZone"])
+@pytest.mark.parametrize("name", ["grip/state", "Gripper", "my/GripState", "sensor_frame", "DropZone"])
 def test_a_name_that_is_near_is_allowed(tmp_path: Path, name: str) -> None:
     assert faults(tmp_path / "tool.yaml", (TOPIC, f"topic: {name}")) == []
 

@@ -4,35 +4,37 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 from end_effector_hal.control import Answer
-from end_effector_hal.nodes.transport import Commander
+from end_effector_hal.control.goals import Outcome
+from end_effector_hal.nodes.hal_main import HalMainNode
+from end_effector_hal.nodes.interface import TRIGGER_GRIP
 from end_effector_hal.runtime.stream import RecordStream
 from end_effector_hal.wires.sensors import SensorHealth
+from tests.support.lone_node import LoneTransport
+from tests.support.patience import wait_until
 
 NO_THREAD = RuntimeError("can't start new thread")
-
-
-class Connection:
-    def call(self, command: int, until_us: int) -> Answer:
-        return Answer(True)
-
-    def close(self) -> None:
-        pass
 
 
 def start_nothing(_: threading.Thread) -> None:
     raise NO_THREAD
 
 
-def test_a_command_to_a_node_is_refused_and_the_next_one_is_given() -> None:
-    commander = Commander("Grip", Connection)
+def test_a_goal_is_refused_and_the_next_one_is_given() -> None:
+    transport, ended = LoneTransport(), list[tuple[Outcome, str]]()
+    HalMainNode(cast("Any", transport))
+    goal = SimpleNamespace(request=None, end=lambda ending, _: ended.append((ending.outcome, ending.reason)))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(threading.Thread, "start", start_nothing)
-        assert commander.ask(2) == Answer(False, f"The node Grip cannot be asked: {NO_THREAD}.")
-    assert commander.ask(2).accepted
+        transport.goals[TRIGGER_GRIP.name](goal)
+    assert ended == [(Outcome.REJECTED, f"The HAL cannot be asked: {NO_THREAD}.")]
+    transport.goals[TRIGGER_GRIP.name](goal)
+    wait_until("it is asked", lambda: transport.hal.asked == ["grip"])
 
 
 @pytest.mark.parametrize("left", [0, 1])

@@ -27,7 +27,7 @@ def tool() -> Description:
 
 
 def test_the_services_and_topics_of_table_i(tool: Description) -> None:
-    assert [service.name for service in services(tool) if not service.internal] == [
+    assert [service.name for service in services(tool)] == [
         "SetBottomVacuum",
         "SetCylinder",
         "SetTopVacuum",
@@ -62,13 +62,12 @@ def test_names_are_relative_and_stand_there_once(tool: Description) -> None:
     assert [name for name in names if name.startswith("/")] == ["/diagnostics"]
 
 
-def test_all_that_a_node_acts_on_has_its_writer(tool: Description) -> None:
-    """Only what the Supervisor was told is open to all: nothing is decided by it."""
-    heard = [topic for topic in topics(tool) if topic.subscribers]
-    assert [topic.name for topic in heard if topic.public] == ["supervisor_commands"]
-    assert all(len(topic.publishers) == 1 for topic in heard)
-    assert {service.name: service.callers for service in services(tool) if service.internal} == {
-        "grip/command": ("HALMain", "ToolChange"),
+def test_nothing_of_ros_is_a_sensor_or_a_status_of_the_hal(tool: Description) -> None:
+    """Only those who write it down, or wait for their own goals, subscribe to anything."""
+    heard = {topic.name: topic.subscribers for topic in topics(tool) if topic.subscribers}
+    assert heard == {
+        "EndEffectorState": ("DataLogger", "Supervisor"),
+        "supervisor_commands": ("DataLogger",),
     }
 
 

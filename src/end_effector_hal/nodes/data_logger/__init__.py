@@ -2,4 +2,4 @@
 
 from ._commands_log import CommandsLog
 from ._data_logger import DataLogger
-from ._rows import events_of, write_frame, write_state
+from ._rows import events_of, write_state

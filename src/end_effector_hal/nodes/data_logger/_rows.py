@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.control import EventKind, ToolEvent
 from end_effector_hal.errors import UsageError
-from end_effector_hal.nodes.transport import FrameMessage, StateMessage
+from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, event_row
 from end_effector_hal.vocabulary import Cause, received_alarms
 
@@ -31,12 +31,3 @@ def events_of(message: StateMessage) -> list[ToolEvent]:
         found.append(ToolEvent(each.at_us, kind, place, each.attempt, *states, cause, each.command))
         event_row(found[-1], 0.0, names[1:])
     return found
-
-
-def write_frame(recording: Recording, message: FrameMessage) -> None:
-    """Write the rows of a frame message; raises ReportedError when a row cannot be written now."""
-    values = {
-        channel: value if valid else None
-        for channel, value, valid in zip(message.channels, message.values, message.valid, strict=False)
-    }
-    recording.values(message.at_us, values)

@@ -10,15 +10,19 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from end_effector_hal.control.goals import Effect, Ending, Goal, GoalEffect, Goals, Outcome, Phase
-from end_effector_hal.nodes.interface import GRIP, GRIP_COMMAND
-from end_effector_hal.nodes.transport import (
-    ClientGoal,
-    NodeTransport,
-    StateMessage,
-    StatusMessage,
-    status_from_message,
+from end_effector_hal.control import Answer, Status
+from end_effector_hal.control.goals import (
+    CHANNELS,
+    Effect,
+    Ending,
+    Goal,
+    GoalEffect,
+    Goals,
+    Outcome,
+    Phase,
 )
+from end_effector_hal.nodes.transport import ClientGoal, NodeTransport, StateMessage
+from end_effector_hal.runtime import Tool
 from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
@@ -38,22 +42,27 @@ class ServedGoals:
 
     A decision is made in the thread that delivers the message, under one lock. One thread at a time carries out the
     effects, in the order of the decisions: a thread that finds another one at work leaves its effects to that thread.
-    So no thread waits for an action server, which holds its lock while it calls back.
+    So no thread waits for an action server, which holds its lock while it calls back. Each command has a thread of its
+    own, because the tool may answer late.
 
     Args:
         node: the transport that serves the actions; its log records how each goal ended.
         types: the goals of each action.
+        tool: executes the commands.
         state: returns the newest EndEffectorState.
     """
 
     def __init__(
-        self, node: NodeTransport, types: Iterable[GoalType], state: Callable[[], StateMessage]
+        self,
+        node: NodeTransport,
+        types: Iterable[GoalType],
+        tool: Tool,
+        state: Callable[[], StateMessage],
     ) -> None:
-        self._state, self._log = state, node.log
+        self._tool, self._state, self._log = tool, state, node.log
         self._lock, self._turn = threading.Lock(), threading.Lock()
-        self._goals: Goals[ServedGoal] = Goals(f"The node {GRIP}")
+        self._goals: Goals[ServedGoal] = Goals("The HAL")
         self._effects: deque[GoalEffect[ServedGoal]] = deque()
-        self._commander = node.command_client(GRIP_COMMAND)
         self._servers = [
             node.action_server(
                 each.action,
@@ -65,18 +74,17 @@ class ServedGoals:
             if node.offers(each.action)
         ]
 
-    def on_status(self, status: StatusMessage) -> None:
-        """Process a new status of the program, which may continue or end the running goal."""
-        seen = status_from_message(status)
-        self._decide(lambda at: self._goals.see(seen, at))
+    def on_status(self, status: Status) -> None:
+        """Process a new status of the tool, which may continue or end the running goal."""
+        self._decide(lambda at: self._goals.see(status, at))
 
     def tick(self, *, gone: bool) -> None:
-        """Send feedback with the time left, and end a goal if Grip is gone or does not answer; called periodically."""
+        """Send feedback with the time left, and end a goal if the HAL is gone or does not answer; called regularly."""
         self._decide(lambda at: self._goals.tick(at, gone=gone))
 
     def close(self) -> None:
         """Answer every goal while the topics are still open, and reject later goals."""
-        todo = "What is held stays held. See EndEffectorState once HALMain is back."
+        todo = f"{self._tool.ending()} See EndEffectorState once HALMain is back.".lstrip()
         with self._lock:
             self._effects += self._goals.close("HALMain", todo, now_us())
         with self._turn:
@@ -129,19 +137,29 @@ class ServedGoals:
 
     def _do(self, todo: Effect, goal: ServedGoal) -> None:
         if todo is Effect.ASK:
-            self._commander.send(
-                goal.command, lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at))
+            self._give(
+                CHANNELS[goal.command],
+                lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at)),
             )
         elif todo is Effect.GIVE_UP:
-            self._commander.give_up()
+            pass  # its thread ends by itself, and the goals ignore a late answer
         elif todo is Effect.CANCEL:
-            self._commander.send(Command.CANCEL, lambda _: None)  # refused where nothing is to be unwound
+            self._give("cancel", lambda _: None)  # refused where nothing is to be unwound
         elif todo is Effect.REPORT_BEGIN:
             goal.client.begin()
         elif todo is Effect.REPORT_PROGRESS:
             goal.client.publish_feedback(goal.type.feedback(self._state()))
         elif goal.ending is not None:
             self._answer(goal.type, goal.client, goal.ending, goal.command)
+
+    def _give(self, command: str, then: Callable[[Answer], None]) -> None:
+        """Give a command in a thread of its own, and call ``then`` with the decision."""
+        try:
+            threading.Thread(
+                target=lambda: then(self._tool.command(command)), name=command, daemon=True
+            ).start()
+        except RuntimeError as error:  # no thread
+            then(Answer(False, f"The HAL cannot be asked: {error}."))
 
     def _answer(self, kind: GoalType, client: ClientGoal, ending: Ending, command: Command | None) -> None:
         wanted = ending.outcome in (Outcome.SUCCEEDED, Outcome.CANCELLED, Outcome.NOT_EXECUTED)

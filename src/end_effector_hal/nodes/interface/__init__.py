@@ -1,14 +1,13 @@
-"""The ROS interface of a tool, for either generation: names, types, rates, who publishes and who may call."""
+"""The ROS interface of a tool, for either generation: names, types, rates, and which node publishes or serves."""
 
 from ._entries import Action, CommandAction, Parameter, Service, Topic
 from ._joints import GRIP_UPPER, actuator_joints, grip_joint, grip_position
 from ._name_faults import load_for_nodes, name_faults
 from ._table import (
     ACTIONS,
-    ARM,
     ARM_TOOL_CHANGER,
     COMMAND_ACTIONS,
-    COMMAND_VALID_S,
+    CONNECT,
     DATA_LOGGER,
     DESCRIPTION,
     DIAGNOSTICS,
@@ -17,10 +16,7 @@ from ._table import (
     END_EFFECTOR_STATE,
     FRAME_ID,
     GIVE_UP_S,
-    GONE_AFTER_S,
     GRIP,
-    GRIP_COMMAND,
-    GRIP_STATE,
     GRIPPER_COMMAND,
     HAL_MAIN,
     HAL_NODES,
@@ -42,8 +38,6 @@ from ._table import (
     RESET_FAULTS,
     SCRIPT,
     SEGMENT_MB,
-    SENSOR_FRAME,
-    STARTING_S,
     STATE_HZ,
     STOP_TOOL,
     SUPERVISOR,

@@ -14,14 +14,12 @@ class Topic:
     Attributes:
         name: relative (``/diagnostics`` is global by REP-107).
         type: type of its messages.
-        publishers: nodes of this package; the subscribers drop messages of any other node.
+        publishers: nodes of this package.
         subscribers: nodes of this package; others are free to subscribe.
         on: the cause of a message: ``change``, ``frame`` or ``command``; empty: only the clock.
         rate_hz: rate of additional periodic messages; None: there are none.
         latched: whether a new subscriber gets the last message at once (ROS 2: transient local, depth 1).
         queue: number of messages kept for a slow subscriber; beyond it the oldest is dropped.
-        internal: only for nodes of this package; may change with any version.
-        public: whether the subscribers accept the messages of every node.
     """
 
     name: str
@@ -32,23 +30,15 @@ class Topic:
     rate_hz: float | None = None
     latched: bool = False
     queue: int = 10
-    internal: bool = False
-    public: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service, the node that serves it, and the nodes of this package that may call it; empty: every node may."""
+    """A service, and the node that serves it."""
 
     name: str
     type: str
     server: str
-    callers: tuple[str, ...] = ()
-
-    @property
-    def internal(self) -> bool:
-        """Whether it is only for nodes of this package; an internal service may change with any version."""
-        return bool(self.callers)
 
 
 @dataclass(frozen=True, slots=True)

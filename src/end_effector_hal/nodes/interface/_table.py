@@ -20,15 +20,6 @@ OF_ROS = ("rosout", "rosout_agg", "clock")
 """Global topics of ROS itself."""
 
 STATE_HZ, DIAGNOSTICS_HZ = 10.0, 1.0
-GONE_AFTER_S = 1.0
-"""Silence of a periodic message after which its node counts as gone, s."""
-STARTING_S = 5.0
-"""Time after its own start for which HALMain waits for the first report of Grip without an alarm, s.
-
-The processes of a launch begin within seconds of one another. The state is OFF until then.
-"""
-COMMAND_VALID_S = 0.5
-"""Time within which a command of the internal service must begin, counted from its request, s."""
 GIVE_UP_S = 30.0
 """Longest wait of a client for the actions, s."""
 PATIENCE_S = 10.0
@@ -39,55 +30,41 @@ busy machine.
 
 def pressure(name: str) -> Topic:
     """Return the topic of a pressure with that name."""
-    return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), (HAL_MAIN,), on="frame", queue=10)
+    return Topic(name, "sensor_msgs/FluidPressure", (PRESSURE,), on="frame")
 
 
-# A second of changes is kept: nothing of a run is lost when a subscriber stumbles.
-SENSOR_FRAME = Topic(
-    "sensor_frame", "end_effector_msgs/SensorFrame", (PRESSURE,), (GRIP, POSITION, DATA_LOGGER),
-    on="frame", queue=50, internal=True,
-)  # fmt: skip
-GRIP_STATE = Topic(
-    "grip/state", "end_effector_msgs/UnitStatus", (GRIP,), (TOOL_CHANGE, HAL_MAIN),
-    rate_hz=STATE_HZ, latched=True, queue=100, internal=True,
-)  # fmt: skip
 POSITION_TOOL_CHANGER = Topic(
-    "PositionToolChanger", "end_effector_msgs/ToolChangerPosition", (POSITION,), (HAL_MAIN,),
-    rate_hz=STATE_HZ, latched=True,
+    "PositionToolChanger", "end_effector_msgs/ToolChangerPosition", (POSITION,), rate_hz=STATE_HZ, latched=True
 )  # fmt: skip
 POSITION_TOOL_STAND = Topic(
-    "PositionToolStand", "end_effector_msgs/ToolStandPosition", (POSITION,), (HAL_MAIN,),
-    rate_hz=STATE_HZ, latched=True,
+    "PositionToolStand", "end_effector_msgs/ToolStandPosition", (POSITION,), rate_hz=STATE_HZ, latched=True
 )  # fmt: skip
 JOINT_STATES = Topic("joint_states", "sensor_msgs/JointState", (POSITION,), rate_hz=STATE_HZ)
+# A queue of 100 keeps a second of changes: nothing of a run is lost when a subscriber stumbles.
 END_EFFECTOR_STATE = Topic(
     "EndEffectorState", "end_effector_msgs/EndEffectorState", (HAL_MAIN,), (DATA_LOGGER, SUPERVISOR),
     rate_hz=STATE_HZ, latched=True, queue=100,
 )  # fmt: skip
 SUPERVISOR_COMMANDS = Topic(
     "supervisor_commands", "end_effector_msgs/SupervisorCommand", (SUPERVISOR,), (DATA_LOGGER,), on="command",
-    queue=100, public=True,
+    queue=100,
 )  # fmt: skip
 DIAGNOSTICS = Topic(
     "/diagnostics", "diagnostic_msgs/DiagnosticArray", (*HAL_NODES, DATA_LOGGER),
     on="", rate_hz=DIAGNOSTICS_HZ, queue=10,
 )  # fmt: skip
 
-GRIP_COMMAND = Service("grip/command", "end_effector_msgs/HalCommand", GRIP, (HAL_MAIN, TOOL_CHANGE))
-
 PRESSURE_SUPPLY = pressure("PressureSupply")
 FIXED_TOPICS = (
-    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, SENSOR_FRAME, GRIP_STATE, DIAGNOSTICS,
+    END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, DIAGNOSTICS,
     POSITION_TOOL_CHANGER, POSITION_TOOL_STAND, PRESSURE_SUPPLY, JOINT_STATES,
 )  # fmt: skip
 """Topics with the same name for every tool."""
 
 ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
-ARM = 100
-"""A command of the internal service that is not in Table II."""
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
 STOP_TOOL = Service("StopTool", "std_srvs/Trigger", GRIP)
-FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)
 """Services with the same name for every tool."""
 
 
@@ -119,11 +96,16 @@ DESCRIPTION = Parameter(
     "path of the YAML file, never its content; required, or a profile",
 )
 PROFILE = Parameter("profile", DESCRIPTION.nodes, "name of a shipped tool, instead of a description")
+CONNECT = Parameter(
+    "connect",
+    (HAL_MAIN, MANAGER),
+    "`true`: use the tool that `eehal serve` runs, which outlives a restart of ROS; default: HALMain runs it",
+)
 SCRIPT = Parameter("script", (SUPERVISOR,), "commands to give, such as `lock; grip; wait 2; drop; quit`")
 DIRECTORY = Parameter(
     "directory",
-    (DATA_LOGGER, GRIP, MANAGER),
-    "run folder to write; if it is empty, Grip writes no trace",
+    (DATA_LOGGER, HAL_MAIN, MANAGER),
+    "run folder to write; if it is empty, HALMain writes no trace",
 )
 PATIENCE = Parameter(
     "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
@@ -135,12 +117,12 @@ FRAME_ID = Parameter(
 )
 SEGMENT_MB = Parameter(
     "segment_mb",
-    (DATA_LOGGER, GRIP, MANAGER),
+    (DATA_LOGGER, HAL_MAIN, MANAGER),
     "size at which a recorded file is closed and the next segment begins, MB; default: 64",
 )
 KEEP_MB = Parameter(
     "keep_mb",
-    (DATA_LOGGER, GRIP, MANAGER),
+    (DATA_LOGGER, HAL_MAIN, MANAGER),
     "largest size of the folder, MB; the oldest segments are removed; default: 1000",
 )
 PROVE = Parameter("prove", (MANAGER,), "`true`: prove the tool when it is configured and no verdict is kept")
@@ -148,6 +130,7 @@ READY_S = Parameter("ready_s", (MANAGER,), "seconds; how long activate waits for
 PARAMETERS = (
     DESCRIPTION,
     PROFILE,
+    CONNECT,
     SCRIPT,
     DIRECTORY,
     PATIENCE,

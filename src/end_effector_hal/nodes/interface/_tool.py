@@ -11,16 +11,12 @@ from ._table import (
     DIAGNOSTICS,
     END_EFFECTOR_STATE,
     GRIP,
-    GRIP_COMMAND,
-    GRIP_STATE,
-    HAL_MAIN,
     JOINT_STATES,
     POSITION,
     POSITION_TOOL_CHANGER,
     POSITION_TOOL_STAND,
     PRESSURE_SUPPLY,
     RESET_FAULTS,
-    SENSOR_FRAME,
     STATE_HZ,
     STOP_TOOL,
     SUPERVISOR_COMMANDS,
@@ -44,7 +40,7 @@ def position_topics(description: Description) -> dict[str, Topic]:
     """Return the position topic of each actuator that moves between two end positions."""
     return {
         name: Topic(
-            "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,), (HAL_MAIN,),
+            "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,),
             rate_hz=STATE_HZ, latched=True,
         )
         for name, part in description.ordered
@@ -73,7 +69,7 @@ def topics(description: Description) -> tuple[Topic, ...]:
     return (
         END_EFFECTOR_STATE, SUPERVISOR_COMMANDS, *(topic for _, topic in pressure_topics(description)),
         *position_topics(description).values(), JOINT_STATES, *changer,
-        SENSOR_FRAME, GRIP_STATE, DIAGNOSTICS,
+        DIAGNOSTICS,
     )  # fmt: skip
 
 
@@ -82,7 +78,7 @@ def services(description: Description) -> tuple[Service, ...]:
     changer = set_tool_changer(description)
     plain = output_services(description).values()
     own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))
-    return (*own, STOP_TOOL, RESET_FAULTS, GRIP_COMMAND)
+    return (*own, STOP_TOOL, RESET_FAULTS)
 
 
 def _set(name: str, server: str) -> Service:

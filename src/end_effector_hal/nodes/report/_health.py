@@ -12,6 +12,7 @@ from end_effector_hal.nodes.transport import (
     KeyValueMessage,
     NodeTransport,
 )
+from end_effector_hal.runtime import Tool
 from end_effector_hal.vocabulary import Alarm
 
 OK, WARN, ERROR = 0, 1, 2
@@ -32,6 +33,15 @@ def standing(alarms: Sequence[Alarm]) -> bool:
     return any(not alarm.over for alarm in alarms)
 
 
+def silence(tool: Tool) -> Health | None:
+    """Return the health of a node that does not hear the HAL; None: it does."""
+    if tool.alive:
+        return None
+    status = tool.status
+    lost = status.alarm("hal.lost")
+    return Health(ERROR if status.begun else WARN, str(lost) if lost else "The HAL has not reported yet.")
+
+
 def publish_health(
     node: NodeTransport, tool: str, health: Callable[[], Health], *, hardware: str = ""
 ) -> None:
@@ -46,15 +56,9 @@ def publish_health(
     publish = node.publisher(DIAGNOSTICS)
 
     def tick() -> None:
-        now, unknown = health(), node.unknown_senders.alarms()
-        level = max(now.level, WARN) if unknown else now.level
-        counts = {f"dropped, {what}": count for what, count in node.unknown_senders.counts().items()}
-        values = [
-            KeyValueMessage(key, str(value)) for key, value in {"tool": tool, **now.values, **counts}.items()
-        ]
-        # the sentence of the health may contain an alarm already
-        new = [alarm.text for alarm in unknown if alarm.text not in now.message]
-        message = " ".join((*new, now.message))
-        publish(DiagnosticsMessage([DiagnosticMessage(level, node.name, message, hardware or tool, values)]))
+        now = health()
+        values = [KeyValueMessage(key, str(value)) for key, value in {"tool": tool, **now.values}.items()]
+        message = DiagnosticMessage(now.level, node.name, now.message, hardware or tool, values)
+        publish(DiagnosticsMessage([message]))
 
     node.every(DIAGNOSTICS_HZ, tick)

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import nan
 
-from end_effector_hal.vocabulary import Command
-
 
 @dataclass(slots=True)
 class MessageHeader:
@@ -21,16 +19,8 @@ class MessageHeader:
     frame_id: str = ""
 
 
-@dataclass(slots=True)
-class FrameMessage:
-    """The message ``SensorFrame``; its definition explains the fields, as for all messages below."""
-
-    at_us: int = 0
-    seq: int = -1
-    device_ms: int = -1
-    channels: Sequence[str] = ()
-    values: Sequence[int] = ()
-    valid: Sequence[bool] = ()
+AMBIENT_PA = 101_325
+"""The standard atmosphere, Pa: a FluidPressure is absolute, a reading is gauge."""
 
 
 @dataclass(slots=True)
@@ -100,43 +90,6 @@ class EventMessage:
     new_state: int = -1
     cause: int = 0
     command: str = ""
-
-
-@dataclass(slots=True)
-class StatusMessage:
-    """The message ``UnitStatus``: the status of the program."""
-
-    header: MessageHeader = field(default_factory=MessageHeader)
-    since_us: int = 0
-    count: int = 0
-    at_us: int = 0
-    state: int = 0
-    command: int = Command.NONE
-    actuators: Sequence[int] = ()
-    outputs: Sequence[bool] = ()
-    evidence: Sequence[int] = ()
-    step: int = -1
-    attempt: int = 0
-    attempts_allowed: int = 0
-    deadline_us: int = -1
-    cause: int = 0
-    cause_at: int = -1
-    reason: str = ""
-    held: bool = False
-    lift_allowed: bool = False
-    secure: bool = False
-    maintenance: bool = False
-    tool_changer: int = 0
-    unlock_output: bool = False
-    changer_reason: str = ""
-    link_up: bool = False
-    stale: Sequence[str] = ()
-    missed: int = 0
-    worst_late_us: int = 0
-    alarms: Sequence[str] = ()
-    alarm_ids: Sequence[str] = ()
-    steps: Sequence[StepMessage] = ()
-    events: Sequence[EventMessage] = ()
 
 
 @dataclass(slots=True)

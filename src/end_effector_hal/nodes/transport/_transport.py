@@ -1,15 +1,15 @@
 """The protocol that a ROS generation implements for the nodes.
 
 Rule 1. An outgoing message is one of `_messages`. The transport converts it to the type in the interface table, field
-by field. A message must not be changed after it was published: the nodes of this process may receive the same object.
+by field.
 
 Rule 2. An incoming message or request is any object with the fields of its definition.
 
 Rule 3. Publishing never waits for a subscriber. Beyond the queue length of the interface table the oldest message is
 dropped; on a latched topic a new subscriber gets the last message at once, and only that one.
 
-Rule 4. A subscriber gets the messages of the nodes that the interface table names, in the order in which each of them
-sent them. The transport drops all others and counts them in ``unknown_senders``.
+Rule 4. A subscriber gets the messages of every node, those of one node in the order in which it sent them. Nothing that
+comes by a topic moves a line: commands come by actions and services, and everything else from the tool of the process.
 
 Rule 5. Callbacks come in any thread, also two at a time: a node locks the data that they share. A callback of a topic
 returns at once. A service handler may block for as long as its command takes; nothing else waits for it.
@@ -27,7 +27,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from enum import IntEnum
 from typing import Any, Protocol
 
 from end_effector_hal.control import Answer
@@ -35,41 +34,7 @@ from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
-
-from ._frames import Frames
-from ._unknown_senders import UnknownSenders
-
-
-class CylinderPlace(IntEnum):
-    """The position of a cylinder (``CylinderPosition``)."""
-
-    UNKNOWN = 0
-    RETRACTED = 1
-    BETWEEN = 2
-    EXTENDED = 3
-
-
-class ChangerPlace(IntEnum):
-    """The position of the tool changer (``ToolChangerPosition``)."""
-
-    UNKNOWN = 0
-    LOCKED = 1
-    UNLOCKED = 2
-    BETWEEN = 3
-    CONTRADICTORY = 4
-
-
-class CommandClient(Protocol):
-    """A client that sends commands to the program of another node."""
-
-    def ask(self, command: int) -> Answer:
-        """Send a command of Table II and wait for the answer, at most 4 s; a silent node counts as a refusal."""
-
-    def send(self, command: int, on_answer: Callable[[Answer], None]) -> None:
-        """Send a command and return at once; the answer comes in another thread, or never."""
-
-    def give_up(self) -> None:
-        """Abandon an answer that is late; if it still comes, it is ignored."""
+from end_effector_hal.runtime import Tool
 
 
 class ClientGoal(Protocol):
@@ -129,19 +94,17 @@ class NodeTransport(Protocol):
         name: name of the node, without a leading slash.
         log: its logger.
         generation: generation of ROS, 1 or 2.
-        unknown_senders: counts the messages and calls that were dropped.
     """
 
     name: str
     log: logging.Logger
     generation: int
-    unknown_senders: UnknownSenders
 
     def description(self) -> Description:
         """Return the tool that the parameters name; raises DescriptionError."""
 
-    def frames(self, description: Description) -> Frames:
-        """Return the frames that the nodes of this process share for this tool."""
+    def tool(self) -> Tool:
+        """Return the tool of this process, which its nodes share; see `open_tool`."""
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         """Return a parameter of this node."""
@@ -158,14 +121,8 @@ class NodeTransport(Protocol):
     def serve(self, service: Service, handler: Callable[[Any], Answer]) -> None:
         """Answer the calls of a service; the transport makes its response from the answer."""
 
-    def refuse_unknown_caller(self, service: Service, request: Any) -> str:
-        """Return why a call of an internal service is refused; empty: the interface table names its caller."""
-
     def call(self, service: Service) -> Answer | None:
         """Call a service without arguments and return its answer; None: its node cannot be reached."""
-
-    def command_client(self, service: Service) -> CommandClient:
-        """Return a client that sends commands to another node."""
 
     def offers(self, action: Action) -> bool:
         """Return whether this generation has the type of an action; a type that is only not installed is logged."""

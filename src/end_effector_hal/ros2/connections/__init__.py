@@ -1,7 +1,5 @@
-"""Messages and calls in ROS 2: types, quality of service, accepted senders, and direct delivery within a process."""
+"""Messages and services in ROS 2: their types and their quality of service."""
 
-from ._command_service import LocalService, RclpyCommandService
-from ._local_bus import LocalBus
 from ._messages import (
     RclpyMessageMaker,
     action_class,
@@ -13,4 +11,3 @@ from ._messages import (
     service_class,
     writer_quality,
 )
-from ._publishers_in_graph import PublishersInGraph

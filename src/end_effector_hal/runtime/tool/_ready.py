@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 
 from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import Status
@@ -51,11 +51,7 @@ def missing(description: Description, status: Status, sensors: SensorHealth) -> 
     if inputs and inputs.error:
         yield f"inputs of the board are not read: {inputs.error.rstrip('.')}"
     if not status.link_up and sensors.links:
-        several = len(sensors.links) > 1
-        silent = [
-            name for name in sensors.links if not several or name in _not_heard(description, status.stale)
-        ]
-        for name in silent or sensors.links:
+        for name in silent_links(description, status, sensors.links) or sensors.links:
             yield _silence(description.link_name(name), sensors.links[name])
     elif not status.link_up:
         yield "the inputs of the board have not been read"
@@ -72,10 +68,13 @@ def missing(description: Description, status: Status, sensors: SensorHealth) -> 
     yield from (str(alarm).rstrip(".?") for alarm in distinct(status.alarms) if alarm.id != "link.down")
 
 
-def _not_heard(description: Description, stale: Sequence[str]) -> frozenset[str]:
-    """Return the names of links of which some channel has no reading."""
+def silent_links(description: Description, status: Status, names: Collection[str]) -> list[str]:
+    """Return those of the links with these names over which no frame comes now."""
+    if status.link_up:
+        return []
     sources = sources_of(carrier_of(description))
-    return frozenset(each.link for each in sources if each.link and not each.channels.isdisjoint(stale))
+    lacking = {each.link for each in sources if not each.channels.isdisjoint(status.stale)}
+    return [name for name in names if len(names) == 1 or name in lacking]
 
 
 def _silence(sensors: str, link: LinkHealth) -> str:

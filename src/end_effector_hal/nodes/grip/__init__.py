@@ -1,3 +1,0 @@
-"""The node Grip, which executes the automata of the tool."""
-
-from ._grip import GripNode
