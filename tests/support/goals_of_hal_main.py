@@ -1,4 +1,4 @@
-"""HALMain's goals without a master: Grip answers what a test says."""
+"""HALMain's goals without a master: the tool answers what a test says."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import pytest
 
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Phase
+from end_effector_hal.vocabulary import Cause, Command, EndEffectorState
 from tests.support.goal_server import Wire
+from tests.support.lone_node import status
 from tests.support.patience import wait_until
 
 STATUSES = ("PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED", "RECALLED", "LOST")
@@ -19,26 +21,22 @@ STAND_BY, GRIPPED, GRIPPING = 6, 3, 1
 NONE, GRIP, RELEASE = -1, 2, 3
 
 
-class Grip:
-    """In place of the node that executes: answers what a test says, or hangs until it is let go."""
+class Tool:
+    """In place of the tool: answers what a test says, or hangs until it is let go."""
 
     def __init__(self) -> None:
-        self.asked: list[int] = []
+        self.asked: list[str] = []
         self.replies: list[Answer] = []
-        self.given_up = 0
         self.goes_on = threading.Event()
         self.goes_on.set()
 
-    def send(self, command: int, on_answer: Any) -> None:
-        threading.Thread(target=self._answer, args=(command, on_answer), daemon=True).start()
-
-    def give_up(self) -> None:
-        self.given_up += 1
-
-    def _answer(self, command: int, on_answer: Any) -> None:
-        self.asked.append(command)
+    def command(self, name: str) -> Answer:
+        self.asked.append(name)
         assert self.goes_on.wait(60.0)
-        on_answer(self.replies.pop(0) if self.replies else Answer(True, count=7))
+        return self.replies.pop(0) if self.replies else Answer(True, count=7)
+
+    def ending(self) -> str:
+        return "What is held stays held."
 
 
 class Hal:
@@ -46,7 +44,8 @@ class Hal:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         import rospy
-        from end_effector_msgs.msg import EndEffectorState, StepReport
+        from end_effector_msgs.msg import EndEffectorState as Message
+        from end_effector_msgs.msg import StepReport
 
         from end_effector_hal.nodes.hal_main._goal_types import CommandGoals
         from end_effector_hal.nodes.hal_main._served_goals import ServedGoals
@@ -60,9 +59,9 @@ class Hal:
 
         monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
         monkeypatch.setattr(rospy.rostime, "_rostime_current", None)
-        self.grip = Grip()
+        self.tool = Tool()
         monkeypatch.setattr(GoalServer, "start", start)
-        self.state = EndEffectorState(state=GRIPPING, steps=[StepReport(actuator="cylinder")])
+        self.state = Message(state=GRIPPING, steps=[StepReport(actuator="cylinder")])
         log = logging.getLogger("tests.goals")
         self._servers: dict[str, Any] = {}
 
@@ -72,12 +71,11 @@ class Hal:
 
         node = SimpleNamespace(
             log=log,
-            command_client=lambda service: self.grip,
             offers=lambda action: True,
             action_server=serve,
         )
         types = [CommandGoals(action) for action in COMMAND_ACTIONS]
-        self.goals = ServedGoals(cast("Any", node), types, lambda: self.state)
+        self.goals = ServedGoals(cast("Any", node), types, cast("Any", self.tool), lambda: self.state)
 
     def send(self, goal_id: str = "a", action: str = "TriggerGrip") -> None:
         import rospy
@@ -101,10 +99,9 @@ class Hal:
 
         wait_until("the acceptance", active)
 
-    def says(self, **fields: Any) -> None:
-        from end_effector_msgs.msg import UnitStatus
-
-        self.goals.on_status(UnitStatus(**{"since_us": 5, "count": 7, "command": NONE, **fields}))
+    def says(self, state: int = 0, command: int = NONE, cause: int = 0, **fields: Any) -> None:
+        given = {"begun": 5, "count": 7, "command": Command(command), "cause": Cause(cause), **fields}
+        self.goals.on_status(status(EndEffectorState(state), **given))
 
     def end(self, goal_id: str = "a", action: str = "TriggerGrip") -> tuple[str, str]:
         """Names of status and outcome, once it is there."""

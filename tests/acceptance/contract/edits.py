@@ -81,20 +81,9 @@ EDITS = (
         ("test_goals::test_a_grip_while_gripped_is_refused",),
     ),
     Edit(
-        "held is lost with a node that is silent", 1, "nodes/hal_main/_aggregate.py",
-        "held=status.held,", "held=status.held and not lost,",
-        ("test_nodes::test_a_node_that_is_killed_while_a_part_is_held_is_back_and_moves_no_line",),
-    ),
-    Edit(
         "changes are not counted", 1, "nodes/hal_main/_hal_main.py",
-        "            self._at_us = status.at_us\n            self._count += 1\n",
-        "            self._at_us = status.at_us\n",
+        "before, self._count = self._status, self._count + 1", "before = self._status",
         ("test_state::test_the_count_tells_changes_apart_from_repetitions",),
-    ),
-    Edit(
-        "every caller has a say", 1, "ros1/_ros_node.py",
-        '        if caller in known:\n            return ""\n', '        return ""\n',
-        ("test_services::test_a_command_of_a_stranger_moves_nothing",),
     ),
     Edit(
         "the last state is not OFF", 1, "nodes/hal_main/_hal_main.py",
@@ -153,16 +142,6 @@ EDITS = (
         "parameters can be set", 2, "ros2/_ros_node.py",
         "read_only=True", "read_only=False",
         ("test_services::test_another_tool_cannot_be_named_while_a_node_runs",),
-    ),
-    Edit(
-        "internal services are always on the graph", 2, "ros2/_ros_node.py",
-        "        if service.internal and self._group.bus.runs(service.callers):\n            return\n", "",
-        ("test_surface::test_an_internal_service_is_on_the_graph_where_it_is_needed",),
-    ),
-    Edit(
-        "more goals are kept than there is room for", 2, "ros2/actions/_action_server.py",
-        "if len(self._open) >= OPEN:", "if len(self._open) >= 10 * OPEN:",
-        ("test_nodes::test_more_goals_than_are_kept_are_refused_in_words",),
     ),
 )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Services: maintenance, arming, resets and their refusals; strangers have no say; parameters do not change."""
+"""Services: maintenance, arming, resets and their refusals; parameters do not change."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from tests.acceptance.contract.hal import NODES, Hal
 
 pytestmark = pytest.mark.ros
 BOTH = "IL-04: locked and unlocked were both on, or both off, for 0.5 s: a sensor fault, until a reset."
-GRIP = 2
 
 
 @pytest.mark.parametrize(
@@ -105,53 +104,6 @@ def test_a_sensor_fault_is_latched_until_a_reset_with_right_sensors(resting: Hal
         "LOCKED", lambda state: state["tool_changer_name"] == "LOCKED" and BOTH not in state["alarms"]
     )
     assert resting.edges() == edges, "no line has moved"
-
-
-def test_a_command_of_a_stranger_moves_nothing(holding: Hal) -> None:
-    """Where callers are not known, a command is refused by the automata, as everybody's is."""
-    edges = holding.edges()
-    if holding.one:
-        assert holding.by(Difference.INTERNAL, ros1=False, ros2=True)
-        services = [each["name"] for each in holding.driver.graph() if each["is"] == "service"]
-        assert "/grip/command" not in services, "nobody outside can call it"
-        return
-    answer = holding.driver.call("/grip/command", "end_effector_msgs/HalCommand", command=GRIP, until_us=0)
-    assert not answer["accepted"]
-    words = holding.by(
-        Difference.CALLERS,
-        ros1="only /HALMain and /ToolChange may send there",
-        ros2="A grip is accepted in STAND_BY only; the end-effector is GRIPPED.",
-    )
-    assert words in answer["reason"]
-    assert holding.edges() == edges
-
-
-def test_frames_of_a_stranger_change_nothing_that_is_held(holding: Hal) -> None:
-    """The stranger says that nothing is held any more."""
-    edges = holding.edges()
-    stranger = holding.driver.ask("advertise", topic="/sensor_frame", kind="end_effector_msgs/SensorFrame")
-    lie = {"channels": ["bottom"], "values": [0], "valid": [True]}
-    begun = holding.since
-
-    def lied(times: int) -> bool:
-        holding.driver.ask("publish", of=stranger, message=lie)
-        return holding.since >= begun + times
-
-    try:
-        if holding.one:
-            assert holding.by(Difference.INTERNAL, ros1=False, ros2=True)
-            holding.until("twenty states", lambda: lied(20))
-        else:
-            holding.until("an alarm", lambda: lied(1) and holding.alarmed("sensor_frame", "checks"))
-        lifted = {each["lift_allowed"] for each in holding.after(begun)}
-        # all messages of the topic are dropped in five processes of ROS 2, so that the true ones are missed
-        drops_all = not holding.one and holding.by(Difference.STRANGERS, ros1=False, ros2=True)
-        assert drops_all or lifted == {True}
-        assert {each["held"] for each in holding.after(begun)} == {True}
-    finally:
-        holding.driver.ask("leave", of=stranger)
-    holding.sees("frames count again", lambda state: state["lift_allowed"])
-    assert holding.edges() == edges
 
 
 @pytest.mark.parametrize("node", NODES)

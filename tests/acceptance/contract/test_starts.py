@@ -62,10 +62,10 @@ def test_a_description_with_a_fault_is_told_with_its_place(hal: Hal, tmp_path: P
 @pytest.mark.nightly
 def test_a_name_that_belongs_to_the_nodes_is_refused_with_its_place(hal: Hal, tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
-    text = profile_path().read_text().replace("service: SetCylinder", "service: grip/command")
+    text = profile_path().read_text().replace("service: SetCylinder", "service: StopTool")
     path.write_text(text, encoding="utf-8")
     code, said = ended(hal, "position", description=path)
-    assert (code, ":38:14: service 'grip/command' belongs to the nodes" in said) == (2, True), said
+    assert (code, ":38:14: service 'StopTool' belongs to the nodes" in said) == (2, True), said
 
 
 @pytest.mark.nightly

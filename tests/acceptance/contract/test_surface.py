@@ -20,22 +20,21 @@ FRAMES, STATES, HEALTH = "at each frame", "at 10 Hz", "once a second"
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic; ``readers`` are the nodes of the HAL that subscribe to it where they are several processes."""
+    """A topic. No node of the HAL subscribes to any."""
 
     name: str
     type: str
     rate: str
     writers: tuple[str, ...]
-    readers: tuple[str, ...] = ()
     latched: bool = False
 
 
 def pressure(name: str) -> Topic:
-    return Topic(name, "sensor_msgs/FluidPressure", FRAMES, ("Pressure",), ("HALMain",))
+    return Topic(name, "sensor_msgs/FluidPressure", FRAMES, ("Pressure",))
 
 
 def position(name: str, kind: str) -> Topic:
-    return Topic(name, f"end_effector_msgs/{kind}", STATES, ("Position",), ("HALMain",), latched=True)
+    return Topic(name, f"end_effector_msgs/{kind}", STATES, ("Position",), latched=True)
 
 
 TOPICS = (
@@ -48,21 +47,6 @@ TOPICS = (
     position("PositionToolChanger", "ToolChangerPosition"),
     position("PositionToolStand", "ToolStandPosition"),
     Topic("joint_states", "sensor_msgs/JointState", STATES, ("Position",)),
-    Topic(
-        "sensor_frame",
-        "end_effector_msgs/SensorFrame",
-        FRAMES,
-        ("Pressure",),
-        ("Grip", "Position"),
-    ),
-    Topic(
-        "grip/state",
-        "end_effector_msgs/UnitStatus",
-        STATES,
-        ("Grip",),
-        ("ToolChange", "HALMain"),
-        latched=True,
-    ),
     Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", HEALTH, NODES),
 )
 SERVICES = {
@@ -74,8 +58,6 @@ SERVICES = {
     "ResetFaults": ("std_srvs/Trigger", "Grip"),
     "StopTool": ("std_srvs/Trigger", "Grip"),
 }
-INTERNAL_SERVICES = {"grip/command": "Grip"}
-COMMAND = "end_effector_msgs/HalCommand"
 ACTIONS = ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop")
 GRIPPER_CMD = {
     "gripper_controller/gripper_cmd": "control_msgs/GripperCommand",
@@ -119,14 +101,10 @@ def test_a_topic_has_its_type_and_its_publishers(hal: Hal, topic: Topic) -> None
 
 
 @of_each_topic
-def test_a_topic_has_its_subscribers(hal: Hal, topic: Topic) -> None:
-    """In one process they are called without the middleware: nobody outside can send in the place of a node."""
-    readers = hal.by(Difference.INTERNAL, ros1=topic.readers, ros2=() if hal.one else topic.readers)
-    wanted = {(topic.type, f"/{node}") for node in readers}
-    others = entities(hal, "subscriber", topic.name) - wanted
-    own = {node for _, node in others if node.rpartition("/")[2] in NODES}
-    assert own == set()
-    hal.until("the subscribers", lambda: wanted <= entities(hal, "subscriber", topic.name))
+def test_no_node_subscribes_to_a_topic(hal: Hal, topic: Topic) -> None:
+    """Nothing that anybody publishes counts as a sensor or a status."""
+    readers = {node for _, node in entities(hal, "subscriber", topic.name)}
+    assert not [node for node in readers if node.rpartition("/")[2] in NODES]
 
 
 @of_each_topic
@@ -192,15 +170,6 @@ def test_a_service_has_its_type_and_its_server(hal: Hal, name: str) -> None:
     assert hal.driver.ask("service_type", name=hal.full(name)) == kind
 
 
-@pytest.mark.parametrize("name", INTERNAL_SERVICES)
-def test_an_internal_service_is_on_the_graph_where_it_is_needed(hal: Hal, name: str) -> None:
-    node = f"/{INTERNAL_SERVICES[name]}"
-    wanted = hal.by(Difference.INTERNAL, ros1={node}, ros2=set() if hal.one else {node})
-    hal.until("its server", lambda: {each for _, each in entities(hal, "service", name)} == wanted)
-    if wanted:
-        assert hal.driver.ask("service_type", name=hal.full(name)) == COMMAND
-
-
 @pytest.mark.parametrize("name", ACTIONS)
 def test_an_action_has_its_type_and_its_server(hal: Hal, name: str) -> None:
     expect(hal, "action", name, {(ACTION, "/HALMain")})
@@ -220,7 +189,7 @@ def test_nothing_else_is_published_or_served(hal: Hal) -> None:
         if each["node"] in own and each["is"] != "subscriber"
     }
     known = {("publisher", hal.full(topic.name)) for topic in TOPICS}
-    known |= {("service", hal.full(name)) for name in (*SERVICES, *INTERNAL_SERVICES)}
+    known |= {("service", hal.full(name)) for name in SERVICES}
     known |= {("action", hal.full(name)) for name in (*ACTIONS, *GRIPPER_CMD)}
     assert found - known == set()
 

@@ -14,11 +14,10 @@ from typing import Any
 
 ACTIONS = {"lock": "LockToolChanger", "unlock": "UnlockToolChanger", "grip": "TriggerGrip", "drop": "Drop"}
 HEARD = {
-    "grip/state": "Grip",
-    "sensor_frame": "Pressure",
+    "PressureSupply": "Pressure",
     "PositionToolChanger": "Position",
 }
-"""A topic of a node, by which it is known to live; nothing waits for ToolChange."""
+"""A topic of a node, by which it is known to live; nothing waits for Grip and ToolChange, which publish nothing."""
 STATE_FIELDS = ("state", "command", "actuator", "held", "lift_allowed", "tool_changer", "link_up", "at_us")
 PERIOD_S = 0.05
 
@@ -55,12 +54,13 @@ class Client(ABC):
 
     def came(self, message: Any, node: str) -> None:
         """A message of a node."""
-        if node != "Grip" or message.state:  # it has adopted its lines
-            self._heard[node] = time.monotonic()
+        del message
+        self._heard[node] = time.monotonic()
 
     def state_came(self, message: Any) -> None:
         """A message of HALMain."""
-        self._heard["HALMain"] = time.monotonic()
+        if message.state:  # it has adopted its lines
+            self._heard["HALMain"] = time.monotonic()
         state = {name: getattr(message, name) for name in STATE_FIELDS}
         state |= {"evidence": list(message.evidence), "outputs": list(message.outputs)}
         state |= {"alarms": list(message.alarms), "reason": message.reason}

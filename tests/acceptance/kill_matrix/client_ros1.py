@@ -10,19 +10,14 @@ from end_effector_msgs.msg import (
     EndEffectorAction,
     EndEffectorGoal,
     EndEffectorState,
-    SensorFrame,
     ToolChangerPosition,
-    UnitStatus,
 )
+from sensor_msgs.msg import FluidPressure
 
 from tests.acceptance.kill_matrix.client import ACTIONS, HEARD, Client
 
 SUCCEEDED = 3
-TYPES = {
-    "grip/state": UnitStatus,
-    "sensor_frame": SensorFrame,
-    "PositionToolChanger": ToolChangerPosition,
-}
+TYPES = {"PressureSupply": FluidPressure, "PositionToolChanger": ToolChangerPosition}
 
 
 class Ros1Client(Client):

@@ -9,18 +9,15 @@ from typing import Any
 
 import rclpy
 from end_effector_msgs.action import EndEffector
-from end_effector_msgs.msg import EndEffectorState, SensorFrame, ToolChangerPosition, UnitStatus
+from end_effector_msgs.msg import EndEffectorState, ToolChangerPosition
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
+from sensor_msgs.msg import FluidPressure
 
 from tests.acceptance.kill_matrix.client import ACTIONS, HEARD, Client
 
 SUCCEEDED = 4
-TYPES = {
-    "grip/state": UnitStatus,
-    "sensor_frame": SensorFrame,
-    "PositionToolChanger": ToolChangerPosition,
-}
+TYPES = {"PressureSupply": FluidPressure, "PositionToolChanger": ToolChangerPosition}
 
 
 class Ros2Client(Client):

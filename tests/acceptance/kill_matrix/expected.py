@@ -10,9 +10,9 @@ Rules (section 5 of the contract, and what follows from it):
 * A line arbiter that dies moves nothing, and the program goes on when it is back. A release that ends before that
   writes nothing any more: what is left of it stays active, a latched GRIP_ERROR. One that hangs for longer than its
   clients wait for an answer (1 s) finds their connections closed: they are dead to it.
-* The node Grip runs the program; the one process of ROS 2, or without ROS (HAL), is all nodes at once: with it nobody
-  reads the sensors. If the line arbiter dies with it, nothing moves until both are back; then the program gets its
-  ending.
+* The node HALMain runs the tool, sensors included; the one process of ROS 2, or without ROS (HAL), is all nodes at
+  once. If the line arbiter dies with it, nothing moves until both are back; then the program gets its ending.
+* Grip, ToolChange, Pressure and Position are faces: their death moves nothing, and the tool does not notice it.
 * A master that goes away makes every node end in order, and start anew once it is back.
 * Who owns no line moves none: what runs, goes on. What lacks readings meanwhile waits, holds, and confirms nothing;
   a release without readings may end in RELEASE_ERROR.
@@ -85,7 +85,7 @@ def expected(description: Description, cell: Cell) -> Expected:
             after = {_adopted(description, engaged, moved, State.GRIPPED)}
     elif cell.state == RELEASING:
         engaged, why, moved = releasing[1:], "release ends", _off(releasing[1:])
-        if ending == GOES_ON and (_blinds(cell) or cell.process == "LineArbiter"):
+        if ending == GOES_ON and cell.process in ("testbench", "LineArbiter"):
             after = {State.STAND_BY, State.RELEASE_ERROR}
     elif cell.state.startswith(GRIPPING):
         engaged = lines[: description.sequence.index(cell.step) + 1]
@@ -133,7 +133,7 @@ def _unlocking(description: Description, cell: Cell, ending: str) -> Expected:
     """Whatever ends: the unlock output goes inactive (IL-03 at the latest), the spring locks."""
     assert description.tool_changer is not None
     changers = {ChangerState.LOCKED}
-    if ending != GOES_ON or _blinds(cell) or cell.process == "LineArbiter":
+    if ending != GOES_ON or cell.process in ("testbench", "LineArbiter"):
         # the lock may not be proven in time (IL-04), or adopted before it is
         changers |= {ChangerState.FAULT, ChangerState.UNKNOWN}
     off = ((description.tool_changer.line, False),)
@@ -149,21 +149,16 @@ def _ending(cell: Cell) -> str:
         ending = "process_death"
     elif cell.process == "roscore" and cell.ends:
         ending = "sigterm"
-    elif cell.process not in ("Grip", "HAL", BOTH):
+    elif cell.process not in ("HALMain", "HAL", BOTH):
         return GOES_ON
     return ending
 
 
 def _first_s(cell: Cell) -> float | None:
     """How long a will may wait: for a socket that closes, for an orderly end, or for the end of a lease."""
-    if cell.process not in ("Grip", "HAL"):
+    if cell.process not in ("HALMain", "HAL"):
         return None
     return {"SIGKILL": 0.5, "SIGTERM": 1.5, "SIGSTOP": 1.0 + 0.5}[cell.signal]
-
-
-def _blinds(cell: Cell) -> bool:
-    """Whether there are no readings for a while."""
-    return cell.process in ("Pressure", "HAL", BOTH, "testbench") or (cell.process == "roscore" and cell.ends)
 
 
 def _off(lines: list[str]) -> tuple[Switch, ...]:

@@ -21,8 +21,8 @@ from tests.acceptance.kill_matrix.waiting import Late, pause, until
 
 SETTLED_S = 30.0
 NOTICED_S = 2.5
-"""HALMain takes a node that is silent for 1 s for gone; on a busy machine a little later. An arbiter that is stopped
-does nothing before it goes on."""
+"""A program whose lease is over learns so from the line arbiter; on a busy machine a little later. An arbiter that is
+stopped does nothing before it goes on."""
 
 
 @dataclass(frozen=True)

@@ -26,16 +26,17 @@ def description() -> Description:
 @pytest.mark.parametrize(
     ("cell", "state", "moved", "active"),
     [
-        ("Grip:SIGKILL:STAND_BY", State.STAND_BY, [], []),
-        ("Grip:SIGKILL:GRIPPING cylinder", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
-        ("Grip:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
-        ("Grip:SIGTERM:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
-        ("Grip:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
-        ("HALMain:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
+        ("HALMain:SIGKILL:STAND_BY", State.STAND_BY, [], []),
+        ("HALMain:SIGKILL:GRIPPING cylinder", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("HALMain:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
+        ("HALMain:SIGTERM:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
+        ("HALMain:SIGKILL:RELEASING", State.STAND_BY, [(CYLINDER, False), (BOTTOM, False)], []),
+        ("Grip:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
         ("LineArbiter:SIGKILL:GRIPPING top_vacuum", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("LineArbiter:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
         ("roscore:SIGKILL:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
-        ("Grip:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("HALMain:SIGKILL:unlocking", State.STAND_BY, [(UNLOCK, False)], []),
+        ("Pressure:SIGSTOP:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("ToolChange:SIGKILL:GRIPPING cylinder", State.GRIPPED, [(TOP, True)], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
         ("HAL:SIGSTOP:GRIPPING bottom_vacuum", State.STAND_BY, [(BOTTOM, False)], []),
@@ -58,7 +59,7 @@ def test_a_release_that_ends_without_a_line_arbiter_keeps_the_rest(description: 
     kept = want.kept(1)
     assert (kept.gripping, kept.active) == (((CYLINDER, False),), {BOTTOM})
     assert kept.states == {State.GRIP_ERROR}
-    assert not expected(description, Cell("Grip", "SIGKILL", "RELEASING")).may_keep
+    assert not expected(description, Cell("HALMain", "SIGKILL", "RELEASING")).may_keep
 
 
 def test_what_is_declared_is_expected(description: Description) -> None:
@@ -66,9 +67,9 @@ def test_what_is_declared_is_expected(description: Description) -> None:
     other = description.model_copy(
         update={"endings": description.endings.model_copy(update={"gripping": endings})}
     )
-    want = expected(other, Cell("Grip", "SIGKILL", "GRIPPING cylinder"))
+    want = expected(other, Cell("HALMain", "SIGKILL", "GRIPPING cylinder"))
     assert (want.gripping, want.active, want.states) == ((), {BOTTOM, CYLINDER}, {State.GRIP_ERROR})
-    assert expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder")).states == {State.STAND_BY}
+    assert expected(other, Cell("HALMain", "SIGTERM", "GRIPPING cylinder")).states == {State.STAND_BY}
 
 
 def test_each_actuator_has_its_own_ending() -> None:
@@ -78,26 +79,26 @@ def test_each_actuator_has_its_own_ending() -> None:
         bottom_vacuum={"gripping": {"process_death": "hold"}, "power_up": "release"},
         cylinder={"held": {"process_death": "release"}},
     )
-    dies = expected(other, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    dies = expected(other, Cell("HALMain", "SIGKILL", "GRIPPING top_vacuum"))
     assert [line for line, _ in dies.gripping] == [TOP, CYLINDER, BOTTOM]
     assert (dies.states, dies.active) == ({State.STAND_BY}, set())
-    held = expected(other, Cell("Grip", "SIGKILL", "GRIPPED"))
+    held = expected(other, Cell("HALMain", "SIGKILL", "GRIPPED"))
     assert [line for line, _ in held.gripping] == [CYLINDER, BOTTOM]
     assert (held.states, held.active) == ({State.GRIP_ERROR}, {TOP})
-    told = expected(other, Cell("Grip", "SIGTERM", "GRIPPING cylinder"))
+    told = expected(other, Cell("HALMain", "SIGTERM", "GRIPPING cylinder"))
     assert (told.gripping, told.first_s, told.states) == (((BOTTOM, False),), None, {State.GRIP_ERROR})
 
 
 @pytest.mark.parametrize(
     ("cell", "state", "moved", "active"),
     [
-        ("Grip:SIGKILL:GRIPPING cylinder", State.GRIP_ERROR, [CYLINDER], [BOTTOM]),
-        ("Grip:SIGTERM:GRIPPING cylinder", State.GRIP_ERROR, [], [BOTTOM, CYLINDER]),
-        ("Grip:SIGTERM:GRIPPING top_vacuum", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
-        ("Grip:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
-        ("Grip:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("HALMain:SIGKILL:GRIPPING cylinder", State.GRIP_ERROR, [CYLINDER], [BOTTOM]),
+        ("HALMain:SIGTERM:GRIPPING cylinder", State.GRIP_ERROR, [], [BOTTOM, CYLINDER]),
+        ("HALMain:SIGTERM:GRIPPING top_vacuum", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
+        ("HALMain:SIGSTOP:GRIPPED", State.GRIP_ERROR, [CYLINDER, TOP], [BOTTOM]),
+        ("HALMain:SIGTERM:GRIPPED", State.GRIP_ERROR, [TOP], [BOTTOM, CYLINDER]),
         ("LineArbiter:SIGKILL:GRIPPED", State.GRIPPED, [], [BOTTOM, CYLINDER, TOP]),
-        ("Grip:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
+        ("HALMain:SIGKILL:unlocking", State.STAND_BY, [UNLOCK], []),
     ],
 )
 def test_mixed_endings(cell: str, state: State, moved: list[str], active: list[str]) -> None:
@@ -110,7 +111,7 @@ def test_mixed_endings(cell: str, state: State, moved: list[str], active: list[s
 
 def test_what_is_held_whole_may_be_confirmed_by_the_next_start() -> None:
     holds = declared({"gripping": {"process_death": "hold"}})
-    want = expected(holds, Cell("Grip", "SIGKILL", "GRIPPING top_vacuum"))
+    want = expected(holds, Cell("HALMain", "SIGKILL", "GRIPPING top_vacuum"))
     assert want.states == {State.GRIPPED, State.GRIP_ERROR}
     assert want.gripping == ()
 

@@ -49,20 +49,20 @@ def test_rosmsg_and_rossrv_show_every_type_of_the_interface(system: Any) -> None
 def test_rosbag_records_and_plays_back_the_types(system: Any, tmp_path: Path) -> None:
     bag = tmp_path / "run.bag"
     done = system.cli(
-        "rosbag", "record", "-O", str(bag), "--duration=2", "/EndEffectorState", "/sensor_frame"
+        "rosbag", "record", "-O", str(bag), "--duration=2", "/EndEffectorState", "/PressureSupply"
     )
     assert done.returncode == 0, done.stderr
     told = system.cli("rosbag", "info", str(bag)).stdout
     assert "end_effector_msgs/EndEffectorState" in told
-    assert "end_effector_msgs/SensorFrame" in told
+    assert "sensor_msgs/FluidPressure" in told
 
 
-def test_rosnode_kill_while_gripped_changes_no_line_and_grip_adopts(system: Any) -> None:
+def test_rosnode_kill_while_gripped_changes_no_line_and_the_next_one_adopts(system: Any) -> None:
     system.grip()
     edges = system.edges()
     assert edges[-3:] == [("SODIMM_208", 1), ("SODIMM_210", 1), ("SODIMM_212", 1)]
     begun = len(system.states)
-    killed = system.cli("rosnode", "kill", "/Grip")
+    killed = system.cli("rosnode", "kill", "/HALMain")
     assert killed.returncode == 0, killed.stderr
     system.until(
         "OFF, then GRIPPED", lambda: _visited(system, begun, EndEffectorState.OFF, EndEffectorState.GRIPPED)

@@ -12,9 +12,11 @@ import pytest
 
 from end_effector_hal.arbiter.records._record_file import RecordFile
 from end_effector_hal.arbiter.records._storage import FileStorage
+from end_effector_hal.control import StepReport
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_hal.vocabulary import Alarm, EndEffectorState
 from end_effector_lab.demo._world import World
+from tests.support.lone_node import status
 from tests.support.patience import PATIENCE_S
 
 pytestmark = pytest.mark.ros
@@ -25,8 +27,8 @@ RECORDED = rb'{"boot":"","clean":false,"faults":{"x\ud800":"IL-04: \ud800 both\n
 def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.MonkeyPatch) -> None:
     import rospy
 
-    from end_effector_hal.nodes.interface import GRIP_STATE
-    from end_effector_hal.nodes.transport import StatusMessage, StepMessage
+    from end_effector_hal.nodes.hal_main._aggregate import Aggregate
+    from end_effector_hal.nodes.interface import END_EFFECTOR_STATE
     from end_effector_hal.ros1.connections import publisher
 
     sent: list[Any] = []
@@ -41,15 +43,18 @@ def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.M
 
     monkeypatch.setattr(rospy, "Publisher", Publisher)
     monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
-    publish = publisher(GRIP_STATE, lambda: False)
-    message = StatusMessage(
-        reason="a\ud800b", alarms=["fine µ", "\udfff"], steps=[StepMessage("\ud800", 1, 0.5, True)]
+    aggregate = Aggregate(load(profile_path()), 0)
+    alarms = tuple(
+        Alarm("link.fault", str(number), {"text": text}) for number, text in enumerate(("µ", "\udfff"))
     )
+    wrong = status(reason="a\ud800b", alarms=alarms, steps=(StepReport("\ud800", 1, 0.5, confirmed=True),))
+    publish = publisher(END_EFFECTOR_STATE, lambda: False)
+    message = aggregate.message(wrong, {}, 0, count=1, stamp_us=None)
     publish(message)
     (repaired,) = sent
-    assert (repaired.reason, repaired.alarms, repaired.steps[0].actuator) == ("a?b", ["fine µ", "?"], "?")
+    assert (repaired.reason, repaired.alarms, repaired.steps[0].actuator) == ("a?b", ["µ", "?"], "?")
     assert message.reason == "a\ud800b", "the message itself is left as it is"
-    publish(StatusMessage(reason="as it is\n"))
+    publish(aggregate.message(status(reason="as it is\n"), {}, 0, count=1, stamp_us=None))
     assert sent[1].reason == "as it is\n"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from end_effector_hal.control import Answer
-from tests.support.goals_of_hal_main import GRIP, GRIPPED, GRIPPING, RELEASE, STAND_BY, STATUSES, Hal
+from tests.support.goals_of_hal_main import GRIP, GRIPPED, GRIPPING, STAND_BY, STATUSES, Hal
 from tests.support.patience import wait_until
 from tests.support.places import DOCS
 
@@ -22,7 +22,7 @@ ACTIONS = DOCS / "reference/actions.md"
 def hal(monkeypatch: pytest.MonkeyPatch) -> Iterator[Hal]:
     hal = Hal(monkeypatch)
     yield hal
-    hal.grip.goes_on.set()
+    hal.tool.goes_on.set()
     hal.goals.close()
 
 
@@ -41,7 +41,7 @@ def gripped(hal: Hal) -> None:
 def cancelled(hal: Hal) -> None:
     begun(hal)
     hal.cancel()
-    wait_until("the cancel", lambda: hal.grip.asked == [GRIP, 4])
+    wait_until("the cancel", lambda: hal.tool.asked == ["grip", "cancel"])
     hal.says(state=STAND_BY, cause=3, count=8, reason="The grip was cancelled.")
 
 
@@ -68,7 +68,7 @@ def gone(hal: Hal) -> None:
 
 def started_again(hal: Hal) -> None:
     begun(hal)
-    hal.says(state=STAND_BY, since_us=6, count=1)
+    hal.says(state=STAND_BY, begun=6, count=1)
 
 
 def at_the_end_running(hal: Hal) -> None:
@@ -77,7 +77,7 @@ def at_the_end_running(hal: Hal) -> None:
 
 
 def refused(hal: Hal) -> None:
-    hal.grip.replies = [Answer(False, "Nothing is held.")]
+    hal.tool.replies = [Answer(False, "Nothing is held.")]
     hal.send()
 
 
@@ -93,32 +93,32 @@ def after_the_end(hal: Hal) -> None:
 
 
 def at_the_end_waiting(hal: Hal) -> None:
-    hal.grip.goes_on.clear()
+    hal.tool.goes_on.clear()
     hal.send("first", "LockToolChanger")
-    wait_until("the first is asked", lambda: hal.grip.asked)
+    wait_until("the first is asked", lambda: hal.tool.asked)
     hal.send()
     hal.goals.close()
 
 
 def at_the_end_asked(hal: Hal) -> None:
-    hal.grip.goes_on.clear()
+    hal.tool.goes_on.clear()
     hal.send()
-    wait_until("it is asked", lambda: hal.grip.asked)
+    wait_until("it is asked", lambda: hal.tool.asked)
     hal.goals.close()
 
 
 def not_reached(hal: Hal) -> None:
-    hal.grip.replies = [Answer(False, "The node Grip does not answer.", decided=False)]
+    hal.tool.replies = [Answer(False, "The HAL does not answer.", decided=False)]
     hal.send()
 
 
 def piled_up(hal: Hal) -> None:
-    hal.grip.goes_on.clear()
-    hal.grip.replies = [Answer(False, "The node Grip does not answer.", decided=False)]
+    hal.tool.goes_on.clear()
+    hal.tool.replies = [Answer(False, "The HAL does not answer.", decided=False)]
     hal.send("first", "Drop")
-    wait_until("the first is asked", lambda: hal.grip.asked)
+    wait_until("the first is asked", lambda: hal.tool.asked)
     hal.send()
-    hal.grip.goes_on.set()
+    hal.tool.goes_on.set()
     hal.end("first", "Drop")
 
 
@@ -128,12 +128,12 @@ def overtaken(hal: Hal) -> None:
 
 
 def cancelled_while_it_waited(hal: Hal) -> None:
-    hal.grip.goes_on.clear()
+    hal.tool.goes_on.clear()
     hal.send("first", "LockToolChanger")
-    wait_until("the first is asked", lambda: hal.grip.asked)
+    wait_until("the first is asked", lambda: hal.tool.asked)
     hal.send()
     hal.cancel()
-    hal.grip.goes_on.set()
+    hal.tool.goes_on.set()
 
 
 ENDS = [
@@ -180,22 +180,22 @@ def test_the_table_of_the_docs_has_every_end_and_no_other() -> None:
     assert {outcome for _, outcome in pairs} == outcomes
 
 
-def test_who_waited_for_a_node_that_did_not_answer_is_not_asked_for(hal: Hal) -> None:
+def test_who_waited_for_a_hal_that_did_not_answer_is_not_asked_for(hal: Hal) -> None:
     piled_up(hal)
     assert hal.end() == ("REJECTED", "UNREACHABLE")
-    assert hal.grip.asked == [RELEASE]
+    assert hal.tool.asked == ["drop"]
     hal.send("later")
     hal.accepted("later")
-    assert hal.grip.asked == [RELEASE, GRIP], "the next goal is"
+    assert hal.tool.asked == ["drop", "grip"], "the next goal is"
 
 
-def test_a_cancel_of_a_goal_that_is_asked_for_reaches_its_node(hal: Hal) -> None:
-    hal.grip.goes_on.clear()
+def test_a_cancel_of_a_goal_that_is_asked_for_reaches_the_tool(hal: Hal) -> None:
+    hal.tool.goes_on.clear()
     hal.send()
-    wait_until("it is asked", lambda: hal.grip.asked)
+    wait_until("it is asked", lambda: hal.tool.asked)
     hal.cancel()
-    hal.grip.goes_on.set()
-    wait_until("the cancel", lambda: hal.grip.asked == [GRIP, 4])
+    hal.tool.goes_on.set()
+    wait_until("the cancel", lambda: hal.tool.asked == ["grip", "cancel"])
     hal.says(state=STAND_BY, cause=3, count=8, reason="The grip was cancelled.")
     assert hal.end() == ("PREEMPTED", "CANCELLED")
 
@@ -206,11 +206,11 @@ def test_a_cancel_of_another_goal_than_a_grip_changes_nothing(hal: Hal) -> None:
     hal.cancel("drop", "Drop")
     hal.says(state=STAND_BY, count=8)
     assert hal.end("drop", "Drop") == ("SUCCEEDED", "SUCCEEDED")
-    assert hal.grip.asked == [RELEASE]
+    assert hal.tool.asked == ["drop"]
 
 
 def test_an_answer_comes_to_an_end_that_has_been_answered(hal: Hal, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The node answers after HALMain has begun to end: the goal has its result, and gets no other."""
+    """The tool answers after HALMain has begun to end: the goal has its result, and gets no other."""
     at_the_end_asked(hal)
     assert hal.end() == ("REJECTED", "UNREACHABLE")
     over = threading.Event()
@@ -222,7 +222,7 @@ def test_an_answer_comes_to_an_end_that_has_been_answered(hal: Hal, monkeypatch:
         return effects
 
     monkeypatch.setattr(hal.goals._goals, "answer", answered)
-    hal.grip.goes_on.set()
+    hal.tool.goes_on.set()
     assert over.wait(60.0)
     assert hal.end() == ("REJECTED", "UNREACHABLE")
     assert hal.goals._goals.open == ()

@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 
 from end_effector_hal.vocabulary import EndEffectorState
-from tests.support.stopped import stop
 
 pytestmark = pytest.mark.ros
 SUCCEEDED, ABORTED, REJECTED, RECALLED = 3, 4, 5, 8
@@ -163,28 +162,6 @@ def ends_of(system: Any, signal_number: int) -> Any:
         assert "closed topic" not in text, text
 
     return again
-
-
-def test_a_goal_that_was_asked_but_not_answered_says_so_at_the_end(system: Any) -> None:
-    system.grip()
-    before, pid = system.edges(), system.pid_of("/Grip")
-    stop(pid)
-    try:
-        goals = []
-        for action in ("Drop", "TriggerGrip"):  # in this order: each comes over a connection of its own
-            goals.append(system.send(action))
-            listed(system, action, goals[-1].handle.comm_state_machine.action_goal.goal_id.id)
-        again = ends_of(system, signal.SIGTERM)
-        asked, waiting = [goal.result() for goal in goals]
-        again()  # until then the command is not valid any more
-    finally:
-        os.kill(pid, signal.SIGCONT)
-    assert (asked[0], asked[1].outcome) == (REJECTED, 4)
-    assert asked[1].reason.endswith("Grip has not answered yet: whether the goal was begun is unknown.")
-    assert (waiting[0], waiting[1].outcome) == (REJECTED, 1)
-    assert waiting[1].reason == "HALMain is ending: the goal was not begun."
-    system.wait_for(GRIPPED)
-    assert system.edges() == before
 
 
 def test_a_goal_in_flight_is_answered_when_the_launch_ends(system: Any, tmp_path: Any) -> None:

@@ -75,9 +75,9 @@ def test_a_bad_description_ends_the_launch_with_its_faults(system: Any, tmp_path
     tool.write_text(profile_path().read_text().replace("timeout_s: 5.0", "timeout_s: 5 s"))
     line = refused(system, f"description:={tool}")
     assert line.startswith(f"end_effector.launch: {tool}:25:16: 'timeout_s' is of the wrong type")
-    tool.write_text(profile_path().read_text().replace("service: SetCylinder", "service: grip/command"))
+    tool.write_text(profile_path().read_text().replace("service: SetCylinder", "service: StopTool"))
     line = refused(system, f"description:={tool}")
-    assert line.startswith(f"end_effector.launch: {tool}:38:14: service 'grip/command' belongs to the nodes")
+    assert line.startswith(f"end_effector.launch: {tool}:38:14: service 'StopTool' belongs to the nodes")
 
 
 def test_a_relative_path_starts_where_roslaunch_is_called(system: Any, tmp_path: Path) -> None:
@@ -213,10 +213,9 @@ def test_transitions_and_refusals_are_on_rosout_and_in_the_terminal(system: Any)
     assert system.run("TriggerGrip")[0] == 5
     assert system.run("Drop")[0] == 3
     wanted = [
-        ("/Grip", "STAND_BY -> GRIPPING (GRIP)"),
-        ("/Grip", "Bottom vacuum was not confirmed within 3 s: attempt 1 of 3."),
-        ("/Grip", "GRIPPING -> GRIPPED"),
-        ("/Grip", "refused: grip. A grip is accepted in STAND_BY only; the end-effector is GRIPPED."),
+        ("/HALMain", "STAND_BY -> GRIPPING (GRIP)"),
+        ("/HALMain", "Bottom vacuum was not confirmed within 3 s: attempt 1 of 3."),
+        ("/HALMain", "GRIPPING -> GRIPPED"),
         (
             "/HALMain",
             "TriggerGrip: REJECTED. A grip is accepted in STAND_BY only; the end-effector is GRIPPED.",

@@ -1,4 +1,4 @@
-"""The live page with the nodes of ROS: it reads their programs' sockets, and needs no ROS."""
+"""The live page with the nodes of ROS: it reads the socket of the HAL, and needs no ROS."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def test_a_remap_of_an_action_moves_all_its_topics(system: Any) -> None:
     graph = rosgraph.Master("/tests")
     child = system.start(
         "remapped", "rosrun", "end_effector_hal", "hal_main", "__ns:=other", "TriggerGrip:=Grasp",
-        f"_description:={system.world.description_path}",
+        f"_description:={system.world.description_path}", "_connect:=true",
     )  # fmt: skip
 
     def of(name: str) -> set[str]:

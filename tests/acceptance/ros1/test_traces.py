@@ -1,4 +1,4 @@
-"""Grip leaves its trace in the log directory, readable while it runs and decided the same."""
+"""HALMain leaves its trace in the log directory, readable while it runs and decided the same."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from end_effector_hal.verification.replay import load_trace, review, traces_of
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]  # all that was recorded so far is decided once more
 
 
-def test_grip_leaves_its_trace(system: Any) -> None:
+def test_hal_main_leaves_its_trace(system: Any) -> None:
     before = records(system)
     system.grip()
     system.run("Drop")

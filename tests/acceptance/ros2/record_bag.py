@@ -12,19 +12,20 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from end_effector_msgs.msg import EndEffectorState, SensorFrame, SupervisorCommand
+from end_effector_msgs.msg import EndEffectorState, SupervisorCommand
 from rclpy.executors import ExternalShutdownException
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
+from sensor_msgs.msg import FluidPressure
 
 from tests.support.bags import definitions
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 TOPICS = (
     ("EndEffectorState", EndEffectorState, LATCHED),
-    ("sensor_frame", SensorFrame, QoSProfile(depth=100)),
+    ("PressureVacuumBottom", FluidPressure, QoSProfile(depth=100)),
     ("supervisor_commands", SupervisorCommand, QoSProfile(depth=100)),
 )
 
@@ -37,7 +38,7 @@ def main(folder: str) -> None:
     with Writer(Path(folder), version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         for name, kind, quality in TOPICS:
             connection = writer.add_connection(
-                f"/{name}", f"end_effector_msgs/msg/{kind.__name__}", typestore=store
+                f"/{name}", f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}", typestore=store
             )
 
             def write(data: bytes, connection: Any = connection, kind: Any = kind) -> None:
