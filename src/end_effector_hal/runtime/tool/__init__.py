@@ -2,8 +2,7 @@
 
 from ._end_effector import EndEffector
 from ._goal_runner import GoalRunner, Refused, Result, RunningGoal
-from ._plain_outputs import PlainOutputs
 from ._ready import changer_is_sensed, silent_links
 from ._remote_tool import RemoteTool
-from ._reset import latch_stop, reset, reset_tool, stop
+from ._reset import latch_stop, reset, stop
 from ._tool import Tool
