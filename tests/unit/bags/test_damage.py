@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.recording import read_run, read_states
 from end_effector_lab.bags import Bag, ImportedBag, import_bag
@@ -26,9 +27,9 @@ MESSAGES = [
 ]
 
 
-def imported(bag: Path, folder: Path) -> ImportedBag:
+def imported(bag: Path, folder: Path, description: Description | None = None) -> ImportedBag:
     with closing(Bag(bag)) as opened:
-        return import_bag(opened, folder)
+        return import_bag(opened, folder, description=description)
 
 
 def of_ros1(tmp_path: Path) -> Path:
@@ -70,14 +71,14 @@ def test_a_bag_that_ros1_was_still_writing_is_refused(tmp_path: Path) -> None:
         imported(bag, tmp_path / "imported")
 
 
-def test_a_message_that_was_overwritten_ends_the_import(tmp_path: Path) -> None:
+def test_a_message_that_was_overwritten_ends_the_import(tmp_path: Path, verdin: Description) -> None:
     bag = of_ros1(tmp_path)
     data = bytearray(bag.read_bytes())
     at = data.index(b"op=\x02", len(data) // 3)
     data[at : at + 30] = bytes(30)
     bag.write_bytes(data)
     with pytest.raises(UsageError, match="is damaged"):
-        imported(bag, tmp_path / "imported")
+        imported(bag, tmp_path / "imported", verdin)  # with the pressures, one of which it is
 
 
 def test_a_database_without_definitions(tmp_path: Path) -> None:
