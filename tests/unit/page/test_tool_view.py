@@ -16,8 +16,7 @@ from end_effector_hal.codecs import carrier_of, load_tool, sources_of
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.nodes.hal_main._aggregate import Margins
-from end_effector_hal.nodes.transport import AMBIENT_PA
+from end_effector_hal.nodes.hal_main._aggregate import Aggregate
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.page.view._tool_view import STALE_US
 from end_effector_hal.runtime import load_automata
@@ -364,10 +363,10 @@ def test_the_margin_of_a_cylinder_is_that_of_ros(verdin: Description, supply: st
     watched.tool.run(1.5)
     card = watched.shown()["cards"][1]
     assert card["values"][0] < 5
-    margins = Margins(watched.description)
-    margins.store("cylinder", card["values"][0] * 1000 + AMBIENT_PA)
-    margins.store(supply, 600_000 + AMBIENT_PA)
-    assert card["margin_kpa"] * 1000 == pytest.approx(margins.values(())[1], abs=200)
+    values = {"cylinder": round(card["values"][0] * 1000), supply: 600_000}
+    aggregate = Aggregate(watched.description, 0)
+    message = aggregate.message(watched.tool.status, values, 0, count=0, stamp_us=None)
+    assert card["margin_kpa"] * 1000 == pytest.approx(message.margins[1], abs=200)
     assert card["margin_kpa"] == pytest.approx(card["values"][0] - 510, abs=5)
 
 

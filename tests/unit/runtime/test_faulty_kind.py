@@ -12,7 +12,7 @@ import pytest
 
 from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.kinds import get_kind
-from end_effector_hal.nodes.hal_main._aggregate import Margins
+from end_effector_hal.nodes.hal_main._aggregate import Aggregate
 from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.unit.kinds.faulty_kind import broken, described
@@ -162,14 +162,16 @@ def test_a_restart_outlives_what_fails_in_it(tool: Tool, method: str) -> None:
 
 
 def test_a_margin_that_fails_is_not_known_and_is_told(tool: Tool) -> None:
-    margins = Margins(tool.description)
-    margins.store("top", 20_000.0)
-    assert margins.alarms == ()
+    aggregate = Aggregate(tool.description, 0)
+
+    def state() -> Any:
+        return aggregate.message(tool.program.status, {"top": -80_000}, 0, count=0, stamp_us=None)
+
+    said = "Faulty.margin_pa() failed with KeyError: 'nothing of the sort'."
+    assert said not in state().alarms
     broken["Faulty.margin_pa()"] = fail
-    assert math.isnan(margins.values(())[2])
-    assert tuple(map(str, margins.alarms)) == (
-        "Faulty.margin_pa() failed with KeyError: 'nothing of the sort'.",
-    )
+    assert math.isnan(state().margins[2])
+    assert said in state().alarms
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,8 @@ class Aggregate:
         parts, changer = description.ordered, description.tool_changer
         position = changer_place(changer, values) if changer else ChangerPlace.UNKNOWN
         stand = tool_place(changer, values) if changer else ToolPlace.UNKNOWN
-        alarms = distinct((*self._kind_alarms, *status.alarms))
+        margins = [self._margin(part, values) for _, part in parts]
+        alarms = distinct((*self._kind_alarms, *status.alarms))  # with those of the margins
         return StateMessage(
             header=MessageHeader(stamp_us),
             since_us=self._since_us,
@@ -69,7 +70,7 @@ class Aggregate:
             outputs=status.outputs,
             evidence=status.evidence,
             evidence_names=[each.name for each in status.evidence],
-            margins=[self._margin(part, values) for _, part in parts],
+            margins=margins,
             margin_units=["Pa"] * len(sequence),
             positions=[joint.position(status.evidence) if joint else nan for joint in self._joints],
             actuator="" if status.step < 0 else sequence[status.step],
