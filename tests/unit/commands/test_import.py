@@ -13,7 +13,7 @@ from end_effector_hal.cli import main
 from tests.support.bags import frame, state, write_ros1, write_ros2
 
 S = 1_000_000
-MESSAGES = [state(S, 0), frame(S, 0, bottom=-1_000, supply=600_000), state(2 * S, S, 1, count=1)]
+MESSAGES = [state(S, 0), *frame(0, bottom=-1_000, supply=600_000), state(2 * S, S, 1, count=1)]
 Run = Callable[..., tuple[object, str, str]]
 
 
@@ -34,7 +34,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 def test_a_bag_is_imported_and_drawn(run: Run, tmp_path: Path) -> None:
     write_ros2(tmp_path / "lift", MESSAGES)
     code, out, err = run("import", "lift", "--profile", "verdin_gripper")
-    assert (code, out) == (0, "runs/lift: verdin_gripper, 1.000 s, 2 states, 1 sensor frames\n")
+    assert (code, out) == (0, "runs/lift: verdin_gripper, 1.000 s, 2 states, 2 pressures\n")
     assert err == "Note: A bag holds no traces: `eehal replay` cannot judge this run.\n"
     code, out, err = run("plot", "runs/lift", "--json")
     assert (code, json.loads(out)["rows"]) == (0, 2)
@@ -44,7 +44,7 @@ def test_a_bag_is_imported_and_drawn(run: Run, tmp_path: Path) -> None:
 def test_a_part_of_a_bag_is_exit_code_1(run: Run, tmp_path: Path) -> None:
     write_ros1(tmp_path / "lift.bag", [*MESSAGES, state(3 * S, 2 * S, 77)])
     code, out, err = run("import", "lift.bag", "-o", "out")
-    assert (code, out) == (1, "out: verdin_gripper, 1.000 s, 2 states, 1 sensor frames\n")
+    assert (code, out) == (1, "out: verdin_gripper, 1.000 s, 2 states, 0 pressures\n")
     assert "Not imported: /EndEffectorState: 1 of 3 messages are left out" in err
     code, out, _ = run("import", "lift.bag", "-o", "again", "--json")
     found = json.loads(out)

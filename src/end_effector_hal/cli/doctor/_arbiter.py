@@ -72,7 +72,7 @@ def _sensed(status: dict[str, Any]) -> Iterator[CheckResult]:
     if missing and status.get("clients"):
         yield _say.warning(
             f"no process reports what the sensors show ({', '.join(missing)}): activations are refused",
-            "The node Pressure, eehal run or eehal serve reads the sensor link and reports to the arbiter.",
+            "The HAL (HALMain, eehal serve, eehal run) reads the sensor link and reports to the arbiter.",
         )
     elif fresh:
         shown = ", ".join(f"{name} {'yes' if holds else 'no'}" for name, holds in fresh.items())
