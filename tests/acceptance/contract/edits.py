@@ -86,6 +86,11 @@ EDITS = (
         ("test_state::test_the_count_tells_changes_apart_from_repetitions",),
     ),
     Edit(
+        "held is lost with a HAL that is silent", 1, "nodes/hal_main/_aggregate.py",
+        "held=status.held,", "held=status.held and status.link_up,",
+        ("test_served::test_a_hal_that_dies_is_an_alarm_until_it_is_back",),
+    ),
+    Edit(
         "the last state is not OFF", 1, "nodes/hal_main/_hal_main.py",
         "        node.on_close(self._close)\n", "",
         ("test_nodes::test_a_node_ends_in_good_order_and_what_is_held_stays_held",),
@@ -142,6 +147,11 @@ EDITS = (
         "parameters can be set", 2, "ros2/_ros_node.py",
         "read_only=True", "read_only=False",
         ("test_services::test_another_tool_cannot_be_named_while_a_node_runs",),
+    ),
+    Edit(
+        "more goals are kept than there is room for", 2, "ros2/actions/_action_server.py",
+        "if len(self._open) >= OPEN:", "if len(self._open) >= 10 * OPEN:",
+        ("test_served::test_more_goals_than_are_kept_are_refused_in_words",),
     ),
 )  # fmt: skip
 

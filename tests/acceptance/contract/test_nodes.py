@@ -113,7 +113,7 @@ def test_a_grip_is_unwound_when_the_node_that_runs_the_tool_dies(resting: Hal) -
     resting.wait_for("STAND_BY", "GRIP_ERROR")
 
 
-def test_a_command_to_a_hal_that_hangs_is_never_executed(resting: Hal) -> None:
+def test_a_service_of_a_hal_that_hangs_is_never_executed(resting: Hal) -> None:
     """The caller was told that there was no answer: the actuator must not move when the HAL goes on."""
     if together(resting):
         return  # the service hangs as well
