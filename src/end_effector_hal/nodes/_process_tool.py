@@ -37,5 +37,5 @@ def open_tool(node: NodeTransport, *, hosts: bool) -> Tool:
 
     node.on_close(tool.close)
     node.every(STATE_HZ, check)
-    node.on_start(tool.start, last=True)
+    node.on_start(tool.start)
     return tool

@@ -21,19 +21,17 @@ class Node:
     def __init__(self, description: Description, **parameters: str) -> None:
         self.description, self._parameters = lambda: description, parameters
         self.closers: list[Callable[[], None]] = []
-        self.starters: list[tuple[Callable[[], None], bool]] = []
+        self.starters: list[Callable[[], None]] = []
         self.ticks: list[Callable[[], None]] = []
         self.failed: list[ReportedError] = []
         self.fail, self.on_close = self.failed.append, self.closers.append
+        self.on_start = self.starters.append
 
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         return self._parameters.get(parameter.name, default)
 
     def every(self, _rate_hz: float, callback: Callable[[], None]) -> None:
         self.ticks.append(callback)
-
-    def on_start(self, callback: Callable[[], None], *, last: bool = False) -> None:
-        self.starters.append((callback, last))
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +56,7 @@ def test_hal_main_runs_the_tool_and_ends_with_it(verdin: Description, tmp_path: 
     tool = opened(node, hosts=True)
     assert (tool.kind, tool.traces, tool.limits.segment_bytes) == ("EndEffector", tmp_path, 1_000_000)
     assert node.closers == [tool.close]
-    assert node.starters == [(tool.start, True)], "frames come once all nodes are there"
+    assert node.starters == [tool.start], "frames come once all nodes are there"
     (check,) = node.ticks
     check()
     assert node.failed == []

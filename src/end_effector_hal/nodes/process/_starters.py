@@ -16,17 +16,16 @@ class Starters:
     """
 
     def __init__(self) -> None:
-        self._first: list[Callable[[], None]] = []
-        self._last: list[Callable[[], None]] = []
+        self._callbacks: list[Callable[[], None]] = []
 
-    def add(self, callback: Callable[[], None], *, last: bool = False) -> None:
-        """Register a callback; they are called in the order of registration, those with ``last`` after all others."""
-        (self._last if last else self._first).append(callback)
+    def add(self, callback: Callable[[], None]) -> None:
+        """Register a callback; they are called in the order of registration."""
+        self._callbacks.append(callback)
 
     def start(self) -> None:
         """Tune the interpreter and call all callbacks: all nodes exist now."""
         tune_interpreter()
-        for callback in (*self._first, *self._last):
+        for callback in self._callbacks:
             callback()
 
 

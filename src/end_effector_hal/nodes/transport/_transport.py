@@ -149,8 +149,8 @@ class NodeTransport(Protocol):
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call ``callback`` at a rate; calls missed during a pause of the machine are skipped."""
 
-    def on_start(self, callback: Callable[[], None], *, last: bool = False) -> None:
-        """Call ``callback`` when all nodes of this process exist; with ``last``, after those of the others."""
+    def on_start(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` when all nodes of this process exist."""
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while the node can still publish (rule 8)."""
