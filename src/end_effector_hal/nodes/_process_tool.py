@@ -13,7 +13,7 @@ from .transport import NodeTransport
 
 
 def open_tool(node: NodeTransport, *, hosts: bool) -> Tool:
-    """Open the tool of a process; it ends with the process.
+    """Open the tool of a process. It starts when all nodes exist, so that each gets every status, and ends with them.
 
     Args:
         node: the node HALMain if it runs in this process, else any node of it.
@@ -26,6 +26,7 @@ def open_tool(node: NodeTransport, *, hosts: bool) -> Tool:
     if not hosts or node.parameter(CONNECT).lower() == "true":
         connected = RemoteTool(description)
         node.on_close(connected.close)
+        node.on_start(connected.start)
         return connected
     folder = node.parameter(DIRECTORY)
     traces = Path(folder).expanduser() if folder else None

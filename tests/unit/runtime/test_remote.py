@@ -47,7 +47,8 @@ class Heard:
 def heard(verdin: Description) -> Iterator[Heard]:
     made = Heard(verdin)
     yield made
-    made.program._loop.close()
+    made.program.close()
+    assert made.program._loop.is_closed()
 
 
 def test_readings_and_health_are_known_until_the_hal_is_lost(heard: Heard) -> None:

@@ -80,6 +80,9 @@ class RemoteProgram:
     def close(self) -> None:
         """End the connection."""
         self._latest.end()
+        if self._thread.ident is None:  # never started
+            self._loop.close()
+            return
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._end)
         if self._thread is not threading.current_thread():

@@ -37,7 +37,6 @@ class RemoteTool(Tool):
         super().__init__(description)
         self._remote = RemoteProgram(description, self._moved, self._frame_came, self._audience.put)
         self._follow(self._remote)
-        self._remote.start()
 
     @classmethod
     def connect(cls, description: Description | str | Path, *, timeout_s: float = 5.0) -> Self:
@@ -49,6 +48,7 @@ class RemoteTool(Tool):
         """
         loaded = description if isinstance(description, Description) else load_tool(description)
         tool = cls(loaded)
+        tool.start()
         if not tool._program.wait(lambda status: bool(status.count), timeout_s):
             remote, todo = tool._remote, f"Start it: eehal serve {loaded.source}"
             if remote.is_other:
@@ -56,6 +56,10 @@ class RemoteTool(Tool):
             tool.close()
             raise NotReadyError(f"{loaded.name} cannot be reached: {remote.why}", todo=todo)
         return tool
+
+    def start(self) -> None:
+        """Connect to the HAL, and connect again whenever it is back, until `close`."""
+        self._remote.start()
 
     def close(self) -> None:
         """End the connection; a running command continues."""
