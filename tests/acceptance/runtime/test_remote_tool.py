@@ -17,7 +17,9 @@ from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import load
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.runtime import EndEffector, RemoteTool, RunningGoal
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState, Evidence
+from end_effector_hal.wires.link import LinkState
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
 from tests.support.patience import PATIENCE_S, wait_until
@@ -135,6 +137,30 @@ def test_a_client_whose_hal_dies_says_so_and_finds_the_next_one(
     assert client.status.alarm("hal.lost") is None
     assert client.drop().outcome in (Outcome.SUCCEEDED, Outcome.REJECTED)
     reached(client, EndEffectorState.STAND_BY)
+
+
+def test_a_client_has_what_the_sensors_read_and_the_health_of_the_link(
+    client: RemoteTool, world: World, hal: Child
+) -> None:
+    seen: list[JudgedReadings] = []
+
+    def nothing_is_known() -> bool:
+        return set(seen[-1].values.values()) == {None}
+
+    client.subscribe_readings(seen.append)
+    wait_until("a frame", lambda: seen and "bottom" in seen[-1].sampled)
+    assert seen[-1].values["bottom"] == pytest.approx(0, abs=2_000)
+    wait_until("health", lambda: client.sensors.links)
+    (link,) = client.sensors.links.values()
+    assert link.state is LinkState.UP
+    assert link.frames > 0
+    world.choose("silent-after:0")
+    wait_until("silence", nothing_is_known)
+    assert seen[-1].sampled == ()
+    world.choose("nominal")
+    wait_until("frames again", lambda: not nothing_is_known())
+    os.kill(hal.pid, signal.SIGKILL)
+    wait_until("the loss", lambda: nothing_is_known() and not client.sensors.links)
 
 
 def test_a_hal_that_is_stopped_is_silent_until_it_goes_on(client: RemoteTool, hal: Child) -> None:
