@@ -6,13 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from end_effector_hal.control import Answer
-from end_effector_hal.vocabulary import EndEffectorState
 
 from .interface import RESET_FAULTS, STOP_TOOL, output_services, set_services
-from .report import ERROR, OK, WARN, Health, log_refusal, publish_health, silence, standing
+from .report import Health, level_of, logged, publish_health, silence
 from .transport import NodeTransport
-
-_ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 class GripNode:
@@ -25,19 +22,14 @@ class GripNode:
             node.serve(service, self._setter(name, self._tool.set_actuator))
         for name, service in output_services(description).items():
             node.serve(service, self._setter(name, self._tool.set_output))
-        node.serve(STOP_TOOL, lambda _request: self._logged("stop", self._tool.stop()))
-        node.serve(RESET_FAULTS, lambda _request: self._logged("reset", self._tool.reset()))
+        node.serve(STOP_TOOL, lambda _request: logged(node.log, "stop", self._tool.stop()))
+        node.serve(RESET_FAULTS, lambda _request: logged(node.log, "reset", self._tool.reset()))
         publish_health(node, description.name, self._health)
-
-    def _logged(self, what: str, answer: Answer) -> Answer:
-        if not answer.accepted:
-            log_refusal(self._log, what, answer)
-        return answer
 
     def _setter(self, name: str, switch: Callable[[str, bool], Answer]) -> Callable[[Any], Answer]:
         def answer(request: Any) -> Answer:
             active = bool(request.data)
-            return self._logged(f"{name} {'on' if active else 'off'}", switch(name, active))
+            return logged(self._log, f"{name} {'on' if active else 'off'}", switch(name, active))
 
         return answer
 
@@ -45,11 +37,9 @@ class GripNode:
         if silent := silence(self._tool):
             return silent
         status = self._tool.status
-        bad = not status.link_up or status.ee in _ERRORS
-        level = ERROR if bad else WARN if standing(status.alarms) or status.missed else OK
         late = f"{status.missed} edges were taken later than the reaction bound." if status.missed else ""
         return Health(
-            level,
+            level_of(status),
             " ".join((*status.alarm_texts, late)).strip() or "As it should be.",
             {
                 "link up": status.link_up,

@@ -9,7 +9,7 @@ from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.vocabulary import ChangerState, Command
 
 from .interface import ARM_TOOL_CHANGER, set_tool_changer
-from .report import ERROR, OK, Health, log_refusal, publish_health, silence
+from .report import ERROR, OK, Health, logged, publish_health, silence
 from .transport import NodeTransport
 
 MARGIN_S = 1.0
@@ -27,18 +27,13 @@ class ToolChangeNode:
         if changer is not None and service is not None:
             self._longest_s = changer.prove_s + MARGIN_S
             node.serve(service, self._on_set)
-            node.serve(ARM_TOOL_CHANGER, lambda _request: self._logged("arm", self._tool.arm()))
+            node.serve(ARM_TOOL_CHANGER, lambda _request: logged(node.log, "arm", self._tool.arm()))
         publish_health(node, description.name, self._health)
 
     def _on_set(self, request: Any) -> Answer:
         command = Command.UNLOCK if request.data else Command.LOCK
         wanted = ChangerState.UNLOCKED if request.data else ChangerState.LOCKED
-        return self._logged(CHANNELS[command], self._change(command, wanted))
-
-    def _logged(self, what: str, answer: Answer) -> Answer:
-        if not answer.accepted:
-            log_refusal(self._log, what, answer)
-        return answer
+        return logged(self._log, CHANNELS[command], self._change(command, wanted))
 
     def _change(self, command: Command, wanted: ChangerState) -> Answer:
         if self._tool.status.changer is wanted:

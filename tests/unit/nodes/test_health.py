@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any, cast
 
 from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
-from end_effector_hal.nodes.report import OK, Health, publish_health, standing
-from end_effector_hal.vocabulary import LEAK, Alarm
-from tests.support.lone_node import LoneTransport
+from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, level_of, publish_health
+from end_effector_hal.vocabulary import LEAK, Alarm, EndEffectorState
+from tests.support.lone_node import LoneTransport, status
 
 
 def test_each_status_names_its_tool_and_its_hardware() -> None:
@@ -23,9 +23,10 @@ def test_each_status_names_its_tool_and_its_hardware() -> None:
         assert status.hardware_id == (hardware or "left_tool")
 
 
-def test_what_is_over_is_no_warning() -> None:
-    over, low = (
-        Alarm(LEAK, "top_vacuum", {"kpa": 60.0}, over=True),
-        Alarm("supply.low", "", {"warn_kpa": 450}),
-    )
-    assert (standing((over,)), standing((over, low))) == (False, True)
+def test_the_level_of_a_tool() -> None:
+    over = Alarm(LEAK, "top_vacuum", {"kpa": 60.0}, over=True)
+    low = Alarm("supply.low", "", {"warn_kpa": 450})
+    assert level_of(status(alarms=(over,))) == OK, "what is over is no warning"
+    assert level_of(status(alarms=(over, low))) == WARN
+    assert level_of(status(missed=1)) == WARN
+    assert level_of(status(link_up=False)) == level_of(status(EndEffectorState.GRIP_ERROR)) == ERROR

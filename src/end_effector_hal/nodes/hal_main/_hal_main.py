@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from end_effector_hal.control import Status, event_lines
 from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, HAL_MAIN, STATE_HZ
-from end_effector_hal.nodes.report import ERROR, OK, WARN, Health, publish_health, silence, standing
+from end_effector_hal.nodes.report import Health, level_of, publish_health, silence
 from end_effector_hal.nodes.transport import NodeTransport
 from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Value
@@ -19,8 +19,6 @@ from end_effector_hal.wires import now_us
 from ._aggregate import Aggregate
 from ._goal_types import goal_types
 from ._served_goals import ServedGoals
-
-_ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 class HalMainNode:
@@ -94,10 +92,8 @@ class HalMainNode:
         if silent := silence(self._tool):
             return silent
         state, status = self._state, self._status
-        bad = not status.link_up or status.ee in _ERRORS
-        level = ERROR if bad else WARN if standing(status.alarms) or status.missed else OK
         return Health(
-            level,
+            level_of(status),
             " ".join(state.alarms) or "As it should be.",
             {
                 "state": status.ee.name,

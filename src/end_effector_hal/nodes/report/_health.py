@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from end_effector_hal.control import Status
 from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
 from end_effector_hal.nodes.transport import (
     DiagnosticMessage,
@@ -13,10 +14,11 @@ from end_effector_hal.nodes.transport import (
     NodeTransport,
 )
 from end_effector_hal.runtime import Tool
-from end_effector_hal.vocabulary import Alarm
+from end_effector_hal.vocabulary import EndEffectorState
 
 OK, WARN, ERROR = 0, 1, 2
 """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
+_ERRORS = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +30,14 @@ class Health:
     values: Mapping[str, object] = field(default_factory=dict)
 
 
-def standing(alarms: Sequence[Alarm]) -> bool:
-    """Return whether an alarm is active; an alarm that is over and waits for an acknowledgement does not count."""
-    return any(not alarm.over for alarm in alarms)
+def level_of(status: Status) -> int:
+    """Return the level of a tool: ERROR without readings or in an error, WARN with an alarm or after a late reaction.
+
+    An alarm that is over and waits for an acknowledgement does not count.
+    """
+    if not status.link_up or status.ee in _ERRORS:
+        return ERROR
+    return WARN if status.missed or any(not alarm.over for alarm in status.alarms) else OK
 
 
 def silence(tool: Tool) -> Health | None:

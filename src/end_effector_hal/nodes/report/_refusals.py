@@ -7,7 +7,9 @@ import logging
 from end_effector_hal.control import Answer, refused, unanswered
 
 
-def log_refusal(log: logging.Logger, what: str, answer: Answer) -> None:
-    """Log one line about a command that was refused, or not answered in time."""
-    said = refused if answer.decided else unanswered
-    log.info("%s", said(what, answer.reason))
+def logged(log: logging.Logger, what: str, answer: Answer) -> Answer:
+    """Return the answer; log one line if the command was refused, or not answered in time."""
+    if not answer.accepted:
+        said = refused if answer.decided else unanswered
+        log.info("%s", said(what, answer.reason))
+    return answer
