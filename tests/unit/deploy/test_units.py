@@ -104,7 +104,9 @@ def test_one_generation_drives_the_tool_and_hears_this_machine_only() -> None:
         assert (each["Service"]["IPAddressDeny"], each["Service"]["IPAddressAllow"]) == ("any", "localhost")
         assert each["Service"]["User"] == "eehal"
     assert two["Service"]["SupplementaryGroups"] == one["Service"]["SupplementaryGroups"]
-    assert logger["Service"]["SupplementaryGroups"] == "gpio", "the socket of the HAL; it has no business with ports"
+    assert logger["Service"]["SupplementaryGroups"] == "gpio", (
+        "the socket of the HAL; it has no business with ports"
+    )
 
 
 def test_what_the_units_start_is_installed_by_the_build() -> None:
