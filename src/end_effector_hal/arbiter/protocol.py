@@ -72,9 +72,10 @@ faults whose cause is over, and a stop only refuses. A connection without ``hell
 message, and the oldest of them when there are more than 32; connections that write lines or send predicates do not
 count.
 
-Replies: ``{"id", "ok", "error", "levels"}``; ``levels`` has all lines, true is active. ``error`` is a sentence, with
-``code`` (see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further keys: ``stays``
-of ``reset``, ``delay_us`` of ``set`` (time until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the
+Replies: ``{"id", "ok", "error", "levels"}``; ``levels`` has all lines, true is active. For the request ``levels`` they
+are read back: a line of unknown level is left out, unless it was last inactive. ``error`` is a sentence, with ``code``
+(see `end_effector_hal.errors`); it begins with the id of the interlock that refuses. Further keys: ``stays`` of
+``reset``, ``delay_us`` of ``set`` (time until it is applied, IL-10), ``retry_us``, ``overtaken`` of ``hello`` (the
 client was declared dead before), ``status``. A reply with the id null belongs to no request: the arbiter ends the
 connection and gives the reason.
 

@@ -75,7 +75,7 @@ def _refuse_while_active(running: Description) -> None:
     path = socket_path(running)
     try:
         with ArbiterClient(path, "check", patience_s=0) as client:
-            levels = client.levels()
+            levels, status = client.levels(), client.status()
     except ArbiterError as error:
         if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):
             return
@@ -86,7 +86,8 @@ def _refuse_while_active(running: Description) -> None:
     active = [
         f"{line} ({labels[line]})" if line in labels else line for line, level in levels.items() if level
     ]
-    active += [f"{line} (its level is unknown)" for line in sorted(running.may_be_unknown - levels.keys())]
+    unknown = [line for line in status["may_be_active"] if not levels.get(line)]
+    active += [f"{line} (its level is unknown)" for line in unknown]
     if active:
         raise LineBusyError(
             f"{running.name} runs with active lines, a part may be held: {', '.join(active)}.",

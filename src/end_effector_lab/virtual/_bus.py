@@ -162,6 +162,10 @@ class VirtualBus:
         """See `RemoteLines`."""
         return self._names.difference(self.levels())
 
+    def owed(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        return self._outputs.owed
+
     def activating(self) -> frozenset[str]:
         """See `RemoteLines`."""
         return self._outputs.activating(self._clock())

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import pytest
 
 from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.rules._policy import Exclusion, Need
-from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord
-from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord, read_arbiter_state
+from end_effector_hal.errors import LineRefusedError, WireError
 from end_effector_hal.wires.lines import ComposedLines, LineHandover, RemoteLines
 from tests.support.keeping import MS, TOKEN, S
 
@@ -61,6 +62,10 @@ class Far(Board):
     def unsure(self) -> frozenset[str]:
         return frozenset() if self.known is not None else frozenset((FINGERS,))
 
+    def owed(self) -> frozenset[str]:
+        owed = self.known is None and bool(self.written) and not self.written[-1][FINGERS]
+        return frozenset((FINGERS,)) if owed else frozenset()
+
     def activating(self) -> frozenset[str]:
         return frozenset((FINGERS,)) if self.under_way else frozenset()
 
@@ -105,6 +110,70 @@ def test_what_nobody_knows_at_a_start_was_not_changed_by_anybody() -> None:
     state = ArbiterState(clients=(record,), clean=False, levels={UNLOCK: False, FINGERS: False})
     assert not arbiter(Far(None), state).predicates.faults
     assert arbiter(Far(True), state).predicates.faults  # that one was
+
+
+def released(far: Far) -> LineArbiter:
+    """The device has not acknowledged a release."""
+    rules = arbiter(far)
+    rules.write(rules.hello("grip", TOKEN, (FINGERS,), (), 0), {FINGERS: False}, None, 100 * MS)
+    assert far.written == [{FINGERS: False}]
+    return rules
+
+
+def test_a_line_that_was_last_inactive_is_inactive_while_its_level_is_unknown() -> None:
+    """Or a program would adopt it as active, because its sensors still show a part, and activate it (IL-11)."""
+    far = Far(True)
+    rules = released(far)
+    assert rules.read_levels() == {UNLOCK: False, FINGERS: False}
+    assert rules.may_be_active == [FINGERS], "an unlock is refused, and another description"
+    far.known = True  # another program has written it, or its device was restarted
+    assert rules.read_levels() == {UNLOCK: False, FINGERS: True}
+
+
+def test_an_activation_that_is_not_acknowledged_is_unknown() -> None:
+    far = Far(False)
+    rules = arbiter(far)
+    rules.write(rules.hello("grip", TOKEN, (FINGERS,), (), 0), {FINGERS: True}, None, 100 * MS)
+    assert rules.read_levels() == {UNLOCK: False}
+    assert rules.state.owed == ()
+
+
+def test_an_activation_that_failed_half_way_is_unknown() -> None:
+    def fails(_: dict[str, bool]) -> None:
+        raise WireError("the chip does not answer.")
+
+    far, board = Far(False), Board()
+    board.set = fails  # type: ignore[method-assign]
+    rules = LineArbiter(ComposedLines(board, {FINGERS: far}), Policy((UNLOCK, FINGERS)), 0)
+    grip = rules.hello("grip", TOKEN, (FINGERS, UNLOCK), (), 0)
+    with pytest.raises(WireError):
+        rules.write(grip, {FINGERS: True, UNLOCK: True}, None, 100 * MS)
+    assert far.written == [{FINGERS: True}]
+    assert FINGERS not in rules.read_levels()
+
+
+@pytest.mark.parametrize("known", [None, True])
+def test_the_next_arbiter_writes_a_release_again_that_no_device_has_acknowledged(known: bool | None) -> None:
+    state = read_arbiter_state(released(Far(True)).state.as_json())
+    assert state.owed == (FINGERS,)
+    far = Far(known)
+    rules = arbiter(far, state)
+    assert far.written == [{FINGERS: False}]
+    assert rules.read_levels() == {UNLOCK: False, FINGERS: False}
+    assert rules.state.owed == (FINGERS,)
+    assert not rules.predicates.faults
+    far.known = False
+    assert rules.state.owed == ()
+
+
+def test_the_next_arbiter_does_not_release_in_doubt_or_what_is_released() -> None:
+    state = released(Far(True)).state
+    obeyed, doubted = Far(False), Far(None)
+    arbiter(obeyed, state)
+    rules = arbiter(doubted, replace(state, doubt="it is torn"))
+    assert obeyed.written == doubted.written == []
+    assert rules.read_levels() == {UNLOCK: False}
+    assert rules.levels[FINGERS]
 
 
 def test_no_unlock_before_a_release_is_acknowledged() -> None:

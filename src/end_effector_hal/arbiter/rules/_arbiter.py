@@ -87,6 +87,11 @@ class LineArbiter:
         return self._lines.read()
 
     @property
+    def may_be_active(self) -> list[str]:
+        """The lines that are active or whose state is unknown."""
+        return [line for line in self.policy.lines if self._lines.may_be_active(line)]
+
+    @property
     def pulses(self) -> bool:
         """Whether a pulse is active."""
         return self._lines.coils is not None and self._lines.coils.due is not None
@@ -106,11 +111,12 @@ class LineArbiter:
     @property
     def state(self) -> ArbiterState:
         """The state that the next arbiter needs."""
+        owed = self._lines.owed()
         return ArbiterState(
             faults=dict(self.predicates.faults),
             clients=tuple(each.record for each in self.sessions),
             clean=False,
-            levels=dict(self.levels),
+            levels={line: level for line, level in self.levels.items() if line not in owed},
             dead=tuple(self._dead),
             pulsed=self._lines.coils.pulsed if self._lines.coils else {},
             driven={
@@ -120,6 +126,7 @@ class LineArbiter:
             since={
                 line: self._lines.changed_at[line] for line in self.policy.max_active_us if self.levels[line]
             },
+            owed=tuple(sorted(owed)),
         )
 
     # Requests of clients
@@ -421,8 +428,17 @@ class LineArbiter:
             )
             _log.error("%s", let_go)
             self.predicates.latch(LET_GO, let_go)
+        if not doubt:
+            self._release_again(state.owed, at)
         for record in state.clients:
             self._restore(record._replace(will=()) if doubt else record, at)
+
+    def _release_again(self, owed: Sequence[str], at: int) -> None:
+        """Write the deactivations that no device had acknowledged when the previous arbiter ended."""
+        if lines := [line for line in owed if self.levels.get(line)]:  # the others are released by now
+            called = ", ".join(map(self.policy.called, lines))
+            _log.warning("deactivated again, because no device had acknowledged it: %s", called)
+            self._lines.set(dict.fromkeys(lines, False), at)
 
     def _bound(self, state: ArbiterState, at: int) -> None:
         """Continue the longest times (IL-03) from the record; if the record lacks the start time, the longest time is

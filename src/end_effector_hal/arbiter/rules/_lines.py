@@ -104,12 +104,17 @@ class OutputLines:
             self._changed.clear()
 
     def read(self) -> dict[str, bool]:
-        """Return the levels, read back from the hardware where it can report them."""
+        """Return the levels, read back from the hardware where it can report them; guessed ones are left out.
+
+        A line that was last inactive stays inactive while its level is unknown. Otherwise a program that starts could
+        adopt it as active, because the sensors still show a part, and undo a release that its device has obeyed.
+        """
         if self.coils is None:
             return self._backend.levels()
         guessed, found = self.coils.guessed, self.coils.read()
         self.levels |= {line: level for line, level in found.items() if line in guessed}
-        return found
+        inactive = (line for line, level in self.levels.items() if not level and line not in self._half_done)
+        return dict.fromkeys(inactive, False) | found
 
     def hear(self, at: int) -> None:
         """Set the change time of lines that a device has confirmed by now to ``at``: pauses are counted from there."""
@@ -123,6 +128,10 @@ class OutputLines:
         if line in self._half_done:
             return True
         return self.levels[line] or (self.remote is not None and line in self.remote.unsure())
+
+    def owed(self) -> frozenset[str]:
+        """Return the lines whose deactivation was commanded, and which their device has not acknowledged."""
+        return self.remote.owed() if self.remote else frozenset()
 
     def troubles(self) -> dict[str, str]:
         """Return the troubles of outputs that a device writes: sentences by the name of the fault."""

@@ -60,6 +60,7 @@ class ArbiterState:
         unread: whether the journal was not read yet, so that its faults are missing here.
         driven: by line, its role and whether it may be active; empty: not recorded.
         since: by line, the time of its activation, µs; only active lines that have a longest time.
+        owed: lines whose deactivation was commanded, and which their device has not acknowledged.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -72,6 +73,7 @@ class ArbiterState:
     unread: bool = False
     driven: Driven = field(default_factory=dict)
     since: Mapping[str, int] = field(default_factory=dict)
+    owed: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """Return the state as JSON for the session record. ``doubt`` is left out: it arises when the record is read."""
@@ -90,6 +92,7 @@ class ArbiterState:
             | ({"unread": True} if self.unread else {})
             | ({"driven": dict(self.driven)} if self.driven else {})
             | ({"since": dict(self.since)} if self.since else {})
+            | ({"owed": self.owed} if self.owed else {})
         )
 
 
@@ -107,7 +110,7 @@ def read_arbiter_state(given: Any) -> ArbiterState:
         since = {str(line): int(at) for line, at in given.get("since", {}).items()}
         return ArbiterState(
             faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread,
-            driven=read_driven(given), since=since,
+            driven=read_driven(given), since=since, owed=tuple(map(str, given.get("owed", ()))),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is not the state of a line arbiter: {error}.") from error

@@ -168,6 +168,7 @@ def status_report(arbiter: LineArbiter, at: int) -> dict[str, Any]:
     needs = (need for needs in arbiter.policy.needs.values() for need in needs)
     return {
         "lines": list(arbiter.policy.lines),
+        "may_be_active": arbiter.may_be_active,
         "clients": [
             {
                 "client": session.client,

@@ -42,7 +42,7 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     except ReportedError as error:
         yield _unreachable(path, error)
         return
-    owned = status.get("lines", list(levels))  # an output whose position is not known has no level
+    owned = status.get("lines", list(levels))
     if set(owned) != set(lines):
         yield _say.missing(
             f"pid {status.get('pid')} at {path} owns other lines: {', '.join(owned)}",
@@ -53,7 +53,7 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     labels = {actuator.line: name for name, actuator in description.ordered}
     named = {line: f"{line} ({labels.get(line, 'unlock')})" for line in owned}
     active = [named[line] for line, level in levels.items() if level]
-    unknown = [named[line] for line in owned if line not in levels]
+    unknown = [named[line] for line in status.get("may_be_active", ()) if not levels.get(line)]
     more = f"; position not known: {', '.join(unknown)}" if unknown else ""
     yield _say.ok(f"active: {', '.join(active) or 'no line'}{more}")
     yield from _sensed(status)

@@ -126,6 +126,11 @@ class BusLines:
         """See `RemoteLines`."""
         return self._names.difference(self.levels())
 
+    def owed(self) -> frozenset[str]:
+        """See `RemoteLines`."""
+        with self._lock:
+            return self._outputs.owed
+
     def activating(self) -> frozenset[str]:
         """See `RemoteLines`."""
         with self._lock:

@@ -80,6 +80,11 @@ class BusOutput:
         """Whether a part of the last command is still to be done."""
         return bool(self._steps) or self._undecided
 
+    @property
+    def owed(self) -> bool:
+        """Whether a deactivation was commanded that the device has not acknowledged."""
+        return self.level is False and self.pending
+
     def command(self, level: bool, at: int, *, drop: bool = False) -> None:
         """Set the wanted level; the pending steps of an earlier command are discarded.
 

@@ -105,6 +105,11 @@ class BusOutputs:
         """Return the outputs whose activation has been in progress for longer than one write takes."""
         return frozenset(name for name, each in self._outputs.items() if each.lasts(at))
 
+    @property
+    def owed(self) -> frozenset[str]:
+        """The outputs with a deactivation that their device has not acknowledged."""
+        return frozenset(name for name, each in self._outputs.items() if each.owed)
+
     def known(self, at: int) -> dict[str, bool]:
         """Return the known levels."""
         found = {name: each.known(at) for name, each in self._outputs.items()}

@@ -67,6 +67,10 @@ class RemoteLines(Protocol):
         """Return the lines of unknown state: a write is in progress, or the device reports another level."""
         ...
 
+    def owed(self) -> frozenset[str]:
+        """Return the lines whose deactivation was commanded, and which their device has not acknowledged."""
+        ...
+
     def activating(self) -> frozenset[str]:
         """Return the lines whose activation has been in progress for longer than one write takes."""
         ...

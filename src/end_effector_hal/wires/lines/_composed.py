@@ -75,6 +75,10 @@ class ComposedLines:
         """Return the lines of unknown state."""
         return frozenset[str]().union(*(each.unsure() for each in self._remote))
 
+    def owed(self) -> frozenset[str]:
+        """Return the lines whose deactivation no device has acknowledged."""
+        return frozenset[str]().union(*(each.owed() for each in self._remote))
+
     def activating(self) -> frozenset[str]:
         """Return the lines whose activation has been in progress for longer than one write takes."""
         return frozenset[str]().union(*(each.activating() for each in self._remote))
