@@ -8,7 +8,6 @@ import pytest
 
 from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.control.goals import (
-    ANSWER_US,
     NOT_BEGUN,
     REACHED,
     Effect,
@@ -20,6 +19,7 @@ from end_effector_hal.control.goals import (
     judge,
     reset_answer,
 )
+from end_effector_hal.control.goals._goals import ANSWER_US
 from end_effector_hal.vocabulary import (
     ARBITER_LOST,
     Alarm,

@@ -399,11 +399,11 @@ def bag(path: Path) -> Path:
     pressures = {"bottom": -500, "cylinder": 2_000, "top": None, "supply": 600_000}
     return write_ros1(path, [
         state(10_000_000, 0),
-        frame(10_020_000, 20_000, **pressures),
+        *frame(20_000, **pressures),
         state(12_000_000, 2_000_000, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
-        frame(12_020_000, 2_020_000, **{**pressures, "bottom": -60_000}),
+        *frame(2_020_000, **{**pressures, "bottom": -60_000}),
         state(13_000_000, 3_000_000, 3, actuators=[2, 2, 2], count=2),
-        frame(13_020_000, 3_020_000, **{**pressures, "bottom": -80_000}),
+        *frame(3_020_000, **{**pressures, "bottom": -80_000}),
     ])  # fmt: skip
 
 
