@@ -11,7 +11,7 @@ import signal
 import pytest
 
 from tests.acceptance.contract.differences import Difference
-from tests.acceptance.contract.driver import Goal
+from tests.acceptance.contract.driver import Goal, Heard, Message
 from tests.acceptance.contract.hal import NODES, Hal
 from tests.support.nightly import first_of
 
@@ -24,13 +24,21 @@ def together(hal: Hal) -> bool:
     return hal.one and hal.by(Difference.PROCESSES, ros1=False, ros2=True)
 
 
+def reported(heard: Heard) -> list[Message]:
+    """What the nodes have reported in ``/diagnostics``."""
+    return [each for message in list(heard.messages) for each in message["status"]]
+
+
 def back(hal: Hal, node: str) -> None:
     """Start it again, and wait until it is heard and served."""
     begun, before = hal.since, hal.state["since_us"]
+    heard = hal.driver.subscribe("/diagnostics", "diagnostic_msgs/DiagnosticArray")
     hal.start_all()
     if node == "HALMain" or hal.one:
         hal.until("another HALMain", lambda: any(each["since_us"] != before for each in hal.after(begun)))
         hal.serve()
+    hal.until(node, lambda: any(f"/{each['name']}" == hal.full(node) for each in reported(heard)))
+    hal.driver.leave(heard)
 
 
 def at_the_last_step(hal: Hal) -> Goal:
