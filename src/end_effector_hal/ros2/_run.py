@@ -66,9 +66,11 @@ def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
     from ._ros_node import RclpyNode
 
     with closing(Process(argv)) as process, closing(NodeGroup(process, names)) as group:
+        # a name that is taken is found before the tool is opened
+        nodes = {name: RclpyNode(name, group) for name in names}
         code = None
-        for name in names:
-            code = start_node(name, RclpyNode(name, group))
+        for name, node in nodes.items():
+            code = start_node(name, node)
         group.start()
         return process.wait() if code is None else code
 

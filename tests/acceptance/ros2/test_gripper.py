@@ -202,7 +202,9 @@ def test_without_control_msgs_the_two_actions_are_not_offered_and_the_log_says_s
 ) -> None:
     (tmp_path / "control_msgs").mkdir()
     (tmp_path / "control_msgs" / "__init__.py").touch()
-    node = running.start("hal_main", "-r", "__ns:=/bare", env={"PYTHONPATH": str(tmp_path)})
+    node = running.start(
+        "hal_main", "-r", "__ns:=/bare", "-p", "connect:=true", env={"PYTHONPATH": str(tmp_path)}
+    )
     names = ("gripper_controller/gripper_cmd", "parallel_gripper_controller/gripper_cmd")
     running.until("the log", lambda: all(f"{name} is not offered" in node.text() for name in names))
 
