@@ -98,7 +98,13 @@ class PressureRange:
 
     def has(self, pascal: int) -> bool:
         """Return whether the circuit can have this pressure."""
-        return self.low * 1000 <= pascal <= self.high * 1000
+        lowest, highest = self.limits_pa
+        return lowest <= pascal <= highest
+
+    @property
+    def limits_pa(self) -> tuple[float, float]:
+        """The lowest and the highest pressure that the circuit can have, Pa."""
+        return self.low * 1000, self.high * 1000
 
     def fault(self, channel: str, pascal: int) -> str:
         """Return a sentence that explains why a value of the channel is invalid."""

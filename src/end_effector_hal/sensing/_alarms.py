@@ -25,7 +25,7 @@ class AlarmLog:
 
     def active(self, id_: str) -> bool:
         """Return whether an alarm with this id is listed and not over."""
-        return any(each.id == id_ and not each.over for each in self.listed)
+        return bool(self.listed) and any(each.id == id_ and not each.over for each in self.listed)
 
     def raise_(self, alarm: Alarm) -> bool:
         """Begin an alarm; return False if it is active already: it keeps the values of its beginning."""
@@ -60,7 +60,10 @@ class AlarmLog:
         self._keep(each for each in self.listed if each.id in DEVICE_ALARMS)
 
     def _known(self, id_: str, about: str) -> Alarm | None:
-        return next((each for each in self.listed if each.key == (id_, about)), None)
+        for each in self.listed:
+            if each.id == id_ and each.about == about:
+                return each
+        return None
 
     def _replace(self, old: Alarm, new: Alarm) -> None:
         self._keep(new if each is old else each for each in self.listed)

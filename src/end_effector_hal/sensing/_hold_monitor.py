@@ -91,8 +91,9 @@ class HoldMonitor:
             self._since = None
         else:
             self._since = at if self._since is None else self._since
-            for index, name in enumerate(self._names):
-                self._readable(index, name, at)
+            if Evidence.UNKNOWN in now.evidence or self._log.active("evidence.unread"):
+                for index, name in enumerate(self._names):
+                    self._readable(index, name, at)
             for index, watch in self._watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
                     name = self._names[index]
@@ -159,10 +160,7 @@ class HoldMonitor:
                 self._log.forget(known.id, name)
 
     def _readable(self, index: int, name: str, at: int) -> None:
-        unknown = self._senses.now.evidence[index] is Evidence.UNKNOWN
-        if not unknown and not self._log.active("evidence.unread"):
-            return
-        if unknown:
+        if self._senses.now.evidence[index] is Evidence.UNKNOWN:
             readings, part = self._senses.now.readings, self._description.actuators[name]
             channels = kind_of(part).channel_names(part)
             sent = next((each for each in channels if readings.sent_invalid(each, at)), "")

@@ -54,6 +54,7 @@ class LinkRules:
         self._ranges = {
             channel: span for channel, span in ranges.items() if kinds.get(channel) is Kind.PRESSURE
         }
+        self._limits = {channel: span.limits_pa for channel, span in self._ranges.items()}
         self._frozen = {
             channel: FrozenDetector(to_us(after_s), gap_us)
             for channel, after_s in frozen_after(description, carrier).items()
@@ -71,13 +72,16 @@ class LinkRules:
         if mixed := self._devices.mixed(frame.at) & frame.values.keys():
             return Judged(replace(frame, values=dict.fromkeys(frame.values)), frozenset(mixed), rebooted)
         doubts: dict[str, str] = {}
+        limits, frozen = self._limits, self._frozen
         for channel, value in frame.values.items():
             if value is None or isinstance(value, bool):
                 continue
-            if why := self._impossible(channel, value):
-                doubts[channel] = why
-            elif channel in self._frozen and self._frozen[channel].sample(value, frame.at):
+            if channel in limits and not limits[channel][0] <= value <= limits[channel][1]:
+                doubts[channel] = self._ranges[channel].fault(channel, value)
+            elif channel in frozen and frozen[channel].sample(value, frame.at):
                 doubts[channel] = _frozen(channel)
+        if not (doubts or self._doubts):
+            return Judged(frame, rebooted=rebooted)
         # A doubt is told in the words of its beginning: it does not flicker.
         kept = {channel: why for channel, why in self._doubts.items() if channel not in frame.values}
         self._doubts = kept | {channel: self._known(channel, why) for channel, why in doubts.items()}
@@ -93,16 +97,14 @@ class LinkRules:
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
         """Return the alarms about channels and devices that are doubted now."""
+        if not self._doubts:
+            return self._devices.notices(at)
         doubts = [Alarm("channel.doubted", name, {"text": why}) for name, why in self._doubts.items()]
         return (*doubts, *self._devices.notices(at))
 
     def deadline(self, at: int) -> int | None:
         """Return the time at which an alarm ends by itself, µs; None: there is none."""
         return self._devices.deadline(at)
-
-    def _impossible(self, channel: str, value: int) -> str:
-        span = self._ranges.get(channel)
-        return "" if span is None or span.has(value) else span.fault(channel, value)
 
     def _known(self, channel: str, why: str) -> str:
         before = self._doubts.get(channel, "")

@@ -41,7 +41,7 @@ class Readings:
 
     MEMORY: ClassVar = {
         "_values": dict[str, int | bool],
-        "_at": dict[str, int],
+        "read_at": dict[str, int],
         "_invalid": dict[str, int],
         "_heard": dict[str, int],
         "_last_frame": int | None,
@@ -65,6 +65,7 @@ class Readings:
         }
         self.stale_us = max(spans)
         """Time after which a reading of the slowest source is stale, µs."""
+        self._least_stale_us = min(self._stale_us.values(), default=0)
         # a link and inputs without names are down together, by the slower of them
         self._down_us = [
             max(
@@ -76,7 +77,8 @@ class Readings:
         self.down_us = max(self._down_us)
         """Time after which the slowest source is down, µs."""
         self._values: dict[str, int | bool] = {}
-        self._at: dict[str, int] = {}
+        self.read_at: dict[str, int] = {}
+        """Time of the last reading by channel, µs; a new object whenever one of these times has changed."""
         self._numbers = {
             channel: str(number) for number, source in enumerate(self._sources) for channel in source.channels
         }
@@ -104,7 +106,7 @@ class Readings:
             self._heard = {**self._heard, number: frame.at}
         valid = {channel: value for channel, value in frame.values.items() if value is not None}
         self._values.update(valid)
-        self._at = {**self._at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
+        self.read_at = {**self.read_at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
         self._arrived = frozenset(valid)
         if self._invalid or len(valid) < len(frame.values):
             before = {name: at for name, at in self._invalid.items() if name not in frame.values}
@@ -114,14 +116,14 @@ class Readings:
     def renew(self, at: int) -> None:
         """Account for frames equal to the newest one that came until ``at`` µs."""
         self._last_frame = at
-        self._at = self._at | dict.fromkeys(self._arrived, at)
+        self.read_at = self.read_at | dict.fromkeys(self._arrived, at)
         self._invalid = dict.fromkeys(self._invalid, at)
 
     def forget(self, channel: str) -> None:
         """Discard the reading of a channel."""
         if channel in self._values:
             del self._values[channel]
-            self._at = {name: at for name, at in self._at.items() if name != channel}
+            self.read_at = {name: at for name, at in self.read_at.items() if name != channel}
 
     def idle(self) -> None:
         """Mark that time has passed without a frame: the stored values are no new samples."""
@@ -133,7 +135,7 @@ class Readings:
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """Return the value of a channel at a time in µs; None: not carried, never read, or stale."""
-        if channel is None or (then := self._at.get(channel)) is None:
+        if channel is None or (then := self.read_at.get(channel)) is None:
             return None
         # without another call: each frame is asked for a dozen of them
         return self._values[channel] if at - then < self._stale_us.get(channel, self.stale_us) else None
@@ -161,9 +163,8 @@ class Readings:
 
     def stale(self, at: int) -> tuple[str, ...]:
         """Return the carried channels without a valid reading now."""
-        read_at, spans = self._at, self._stale_us
-        of, ends = self._ends
-        if of is read_at and ends and ends[0] > at and len(read_at) == len(spans):
+        read_at, spans = self.read_at, self._stale_us
+        if len(read_at) == len(spans) and at - min(read_at.values(), default=at) < self._least_stale_us:
             return ()
         return tuple(
             [
@@ -172,11 +173,6 @@ class Readings:
                 if channel not in read_at or at - read_at[channel] >= spans[channel]
             ]
         )
-
-    @property
-    def read_at(self) -> Mapping[str, int]:
-        """Time of the last reading by channel, µs; a new object whenever one of these times has changed."""
-        return self._at
 
     @property
     def last_frame(self) -> int:
@@ -208,15 +204,15 @@ class Readings:
     def deadline(self, at: int) -> int | None:
         """Return when the next reading turns stale or a source goes down without a new frame, µs."""
         of, ends = self._ends
-        if of is not self._at:
+        if of is not self.read_at:
             spans = self._stale_us
-            found = {then + spans.get(channel, self.stale_us) for channel, then in self._at.items()}
+            found = {then + spans.get(channel, self.stale_us) for channel, then in self.read_at.items()}
             if self._last_frame is not None:
                 found.add(self._last_frame + self.down_us)
             if len(self._sources) > 1:
                 found |= {last + us for last, us in zip(self._last_of_sources(), self._down_us, strict=True)}
             ends = sorted(found)
-            self._ends = self._at, ends
+            self._ends = self.read_at, ends
         for end in ends:
             if end > at:
                 return end
@@ -234,9 +230,8 @@ class Readings:
         for number, source in enumerate(self._sources):
             gone = -self._down_us[number]
             if self._on_board[number]:
-                last.append(
-                    max([self._at[name] for name in source.channels if name in self._at], default=gone)
-                )
+                read_at = [self.read_at[name] for name in source.channels if name in self.read_at]
+                last.append(max(read_at, default=gone))
             else:
                 last.append(self._heard.get(str(number), gone))
         return last

@@ -134,16 +134,16 @@ class SensorSet:
         Their order is: losses, then GONE, then CONFIRMED, within these the sequence; then actuators that have gripped
         nothing.
         """
-        events: list[Event] = []
-        before = self._proven
-        for _ in self.now.take(frame):
+        now, events = self.now, list[Event]()
+        before = now.evidence, now.tool, now.emptied
+        for _ in now.take(frame):
             events += self._changed_from(before)
-            before = self._proven
+            before = now.evidence, now.tool, now.emptied  # the next change is made when it is requested
         return events
 
     def advance(self, at: int) -> list[Event]:
         """Return the events of readings that turned stale; call this method at :meth:`deadline`."""
-        before = self._proven
+        before = self.now.evidence, self.now.tool, self.now.emptied
         self.now.wait(at)
         return self._changed_from(before)
 
@@ -180,11 +180,11 @@ class SensorSet:
         if down and not self._named:
             return tuple(said)
         said += self._findings(at)
-        silent = {channel for source in down for channel in source.channels}
-        if stale := [name for name in readings.stale(at) if name not in silent]:
+        silent = {channel for source in down for channel in source.channels} if down else set[str]()
+        stale = readings.stale(at)
+        if not silent.issuperset(stale):
             silent |= self.now.mixed(at)
-            stale = [name for name in stale if name not in silent]
-        lacking = [name for name in self._wanted if name in stale] if stale else []
+        lacking = [name for name in self._wanted if name in stale and name not in silent] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
         settling = {self._parts[i][0] for i, each in self.now.by_conditions if each.settles(at)}
@@ -228,20 +228,16 @@ class SensorSet:
         pairs = zip(self._channels, self.now.evidence, strict=True)
         return [name for name, level in pairs if level is Evidence.UNKNOWN]
 
-    @property
-    def _proven(self) -> _Proven:
-        return self.now.evidence, self.now.tool, self.now.emptied
-
     def _changed_from(self, before: _Proven) -> list[Event]:
         """Return the events for all differences from the earlier evidence."""
         now, events = self.now, list[Event]()
         evidence, tool, emptied = before
         self.revision += 1
         if now.evidence != evidence:
-            changed = [i for i, level in enumerate(now.evidence) if level is not evidence[i]]
-            changed.sort(key=lambda i: _RANK[now.evidence[i]])
-            events = [self._evidence_events[i][now.evidence[i]] for i in changed]
-        events += [self._empty_events[i] for i in now.emptied if i not in emptied]
+            changed = [(_RANK[new], i, new) for i, new in enumerate(now.evidence) if new is not evidence[i]]
+            events = [self._evidence_events[i][new] for _, i, new in sorted(changed)]
+        if now.emptied != emptied:
+            events += [self._empty_events[i] for i in now.emptied if i not in emptied]
         if now.tool is not tool:
             events.append(self._tool_events[now.tool])
         return events

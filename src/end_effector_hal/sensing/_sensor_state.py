@@ -31,6 +31,7 @@ class SensorState:
         supply: whether a grip may start (IL-06).
         evidence: evidence of each actuator, in sequence order.
         tool: evidence of the tool changer's bits.
+        emptied: positions in the sequence of actuators that gripped nothing and are not confirmed.
         nothing_gripped: whether nothing is gripped, as IL-01 requires.
         in_stand: whether the tool is in its stand, or there is no tool (IL-02).
     """
@@ -45,6 +46,7 @@ class SensorState:
         "_was_clear": bool,
         "evidence": tuple[Evidence, ...],
         "tool": ToolEvidence,
+        "emptied": tuple[int, ...],
         "nothing_gripped": bool,
         "in_stand": bool,
     }
@@ -77,6 +79,7 @@ class SensorState:
         self.supply = SupplyDetector(description.supply)
         self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
         self.tool = ToolEvidence.UNCLEAR
+        self.emptied: tuple[int, ...] = ()
         self.nothing_gripped, self.in_stand = False, False
 
     def take(self, frame: Frame) -> Iterator[None]:
@@ -146,15 +149,6 @@ class SensorState:
         return kind_of(self._parts[index][1]).empty if found else ""
 
     @property
-    def emptied(self) -> tuple[int, ...]:
-        """Positions in the sequence of actuators that gripped nothing and are not confirmed."""
-        if not self._conditional:
-            return ()
-        return tuple(
-            [i for i, each in self.by_conditions if each.empty and self.evidence[i] is not Evidence.CONFIRMED]
-        )
-
-    @property
     def confirmed(self) -> bool:
         """Whether every actuator is proven to grip."""
         return self.evidence.count(Evidence.CONFIRMED) == len(self.evidence)
@@ -185,6 +179,9 @@ class SensorState:
             for index, (name, _) in enumerate(self._parts):
                 evidence[index] = Evidence.UNKNOWN if name in unproven else evidence[index]
         self.evidence, self.tool = tuple(evidence), tool
+        if self._conditional:
+            found = [i for i, each in self.by_conditions if each.empty]
+            self.emptied = tuple([i for i in found if evidence[i] is not Evidence.CONFIRMED])
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
         self.in_stand = self._is_in_stand(at)
 

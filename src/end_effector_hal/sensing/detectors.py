@@ -48,6 +48,7 @@ class ReleaseDetector:
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self._changer = description.tool_changer
+        self._vented_us = to_us(self._changer.vented_s) if self._changer else 0
         self._below_ambient: list[str] = []
         self._others: list[int] = []
         for index, (_, part) in enumerate(description.ordered):
@@ -62,12 +63,14 @@ class ReleaseDetector:
         """Return whether everything is released at ``at`` µs; ``evidence`` belongs to the same readings."""
         if self._changer is None:
             return False
-        released = not [index for index in self._others if evidence[index] is not Evidence.GONE]
+        released = True
+        for index in self._others:
+            released = released and evidence[index] is Evidence.GONE
         for channel, low in zip(self._below_ambient, self._low, strict=True):
             value = readings.get(channel, at)
             if value is None or readings.arrived(channel):
                 low.take(value is not None and below_ambient_kpa(value) < self._changer.vented_kpa, at)
-            released = released and low.lasted(at, to_us(self._changer.vented_s))
+            released = released and low.lasted(at, self._vented_us)
         return released
 
 
@@ -113,6 +116,8 @@ class ToolDetector:
 
     def __init__(self, changer: ToolChanger) -> None:
         self._changer = changer
+        self._wait_us = dict.fromkeys(ToolEvidence, to_us(changer.proven_s))
+        self._wait_us[ToolEvidence.FAULTY] = to_us(changer.fault_s)
         self._streaks = {level: Streak() for level in ToolEvidence}
         self.level = ToolEvidence.UNCLEAR
 
@@ -127,10 +132,11 @@ class ToolDetector:
             return self.level
         if not any(map(readings.arrived, bits)):
             return self.level
-        for level, streak in self._streaks.items():
-            streak.take(level is said, at)
-        wait_s = changer.fault_s if said is ToolEvidence.FAULTY else changer.proven_s
-        if self._streaks[said].lasted(at, to_us(wait_s)):
+        for streak in self._streaks.values():
+            if streak is not self._streaks[said]:
+                streak.samples = 0
+        self._streaks[said].take(True, at)
+        if self._streaks[said].lasted(at, self._wait_us[said]):
             self.level = said
         return self.level
 

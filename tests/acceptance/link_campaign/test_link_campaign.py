@@ -50,7 +50,7 @@ def without_staleness(patch: pytest.MonkeyPatch) -> None:
 
 
 def without_ranges(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(LinkRules, "_impossible", lambda self, channel, value: "")
+    patch.setattr(LinkRules, "_limits", property(lambda self: {}, lambda self, limits: None), raising=False)
 
 
 def without_words(patch: pytest.MonkeyPatch) -> None:
