@@ -11,7 +11,7 @@ from end_effector_hal.cli.run._causes import Causes
 from end_effector_hal.cli.run._voices import Changes, JsonLines
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.runtime.boundary import RecordedController, Recorder
+from end_effector_hal.runtime.boundary import RecordedController, Recorder, entry_of
 from tests.support.virtual_tool import VirtualTool
 
 
@@ -24,7 +24,7 @@ def played(description: Description, causes: Causes, scenario: str, seconds: flo
     tool = VirtualTool(
         description,
         scenario,
-        controller=lambda d, n: RecordedController(d, n, lambda entry: causes.take(*entry)),  # type: ignore[arg-type,return-value]
+        controller=lambda d, n: RecordedController(d, n, lambda record: causes.take(*entry_of(record))),  # type: ignore[arg-type,return-value]
     )
     tool.run(1.0)
     assert tool.command("grip").accepted

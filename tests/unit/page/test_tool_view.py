@@ -20,7 +20,7 @@ from end_effector_hal.nodes.hal_main._aggregate import Aggregate
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.page.view._tool_view import STALE_US
 from end_effector_hal.runtime import load_automata
-from end_effector_hal.runtime.boundary import STREAMED, Published, RecordedController
+from end_effector_hal.runtime.boundary import STREAMED, Published, RecordedController, entry_of
 from end_effector_hal.runtime.boundary._open import header_of
 from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.signals import Frame
@@ -52,7 +52,7 @@ class Watched:
         self.send("header", 0, header_of(description, 0))
 
         def recorded(tool: Description, network: Any) -> RecordedController:
-            return RecordedController(tool, network, lambda entry: self.put(*entry))
+            return RecordedController(tool, network, lambda record: self.put(*entry_of(record)))
 
         self.tool = VirtualTool(description, scenario, controller=recorded)  # type: ignore[arg-type]
 
@@ -423,8 +423,9 @@ def test_each_of_several_sources_has_a_rate_of_its_own() -> None:
     view = ToolView(tool, 0)
     view.take("header", 0, header_of(tool, 0), 0)
 
-    def put(entry: tuple[str, int, object]) -> None:
-        view.take(*entry, entry[1])
+    def put(record: object) -> None:
+        kind, at, content = entry_of(record)
+        view.take(kind, at, content, at)
 
     controller = RecordedController(tool, load_automata(tool), put)
     controller.start({}, 0)

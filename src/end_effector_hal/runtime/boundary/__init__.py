@@ -15,4 +15,5 @@ from ._records import (
     LinesWritten,
     Published,
     Start,
+    entry_of,
 )

@@ -7,9 +7,8 @@ from typing import Any
 
 from end_effector_hal.control import Answer, Controller, Status
 from end_effector_hal.description import Description
-from end_effector_hal.runtime.stream import Entry
 from end_effector_hal.signals import Frame
-from timed_automata import Begun, Network, Observation, Received, Step, Written
+from timed_automata import Network
 
 from ._records import (
     Acknowledged,
@@ -21,9 +20,8 @@ from ._records import (
     TimeAdvanced,
 )
 
-Put = Callable[[Entry], None]
-"""Stores a record."""
-_KIND_OF: Mapping[type, str] = {Begun: "begin", Written: "write", Received: "event", Step: "step"}
+Put = Callable[[object], None]
+"""Stores a record, of a type in `KINDS`."""
 
 
 class RecordedController:
@@ -36,7 +34,7 @@ class RecordedController:
         put: Put,
     ) -> None:
         self._put = put
-        self._controller = Controller(description, network, observe=self._observed)
+        self._controller = Controller(description, network, observe=put)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
         self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
         self.senses = self._controller.senses
@@ -56,16 +54,14 @@ class RecordedController:
         self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False, grip_error: bool = False
     ) -> list[Status]:
         """Record the start, and start the controller."""
-        self._put(("start", at, Start(at, dict(levels), sensor_fault, grip_error)))
+        self._put(Start(at, dict(levels), sensor_fault, grip_error))
         started = self._controller.start(levels, at, sensor_fault=sensor_fault, grip_error=grip_error)
         return self._decided(started)
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
         """Record a frame of the link, and process it."""
         taken_at = frame.at if at is None else at
-        self._put(
-            ("frame", taken_at, FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
-        )
+        self._put(FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
         return self._decided(self._controller.frame(frame, at))
 
     def pass_over(self, frame: Frame) -> list[Status]:
@@ -74,34 +70,31 @@ class RecordedController:
 
     def refused(self, at: int, *, unlock: bool = False) -> list[Status]:
         """Record and process that the line arbiter refused an activation."""
-        self._put(("refused", at, ActivationRefused(at, unlock)))
+        self._put(ActivationRefused(at, unlock))
         return self._decided(self._controller.refused(at, unlock=unlock))
 
     def acknowledge(self, at: int) -> list[Status]:
         """Record and process that the alarms that are over were seen."""
-        self._put(("acknowledge", at, Acknowledged(at)))
+        self._put(Acknowledged(at))
         return self._decided(self._controller.acknowledge(at))
 
     def advance(self, at: int) -> list[Status]:
         """Record the time, and do everything that is due at or before ``at``."""
-        self._put(("time", at, TimeAdvanced(at)))
+        self._put(TimeAdvanced(at))
         return self._decided(self._controller.advance(at))
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
         """Record and execute a command, given by the name of its channel."""
-        self._put(("command", at, Commanded(at, name)))
+        self._put(Commanded(at, name))
         answer, statuses = self._controller.command(name, at)
         self._decided(statuses)
-        self._put(("answer", at, Answered(at, answer.accepted, answer.reason)))
+        self._put(Answered(at, answer.accepted, answer.reason))
         return answer, statuses
 
     def _decided(self, statuses: list[Status]) -> list[Status]:
         for status in statuses:
-            self._put(("status", status.at, status))
+            self._put(status)
         return statuses
-
-    def _observed(self, observation: Observation) -> None:
-        self._put((_KIND_OF[type(observation)], observation.at, observation))
 
 
 AnyController = Controller | RecordedController

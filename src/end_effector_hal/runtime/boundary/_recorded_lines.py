@@ -29,7 +29,7 @@ class RecordedLines:
             raise
         if not self._there:
             self._there = True
-            self._put(("arbiter", at := now_us(), ArbiterSeen(at, there=True)))
+            self._put(ArbiterSeen(now_us(), there=True))
         return levels
 
     def declared_dead(self) -> bool:
@@ -52,7 +52,7 @@ class RecordedLines:
                 raise
             finally:
                 steps = tuple(step.as_json() for step in will)
-                self._put(("lines", at, LinesWritten(at, now_us() - at, dict(levels), steps, error)))
+                self._put(LinesWritten(at, now_us() - at, dict(levels), steps, error))
 
         return wait
 
@@ -60,9 +60,9 @@ class RecordedLines:
         """Close the connection in good order."""
         at = now_us()
         self._lines.close(will)
-        self._put(("lines", at, LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will))))
+        self._put(LinesWritten(at, now_us() - at, {}, tuple(step.as_json() for step in will)))
 
     def _lost(self, error: Exception) -> None:
         if self._there:
             self._there = False
-            self._put(("arbiter", at := now_us(), ArbiterSeen(at, there=False, why=str(error))))
+            self._put(ArbiterSeen(now_us(), there=False, why=str(error)))

@@ -18,7 +18,7 @@ from timed_automata import Network
 
 from ._recorded_controller import AnyController, Put, RecordedController
 from ._recorded_lines import RecordedLines
-from ._records import STATE, Published
+from ._records import Published, entry_of
 
 Observer = Callable[[str, int, object], None]
 """A function that is called with each record of a program: the kind, the time (µs), the content. It runs in the
@@ -46,7 +46,7 @@ class Recorder:
         observe: Observer | None = None,
     ) -> None:
         self._writer, self._stream, self._observe = writer, stream, observe
-        self._entries: list[Entry] = []
+        self._records: list[object] = []
         """Records that are kept until `flush`, after the line was written, because they are not needed before."""
         self._controller: RecordedController | None = None
         self._published: Published | None = None
@@ -98,13 +98,13 @@ class Recorder:
         """
         if self._stream is not None:
             self._published = Published(status.at, status, refused)
-            self._entries.append((PUBLISHED, status.at, self._published))
+            self._records.append(self._published)
 
     def readings(self, readings: JudgedReadings) -> None:
         """Send what the sensors read to the clients of the stream."""
         if self._stream is not None:
             self._readings = readings
-            self._entries.append((READINGS, readings.at, readings))
+            self._records.append(readings)
 
     def flush(self) -> None:
         """Pass on the records, and begin the next segment if it is time; never waits.
@@ -135,21 +135,21 @@ class Recorder:
         """The function that stores a record; None: nothing is recorded."""
         if self._observe is not None:
             return self._put_and_show
-        return self._entries.append if self._writer is not None or self._stream is not None else None
+        return self._records.append if self._writer is not None or self._stream is not None else None
 
-    def _put_and_show(self, entry: Entry) -> None:
-        self._entries.append(entry)
+    def _put_and_show(self, record: object) -> None:
+        self._records.append(record)
         if self._observe is None:
             return
         try:
-            self._observe(*entry)
+            self._observe(*entry_of(record))
         except Exception:  # noqa: BLE001 who looks on ends no program
             _log.exception("the observer of a program failed")
             self._observe = None
 
     def _pass_on(self) -> None:
-        entries = self._entries[:]
-        del self._entries[: len(entries)]  # what another thread has put meanwhile stays
+        entries = list(map(entry_of, self._records))
+        del self._records[: len(entries)]  # what another thread has put meanwhile stays
         if self._stream is not None:
             self._stream.put(entries)
         if self._writer is not None:
@@ -160,21 +160,17 @@ class Recorder:
         if snapshot is None:  # it will begin with its start
             writer.begin(now_us(), ())
         else:
-            writer.begin(snapshot.at, ((STATE, snapshot.at, snapshot),))
+            writer.begin(snapshot.at, (entry_of(snapshot),))
 
     def _state_now(self) -> list[Entry]:
         """Return the current state of the program, for a client that connects now."""
-        entries: list[Entry] = []
+        records: list[object] = [self._published, self._readings]
         try:
-            if self._controller is not None and (snapshot := self._controller.snapshot()) is not None:
-                entries.append((STATE, snapshot.at, snapshot))
+            if self._controller is not None:
+                records.insert(0, self._controller.snapshot())
         except Exception:  # noqa: BLE001 a defect of the recorder ends no program
             _log.exception("the live page cannot show the state of the program")
-        if self._published is not None:
-            entries.append((PUBLISHED, self._published.at, self._published))
-        if self._readings is not None:
-            entries.append((READINGS, self._readings.at, self._readings))
-        return entries
+        return [entry_of(record) for record in records if record is not None]
 
 
 NULL_RECORDER = Recorder()

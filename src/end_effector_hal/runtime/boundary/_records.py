@@ -12,7 +12,7 @@ from typing import Any
 
 from end_effector_hal.control import ControllerSnapshot, Status
 from end_effector_hal.recording import Gap
-from end_effector_hal.runtime.stream import HEALTH, PUBLISHED, READINGS
+from end_effector_hal.runtime.stream import HEALTH, PUBLISHED, READINGS, Entry
 from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.wires.sensors import SensorHealth
 from timed_automata import Begun, Received, Step, Written
@@ -165,3 +165,9 @@ KINDS: Mapping[str, type] = {
 }
 STREAMED: Mapping[str, type] = {**KINDS, PUBLISHED: Published, READINGS: JudgedReadings, HEALTH: SensorHealth}
 """Kinds of records in the stream of a program."""
+_KIND_OF = {type_: kind for kind, type_ in STREAMED.items()}
+
+
+def entry_of(record: Any) -> Entry:
+    """Return a record with its kind and its time."""
+    return _KIND_OF[type(record)], record.at, record

@@ -16,7 +16,7 @@ from end_effector_hal.control import word_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.plugins import named
-from end_effector_hal.runtime.boundary import DECIDED, INPUTS, STATE, RecordedController, feed
+from end_effector_hal.runtime.boundary import DECIDED, INPUTS, STATE, RecordedController, entry_of, feed
 from end_effector_hal.verification.replay._load import ProgramTrace
 from timed_automata import Network
 
@@ -187,9 +187,9 @@ class _Replay:
             return Difference(record.at, kind, "taken", f"impossible in this state: {named(error)}")
         return None
 
-    def _take(self, record: tuple[str, int, object]) -> None:
-        if record[0] in DECIDED:
-            self._decided.append(record)
+    def _take(self, record: object) -> None:
+        if (entry := entry_of(record))[0] in DECIDED:
+            self._decided.append(entry)
 
     def _compare(self, kind: str, recorded: dict[str, Any]) -> Difference | None:
         if not self._decided:
