@@ -53,11 +53,12 @@ class PredicatePublisher:
         own: bool | None = None,
     ) -> None:
         self._sender = sender or PredicateSender(socket_path(description))
-        self._description, self._predicates = description, Predicates(description)
+        self._description = description
         policy = arbiter_policy(description)
-        needed = {need.predicate for needs in policy.needs.values() for need in needs}
+        needed = frozenset(need.predicate for needs in policy.needs.values() for need in needs)
         own = sender is not None if own is None else own
         self._needed = needed & policy.proven if own else needed - policy.proven
+        self._predicates = Predicates(description, wanted=self._needed)
         self.repeats = bool(self._needed) and carrier_of(description).period_us > REPEAT_US // 2
         """Whether the link is so slow that predicates must be repeated between two frames."""
         self._clock = clock
@@ -75,7 +76,7 @@ class PredicatePublisher:
 
     def use(self, senses: SensorSet) -> None:
         """Take the predicates from the sensors of a program from now on."""
-        self._predicates = Predicates(self._description, senses=senses)
+        self._predicates = Predicates(self._description, senses=senses, wanted=self._needed)
 
     def publish(self, refused: Frame | None = None) -> None:
         """Send the predicates after a frame if they have changed; never blocks.
@@ -86,12 +87,12 @@ class PredicatePublisher:
         """
         if refused is not None:
             at, objections = max(self._predicates.at, refused.at), self._predicates.objections(refused)
-            if needed := self._needed_of(objections if refused.at <= self._clock() else {}):
-                self._send(needed, at)
+            if objections and refused.at <= self._clock():
+                self._send(objections, at)
             return
         if self._needed:
             at = self._predicates.at
-            if (proven := self._needed_of(self._predicates.said(at))) and proven != self._sent:
+            if (proven := self._predicates.said(at)) and proven != self._sent:
                 self._send(proven, at)
 
     def repeat(self, at: int | None = None) -> None:
@@ -100,7 +101,7 @@ class PredicatePublisher:
         if self._needed and seen_at >= self._due:
             # even if nothing was read yet: else it would be due at once
             self._due = seen_at + REPEAT_US * 4 // 5
-            if proven := self._needed_of(self._predicates.said(seen_at)):
+            if proven := self._predicates.said(seen_at):
                 self._send(proven, seen_at)
 
     @property
@@ -119,7 +120,7 @@ class PredicatePublisher:
         at = frame.at
         if self._needed:
             with self._lock:
-                proven = self._needed_of(self._predicates.frame(frame, self._clock()))
+                proven = self._predicates.frame(frame, self._clock())
                 # the arbiter ignores predicates older than its own: give a late frame the newest time
                 at = max(frame.at, self._predicates.at)
                 if proven and proven != self._sent:
@@ -142,12 +143,9 @@ class PredicatePublisher:
         while not self._ended.wait(REPEAT_US / 1e6):
             with self._lock:
                 at = self._clock()
-                proven = self._needed_of(self._predicates.advance(at))
+                proven = self._predicates.advance(at)
                 if proven and (proven != self._sent or at >= self._due):
                     self._send(proven, at)
-
-    def _needed_of(self, proven: Mapping[str, bool]) -> dict[str, bool]:
-        return {name: holds for name, holds in proven.items() if name in self._needed}
 
     def _send(self, proven: Mapping[str, bool], at: int) -> None:
         self._due = at + REPEAT_US * 4 // 5

@@ -142,9 +142,8 @@ class Controller:
         self._write_levels()
         held = self._statuses.held
         # until the lines are adopted a part is only perhaps held, and its sensors may not have been read yet
-        told = self._hold.sample(seen, held=held and self._statuses.adopted) | self._senses.noticed(
-            seen, held=held
-        )
+        told = self._hold.sample(seen, held=held and self._statuses.adopted)
+        told |= self._statuses.noticed(self._at)
         for event in events:
             statuses += self._receive(event, self._at, seen)
         if not self._statuses.adopted and self._senses.conclusive:
@@ -167,7 +166,7 @@ class Controller:
 
     def _refuse_frame(self, at: int) -> list[Status]:
         statuses = self.advance(at)
-        told = self._senses.noticed(self._at, held=self._statuses.held)
+        told = self._statuses.noticed(self._at)
         return statuses if statuses or not told else [self.status()]
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:

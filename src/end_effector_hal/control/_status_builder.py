@@ -63,6 +63,7 @@ class StatusBuilder:
         "was_error": bool,
         "adopted": bool,
         "held": bool,
+        "_noticed": tuple[Alarm, ...],
         "_steps": PART,
         "_events": PART,
         "_cause": int,
@@ -118,6 +119,7 @@ class StatusBuilder:
         self._kept: tuple[int, ...] = ()
         self._blowing: tuple[int, ...] = ()
         self._seen: tuple[int, int, bool] | None = None
+        self._noticed: tuple[Alarm, ...] = ()
         self.know({})
 
     def know(self, values: Mapping[str, int]) -> None:
@@ -125,8 +127,8 @@ class StatusBuilder:
         known = self.values
         known.update(values)
         if not values or not self._per_actuator.isdisjoint(values):
-            self._outputs = tuple([bool(known[name]) for name in self._valves])
-            self._actuators = tuple([known[name] for name in self._states])
+            self._outputs = tuple(map(bool, map(known.__getitem__, self._valves)))
+            self._actuators = tuple(map(known.__getitem__, self._states))
         if not values or not self._of_a_release.isdisjoint(values):
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
             self._blowing = tuple([i for i, name in self._blows if known[name]])
@@ -191,9 +193,7 @@ class StatusBuilder:
         """Return the status at ``at`` µs; ``events``: the events that led to it."""
         values, hold, steps = self.values, self._hold, self._steps
         ee = _STATES[values["ee"]]
-        seen = (at, self._senses.revision, self.held)
-        if seen != self._seen:
-            self._seen = seen
+        if self._seen != (at, self._senses.revision, self.held):
             self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
         step, fault = steps.step, values["changer_fault"]
@@ -226,7 +226,7 @@ class StatusBuilder:
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
             changer_fault=_CHANGER_FAULTS[fault],
-            changer_reason=explain_changer(self._description, fault) or self._vacant,
+            changer_reason=explain_changer(self._description, fault, self._senses.now.tool),
             vented=self._senses.now.nothing_gripped,
             armed=bool(values["armed"]),
             link_up=not self._down,
@@ -239,9 +239,16 @@ class StatusBuilder:
             events=events,
         )
 
+    def noticed(self, at: int) -> bool:
+        """Return whether the alarms about the readings have changed since the last call."""
+        self._look(at)
+        before, self._noticed = self._noticed, self._notices
+        return self._noticed != before
+
     def _look(self, at: int) -> None:
         """Read the sensors' state once for all steps that follow from it."""
         senses, readings = self._senses, self._senses.now.readings
+        self._seen = at, senses.revision, self.held
         self._refused = senses.refused
         self._down = readings.down(at)
         down = {
@@ -288,12 +295,6 @@ class StatusBuilder:
         """Return whether a condition of the automata holds."""
         state = self._execution.state
         return bool(condition(state.values, state.locations))
-
-    @property
-    def _vacant(self) -> str:
-        changer = self._description.tool_changer
-        absent = changer is not None and self._senses.now.tool is ToolEvidence.ABSENT
-        return f"There is no tool ({changer.present_bit} is off)." if changer and absent else ""
 
     @property
     def _why(self) -> str:

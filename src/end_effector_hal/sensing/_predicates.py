@@ -72,19 +72,25 @@ class Predicates:
         carrier: carries its channels; default: the one in the description.
         senses: the sensors of the program in this process, which processes the frames; None: its own, and `frame`
             processes them.
+        wanted: the predicates to compute; None: all that are fitted.
     """
 
     def __init__(
-        self, description: Description, carrier: Carrier | None = None, senses: SensorSet | None = None
+        self,
+        description: Description,
+        carrier: Carrier | None = None,
+        senses: SensorSet | None = None,
+        wanted: frozenset[str] | None = None,
     ) -> None:
         carrier = carrier or carrier_of(description)
         self._senses = senses or SensorSet(description, carrier)
-        self._fitted = predicates_fitted(description, carrier)
+        fitted = predicates_fitted(description, carrier)
+        self._wanted = fitted if wanted is None else fitted & wanted
         self._e_stop = description.e_stop.channel if description.e_stop else None
         self._present = description.tool_changer.present_bit if description.tool_changer else None
 
     def frame(self, frame: Frame, now: int | None = None) -> dict[str, bool]:
-        """Return the fitted predicates after a frame, by name, and whether each holds.
+        """Return the wanted predicates after a frame, by name, and whether each holds.
 
         A frame with a refused stamp proves nothing, but the objections in it are returned all the same.
 
@@ -113,16 +119,16 @@ class Predicates:
         return self.said(at)
 
     def objections(self, frame: Frame) -> dict[str, bool]:
-        """Return the predicates disproved by a frame that came too late: such a fault is latched."""
+        """Return the wanted predicates disproved by a frame that came too late: such a fault is latched."""
         objections = {E_STOP_CLOSED} if self._e_stop and frame.values.get(self._e_stop) is False else set()
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)):
             objections |= {
                 word + channel for channel in self._senses.now.faults.shown(frame.values, latching=latching)
             }
-        return dict.fromkeys(sorted(objections & self._fitted), False)
+        return dict.fromkeys(sorted(objections & self._wanted), False)
 
     def said(self, at: int) -> dict[str, bool]:
-        """Return the fitted predicates at ``at`` µs, by name, from what the sensors have shown until then."""
+        """Return the wanted predicates at ``at`` µs, by name, from what the sensors have shown until then."""
         now = self._senses.now
         all_said = {
             LOCKED: now.tool is ToolEvidence.LOCKED,
@@ -136,4 +142,4 @@ class Predicates:
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)) if now.faults.channels else ():
             well = now.faults.well(now.readings, at, latching=latching)
             all_said |= {word + channel: holds for channel, holds in well.items()}
-        return {name: holds for name, holds in all_said.items() if name in self._fitted}
+        return {name: holds for name, holds in all_said.items() if name in self._wanted}

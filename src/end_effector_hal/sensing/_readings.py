@@ -44,7 +44,7 @@ class Readings:
         "read_at": dict[str, int],
         "_invalid": dict[str, int],
         "_heard": dict[str, int],
-        "_last_frame": int | None,
+        "last_frame": int,
         "_arrived": frozenset[str],
     }
 
@@ -89,7 +89,8 @@ class Readings:
         """Time of the last frame with an invalid value, by channels that have had no valid value since."""
         self._heard: dict[str, int] = {}
         """Time of the last frame, by the numbers of several sources."""
-        self._last_frame: int | None = None
+        self.last_frame = -self.down_us
+        """Latest stamp of a frame, µs; before the first one it lies so far in the past that all sources are down."""
         self._arrived: frozenset[str] = frozenset()
         self._ends: tuple[dict[str, int] | None, list[int]] = None, []
         """Cache: the reading times it belongs to, and the sorted times at which a reading or source ends."""
@@ -101,7 +102,7 @@ class Readings:
             frame: the frame after its judgement.
             doubted: channels whose value was sent but is not trusted; they are invalid in the frame.
         """
-        self._last_frame = max(frame.at, self.last_frame)
+        self.last_frame = max(frame.at, self.last_frame)
         if len(self._sources) > 1 and (number := self._number_of(frame)):
             self._heard = {**self._heard, number: frame.at}
         valid = {channel: value for channel, value in frame.values.items() if value is not None}
@@ -115,7 +116,7 @@ class Readings:
 
     def renew(self, at: int) -> None:
         """Account for frames equal to the newest one that came until ``at`` µs."""
-        self._last_frame = at
+        self.last_frame = at
         self.read_at = self.read_at | dict.fromkeys(self._arrived, at)
         self._invalid = dict.fromkeys(self._invalid, at)
 
@@ -174,11 +175,6 @@ class Readings:
             ]
         )
 
-    @property
-    def last_frame(self) -> int:
-        """Latest stamp of a frame, µs; 0: none has come."""
-        return self._last_frame or 0
-
     def source_of(self, frame: Frame) -> str:
         """Return the source of a frame, by its channels: the stamps of one source must be in order."""
         number, first = self._number_of(frame), next(iter(frame.values), "")
@@ -194,7 +190,7 @@ class Readings:
 
     def down(self, at: int) -> tuple[FrameSource, ...]:
         """Return the sources that are not up."""
-        if self._last_frame is None or at - self._last_frame >= self.down_us:
+        if at - self.last_frame >= self.down_us:
             return self._sources
         if len(self._sources) == 1:
             return ()
@@ -207,8 +203,7 @@ class Readings:
         if of is not self.read_at:
             spans = self._stale_us
             found = {then + spans.get(channel, self.stale_us) for channel, then in self.read_at.items()}
-            if self._last_frame is not None:
-                found.add(self._last_frame + self.down_us)
+            found.add(self.last_frame + self.down_us)
             if len(self._sources) > 1:
                 found |= {last + us for last, us in zip(self._last_of_sources(), self._down_us, strict=True)}
             ends = sorted(found)

@@ -53,7 +53,7 @@ class SensorSet:
         carrier: carries its channels.
     """
 
-    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "_noticed": tuple[Alarm, ...], "revision": int}
+    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "revision": int}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.now = SensorState(description, carrier)
@@ -65,7 +65,6 @@ class SensorSet:
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
         }
         self._parts, self._named = description.ordered, bool(description.named_links)
-        self._noticed: tuple[Alarm, ...] = ()
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """Counter that grows whenever something may have changed."""
@@ -206,11 +205,6 @@ class SensorSet:
             names = ", ".join(map(display_name, back))
             said.append(Alarm("evidence.settling", ", ".join(back), {"names": names}))
         return tuple(said)
-
-    def noticed(self, at: int, *, held: bool) -> bool:
-        """Return whether the notices have changed since the last call."""
-        before, self._noticed = self._noticed, self.notices(at, held=held)
-        return self._noticed != before
 
     def _findings(self, at: int) -> Iterator[Alarm]:
         """Yield the alarms of detectors with conditions."""

@@ -164,7 +164,7 @@ def set_at(*path: str | int, value: Any) -> Edit:
             set_at("memory", "_senses", "_detectors", 0, "_above", "samples", value=77),
             set_at("execution", "variables", "cause_at", value=1),
             set_at("at", value=1),
-            set_at("memory", "_senses", "readings", "_last_frame", value=1),
+            set_at("memory", "_senses", "readings", "last_frame", value=1),
             set_at("memory", "_hold", "_since", value=5),
             set_at("memory", "_statuses", "_missed", value=1),
             set_at("execution", "entered", value=1),
