@@ -50,7 +50,8 @@ _COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "un
 class Controller:
     """Executes the automata of a tool; sans-IO: the same object runs in real and in virtual time.
 
-    Time is an argument everywhere: µs on the monotonic clock, never running backwards.
+    Time is an argument everywhere: µs on the monotonic clock. It never runs backwards: what arrives late, with an older
+    stamp, counts as arriving now.
 
     Args:
         description: the tool.
@@ -171,7 +172,7 @@ class Controller:
 
     def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
         """Execute a command, given by its channel; an edge of the automaton decides about acceptance."""
-        at = self._until(at)
+        at = max(at, self._at)
         statuses = self._due_before(at)
         event = Event(name)
         if name == "grip" and (why := self._faulty(at)) and self._execution.takes(event):
@@ -222,13 +223,13 @@ class Controller:
             at: time, µs.
             unlock: whether it is the unlock output.
         """
-        at = self._until(at)
+        at = max(at, self._at)
         statuses = self._due_before(at)
         return statuses + self._receive(Event("unlock_refused" if unlock else "grip_refused"), at)
 
     def acknowledge(self, at: int) -> list[Status]:
         """Remove the alarms that are over, because an operator has seen them; nothing else changes."""
-        at = self._until(at)
+        at = max(at, self._at)
         statuses = self._due_before(at)
         self._hold.acknowledge()
         return [*statuses, self.status()]
@@ -241,7 +242,7 @@ class Controller:
 
     def advance(self, at: int) -> list[Status]:
         """Execute everything that is due at or before ``at``."""
-        return self._advance(self._until(at))[0]
+        return self._advance(max(at, self._at))[0]
 
     def look_ahead(self) -> Iterator[object]:
         """Compute the results of possible next inputs, one portion per item; the state does not change."""
@@ -295,10 +296,6 @@ class Controller:
         if (levels := self._senses.levels) != self._levels:
             self._levels = levels
             self._execution.write(levels)
-
-    def _until(self, at: int) -> int:
-        # what arrives late, with an older stamp, counts as arriving now
-        return max(at, self._at)
 
     def _advance(self, at: int) -> tuple[list[Status], int | None]:
         """Do as `advance` for an ``at`` that is not in the past; also return the next deadline, µs."""

@@ -84,8 +84,8 @@ class Execution:
     def deadline_without(self, processes: frozenset[int]) -> int | None:
         """Return the time of the next time-out, µs, of a transition that does not begin in one of these processes."""
         found = self._successors.at(self._state).successors
-        timed = (each for each in found if each.timed and each.transition.edges[0].process not in processes)
-        return min([each.window(self._clocks, ())[0] for each in timed], default=None)
+        timed = (each for each in found if each.bounds and each.transition.edges[0].process not in processes)
+        return min([self._clocks.window(each.bounds)[0] for each in timed], default=None)
 
     def value(self, name: str) -> int:
         """Return the value of a variable such as ``ee``, ``evidence[1]`` or ``Gripper.i``; booleans are 0 and 1."""

@@ -50,7 +50,8 @@ class Schedule:
         self.candidates, self.committed, self.deadline = [], found.committed, None
         for successor in found.successors:
             since = age.get(successor.transition.edges, now)
-            first, last = successor.window(self._clocks, expired) if successor.timed else (ALWAYS, NEVER)
+            bounds = successor.bounds_without(expired) if expired else successor.bounds
+            first, last = self._clocks.window(bounds) if bounds else (ALWAYS, NEVER)
             due = max(first, since)
             if due > last or (due > now and not found.may_delay):
                 continue

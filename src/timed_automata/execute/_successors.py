@@ -70,7 +70,7 @@ class Successor:
         changes: changes of variables; empty if the update fails.
         sent: the name of the channel on which an executed process sends.
         kept: bounds in the next state on clocks that the transition does not set.
-        timed: whether a clock restricts when the transition may be taken.
+        bounds: its own bounds and ``kept``; empty: no clock restricts when it may be taken.
     """
 
     transition: Transition
@@ -79,18 +79,14 @@ class Successor:
     changes: tuple[Change, ...] = field(repr=False)
     sent: str | None = None
     kept: tuple[Bound, ...] = ()
-    timed: bool = field(init=False)
+    bounds: tuple[Bound, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.timed = bool(self.transition.bounds or self.kept)
+        self.bounds = (*self.transition.bounds, *self.kept)
 
-    def window(self, clocks: ClockInstants, expired: Collection[Bound] = ()) -> tuple[int, int]:
-        """Return the first and the last instant, µs, that its guards and the invariants of its target allow.
-
-        ``expired`` are invariants that no longer count because they are violated already.
-        """
-        kept = [bound for bound in self.kept if bound not in expired] if expired else self.kept
-        return clocks.window((*self.transition.bounds, *kept))
+    def bounds_without(self, expired: Collection[Bound]) -> tuple[Bound, ...]:
+        """Return its bounds without the invariants that no longer count because they are violated already."""
+        return (*self.transition.bounds, *[bound for bound in self.kept if bound not in expired])
 
 
 @dataclass(frozen=True, eq=False, slots=True)

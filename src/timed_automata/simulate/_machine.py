@@ -74,7 +74,7 @@ class Machine:
         latest = self.now if self.urgent else self._latest()
         options = []
         for successor in self._successors.at(self.state).successors:
-            first, last = successor.window(self._clocks)
+            first, last = self._clocks.window(successor.bounds)
             first, last = max(first, self.now), min(last, latest)
             if first <= last:
                 end = None if last == NEVER else last

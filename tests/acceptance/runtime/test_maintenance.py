@@ -35,7 +35,7 @@ class TestLease:
         mode.drove(TOP, True, 20 * S)
         assert mode.over(50 * S - 1) == []
         assert mode.over(50 * S) == [TOP, BOTTOM]  # in release order
-        assert not mode.active
+        assert mode.lines == []
         assert mode.ends_at is None
         assert mode.over(51 * S) == []
 
@@ -43,13 +43,13 @@ class TestLease:
         mode = Maintenance(description)
         mode.drove(BOTTOM, True, 0)
         mode.drove(BOTTOM, False, S)
-        assert (mode.active, mode.ends_at, mode.notice) == (False, None, "")
+        assert (mode.lines, mode.ends_at, mode.notice) == ([], None, "")
 
     def test_its_will_deactivates_everything_in_release_order(self, description: Description) -> None:
         mode = Maintenance(description)
         mode.drove(BOTTOM, True, 0)
         assert mode.will_with(TOP, True) == (LastWillStep(TOP), LastWillStep(BOTTOM))
-        assert mode.will == (LastWillStep(BOTTOM),)
+        assert mode.lines == [BOTTOM]
         assert mode.will_with(BOTTOM, False) == ()
 
     def test_it_says_what_is_active_and_for_how_long(self, description: Description) -> None:

@@ -503,7 +503,7 @@ def without_e_stop(tool: Tool, frames: int) -> None:
 def test_an_e_stop_that_is_not_read_refuses_a_grip_at_once_and_never_a_drop() -> None:
     tool = with_e_stop()
     without_e_stop(tool, 7)
-    assert tool.program._obstacle("grip") == "", "the last reading still counts"
+    assert tool.program._obstacle("grip", tool.at) == "", "the last reading still counts"
     without_e_stop(tool, 1)
     before = len(tool.statuses)
     assert tool.command("grip") == UNREAD

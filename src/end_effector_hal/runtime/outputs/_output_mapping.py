@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import GripLastWill, Status, changer_will
+from end_effector_hal.control import GripLastWill, Status, changer_will, maintenance_will
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import EndEffectorState, LastWill
 
@@ -40,7 +40,8 @@ class OutputMapping:
 
         While maintenance drives lines, they replace what the gripping would do; the tool changer locks in any case.
         """
-        gripping = self._maintenance.will or self._grip_will.of(status, on=on)
+        lines = self._maintenance.lines
+        gripping = maintenance_will(lines) if lines else self._grip_will.of(status, on=on)
         if not status.unlock_output:
             return gripping
         return (*changer_will(self._description, status, on=on), *gripping)

@@ -111,10 +111,15 @@ class Outputs:
         This never waits; `complete` does. Before the lines are adopted nothing is written. A change of the last will
         alone is not written if a status of the same instant follows that deactivates lines: the two are one write.
         """
-        statuses = [status for status in statuses if status.adopted]
         for number, status in enumerate(statuses):
+            if not status.adopted:
+                continue
             wanted, will = self.mapping.levels(status), self.mapping.last_will(status)
-            changes = self._changes(wanted) | self._once_more(wanted, status)
+            changes = {} if wanted == self._wanted else self._changes(wanted)
+            if self._unheard and status.attempt > self._attempt:
+                # the lost arbiter could not activate them, and the next attempt still requests them
+                changes |= {line: True for line in sorted(self._unheard) if wanted.get(line)}
+            self._attempt = status.attempt
             before = self._dropped
             self._dropped = self.mapping.dropped(status) if status.dropped >= 0 else ""
             if drop := self._dropped not in ("", before):
@@ -126,7 +131,6 @@ class Outputs:
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
             ):
                 continue
-            self._undone = {line: level for line, level in self._undone.items() if line not in changes}
             self._ask({**self._undone, **changes}, will, status.at, drop=drop)
             return statuses[number + 1 :]
         return ()
@@ -211,18 +215,9 @@ class Outputs:
         self._ask({**self._undone, **dict.fromkeys(lines, False)}, will, at)
         self.finish()
 
-    def _once_more(self, wanted: Mapping[str, bool], status: Status) -> dict[str, bool]:
-        """Return the activations that the lost arbiter could not do and that the next attempt still requests."""
-        before, self._attempt = self._attempt, status.attempt
-        if status.attempt <= before:
-            return {}
-        return {line: True for line in sorted(self._unheard) if wanted.get(line)}
-
     def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
-        before = self._wanted
-        if wanted == before:
-            return {}
-        return {line: level for line, level in wanted.items() if before is None or before.get(line) != level}
+        before = self._wanted or {}
+        return {line: level for line, level in wanted.items() if before.get(line) != level}
 
     def _deactivates(self, following: Sequence[Status], status: Status) -> bool:
         """Return whether the next status of the same instant deactivates lines and activates none."""

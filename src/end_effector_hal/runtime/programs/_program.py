@@ -215,7 +215,7 @@ class Program:
 
     def frame(self, frame: Frame) -> None:
         """Submit a frame of the link; return at once."""
-        self._worker.submit(lambda: self._frame(frame))
+        self._worker.submit(partial(self._frame, frame))
 
     def pass_over(self, frame: Frame) -> None:
         """Process a frame that is known to leave the evidence unchanged; for virtual time."""
@@ -266,7 +266,7 @@ class Program:
         """
         if self._waits and name == "unlock" and (changer := self._description.tool_changer):
             await_release(self._latest, changer)
-        return self._ask(lambda: self._decide(name, until_us), waits=name not in ACTIVATING)
+        return self._ask(partial(self._decide, name, until_us), waits=name not in ACTIVATING)
 
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line arbiter does what the description declares for this ending."""
@@ -299,7 +299,7 @@ class Program:
             at = self._clock()
             if until_us is not None and at > until_us:
                 return Answer(False, TOO_LATE), []
-            if obstacle := self._obstacle("activate" if active else "deactivate"):
+            if obstacle := self._obstacle("activate" if active else "deactivate", at):
                 return Answer(False, obstacle, decided=not self._adoption.lost), []
             answer = drive(self._adoption, self._maintenance, line, at, active=active)
             return answer, [self._adoption.controller.status()] if answer.accepted else []
@@ -339,32 +339,32 @@ class Program:
             self._publisher.repeat(at)
         return statuses
 
-    def _obstacle(self, name: str) -> str:
-        """Return a sentence why a command is refused before it reaches the automata; empty: it is not."""
+    def _obstacle(self, name: str, at: int) -> str:
+        """Return a sentence why a command at ``at`` µs is refused before it reaches the automata; empty: it is not."""
         adoption = self._adoption
         if not adoption.begun:
             return f"The lines are not adopted yet. {adoption.alarm or ''}".rstrip()
         if adoption.outputs.lost and name != "acknowledge":
             lost = "Nothing can be activated while the line arbiter is lost."
             return lost if name in ACTIVATING else LOST
-        if name == "grip" and self._maintenance.active:
+        if name == "grip" and self._maintenance.lines:
             return f"IL-12: a grip is refused during maintenance. {self._maintenance.notice}"
         if name in ACTIVATING:
-            if self._still_until > self._clock():
+            if self._still_until > at:
                 return RELOADING
-            return self._latched.refuses or self._unread(name)
+            return self._latched.refuses or self._unread(name, at)
         return ""
 
-    def _unread(self, name: str) -> str:
+    def _unread(self, name: str, at: int) -> str:
         """Return a sentence if the e-stop is not read; empty: it is, or the automata refuse for another reason."""
         controller = self._adoption.controller
-        why = unread_e_stop(self._description, controller.senses.now.readings, self._clock())
+        why = unread_e_stop(self._description, controller.senses.now.readings, at)
         return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name) else why
 
     def _unrest(self) -> str:
         """Return a sentence why the program is not at rest; empty: it is."""
         if not self._adoption.begun:
-            return self._obstacle("")
+            return self._obstacle("", self._clock())
         status = self._adoption.controller.status()
         if status.held:
             return f"{held_words(status.ee).capitalize()}: drop it first."
@@ -381,7 +381,7 @@ class Program:
         adoption = self._adoption
         if name not in ACTIVATING:
             adoption.look(at)
-        if obstacle := self._obstacle(name):
+        if obstacle := self._obstacle(name, at):
             return Answer(False, obstacle, decided=not adoption.lost), []
         answer, statuses = adoption.controller.command(name, at)
         self._commanded = answer.accepted and bool(statuses) and name not in ACTIVATING
@@ -611,13 +611,13 @@ class Program:
         self._publish(statuses)
 
     def _publish(self, statuses: list[Status]) -> None:
-        notices = self._notices()
+        notices, at = self._notices(), self._clock()
         if not statuses and notices != self._shown_notices:
-            statuses = [self._adoption.now(self._clock())]
+            statuses = [self._adoption.now(at)]
         for status in statuses:
             self._shown_notices = notices
             self._count += 1
             completed = replace(self._completed(status, notices), begun=self._begun_at, count=self._count)
-            obstacles = {word: why for word in WORDS if (why := self._obstacle(word))}
+            obstacles = {word: why for word in WORDS if (why := self._obstacle(word, at))}
             self._recorder.published(completed, obstacles)
             self._publish_one(completed)

@@ -48,7 +48,7 @@ def as_written(
         unlock = known.get(outputs.mapping.unlock_line, status.unlock_output)
         held = status.held if begun else held
         status = replace(status, outputs=levels, held=held, unlock_output=unlock)
-    if not maintenance.active:
+    if not maintenance.lines:
         return status
     levels = _levels(status, description, lambda line, level: level or line in maintenance.lines)
     return replace(status, outputs=levels, deadline=maintenance.ends_at, maintenance=True)
