@@ -135,12 +135,9 @@ def read_message(line: bytes) -> dict[str, Any]:
         UsageError: the line is not an object, or contains a number or a text that no message needs.
     """
     try:
-        given = _DECODER.decode(line.decode())
-    except UsageError:
-        raise
+        message = _object(_DECODER.decode(line.decode()))
     except (ValueError, RecursionError):
         raise UsageError(_NO_OBJECT) from None
-    message = _object(given)
     if isinstance(why := message.get("why"), str):
         message["why"] = printable(why)
     _check(message, DEEPEST)
@@ -154,7 +151,7 @@ def read_reply(line: bytes) -> dict[str, Any]:
 
 def write_message(message: Mapping[str, object]) -> bytes:
     """Return the line to send."""
-    return write_json(message) + b"\n"
+    return _ENCODER.encode(message).encode() + b"\n"
 
 
 def _object(given: Any) -> dict[str, Any]:
@@ -179,22 +176,13 @@ def _check(message: dict[str, Any], deepest: int) -> None:
                 raise UsageError(
                     f"a text in a message may have at most {LONGEST_SENTENCE} characters, all printable."
                 )
+            elif isinstance(value, float) or (isinstance(value, int) and abs(value) >= 10**DIGITS):
+                raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
     if level:
         raise UsageError(f"a message may be nested at most {deepest} levels deep.")
 
 
-def _integer(text: str) -> int:
-    if len(text.lstrip("-")) > DIGITS:
-        _no_number(text)
-    return int(text)
-
-
-def _no_number(_text: str) -> object:
-    raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
-
-
-_ENCODER = json.JSONEncoder(separators=(",", ":"))
-_DECODER = json.JSONDecoder(parse_int=_integer, parse_float=_no_number, parse_constant=_no_number)
+_ENCODER, _DECODER = json.JSONEncoder(separators=(",", ":")), json.JSONDecoder()
 
 
 class LastWillRunsError(LineBusyError):

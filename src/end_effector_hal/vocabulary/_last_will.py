@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
@@ -65,8 +64,9 @@ def read_last_will(steps: object) -> LastWill:
         if not isinstance(steps, Iterable) or isinstance(steps, str | Mapping):
             raise UsageError("a last will must be a list of steps.")
         steps = list(steps)
-    will = tuple([step if type(step) is LastWillStep else _step(i, step) for i, step in enumerate(steps)])
-    for i, (line, level, after_us) in enumerate(will):
+    will, before_us = list[LastWillStep](), 0
+    for i, given in enumerate(steps):
+        line, level, after_us = step = given if type(given) is LastWillStep else _step(i, given)
         if not isinstance(line, str):
             raise UsageError(f"step {i} of the last will names no line.")
         if level is not False:
@@ -77,11 +77,13 @@ def read_last_will(steps: object) -> LastWill:
             raise UsageError(
                 f"step {i} of the last will: after_us must be an integer from 0 to {LONGEST_US}."
             )
+        if after_us < before_us:
+            raise UsageError("the steps of a last will must be in the order of their after_us.")
+        before_us = after_us
+        will.append(step)
     if len(will) > MOST_LINES:
         raise UsageError(f"a last will has at most {MOST_LINES} steps, this one has {len(will)}.")
-    if any(a.after_us > b.after_us for a, b in pairwise(will)):
-        raise UsageError("the steps of a last will must be in the order of their after_us.")
-    return will
+    return tuple(will)
 
 
 def _step(i: int, given: Any) -> LastWillStep:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,7 +66,6 @@ class ArbiterClient:
     ) -> None:
         self._client, self._token, self._lines = client, make_token(), list(lines)
         self._will: LastWill = read_last_will(will)
-        self._examined = self._will
         self._timeout_s = timeout_s
         self._alive: Callable[[], bool] = lambda: True
         self._on_lost: Callable[[ArbiterError], None] | None = None
@@ -132,7 +131,7 @@ class ArbiterClient:
             LineRefusedError: an interlock refuses; the message begins with its id. Nothing has changed.
             ArbiterError: the arbiter is gone or does not answer; read the levels before any other call.
         """
-        steps = None if will is None else self._read(will)
+        steps = None if will is None else read_last_will(will)
         with self._lock:
             if steps is not None and not levels:
                 self._will = steps  # it changes no line: the next connection begins with it in any case
@@ -142,14 +141,16 @@ class ArbiterClient:
             return self._written(steps, self._begin_set(levels, steps, drop=drop))
 
     def ask(
-        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep] | None = None, *, drop: bool = False
     ) -> Callable[[], int]:
         """Do `set` in two parts: send now, without waiting; the returned function waits for the reply.
+
+        Only the arbiter checks the last will here: the function raises UsageError if it is not valid.
 
         That function returns µs until this write and all before it are applied (0: they are; IL-10). It must be called
         exactly once, from any thread: until then all other calls of this client wait.
         """
-        steps = None if will is None else self._read(will)
+        steps = None if will is None else tuple(will)
         if not self._lock.acquire(blocking=False):
             return lambda: self.set(levels, steps, drop=drop).delay_us
         if self._lost is not None or not self._arbiter.connected:
@@ -164,12 +165,6 @@ class ArbiterClient:
                 self._lock.release()
 
         return wait
-
-    def _read(self, will: Steps) -> LastWill:
-        """Check a last will; one that equals the previous one is not checked again."""
-        if will != self._examined:
-            self._examined = read_last_will(will)
-        return self._examined
 
     def status(self) -> dict[str, Any]:
         """Return the arbiter's pid, its clients with lease and last will, and the activations that it ended (IL-03)."""

@@ -123,12 +123,9 @@ class Records:
         self._sessions, self._journal = sessions, journal
         entry = journal.read()
         self._unread = entry.unread
+        self.before_change = sessions.begin
         self.before = recall(sessions.read(), entry, sessions.boot)
         """The state of the previous arbiter."""
-
-    def before_change(self) -> None:
-        """Mark the session record as outdated until `keep`, because lines are about to be written."""
-        self._sessions.begin()
 
     def keep(self, arbiter: LineArbiter) -> None:
         """Save the arbiter's state; call this before any client learns of a change."""

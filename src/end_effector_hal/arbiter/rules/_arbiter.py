@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
@@ -220,8 +220,8 @@ class LineArbiter:
         if session.stuck and any(levels.values()):
             raise LineRefusedError(f"IL-11: nothing is activated while a deactivation fails: {session.stuck}")
         for line, level in levels.items():
-            queued = session.queued_level(line)
-            expected = self.levels[line] if queued is None else queued
+            queued = session.queued_level(line) if session.queue else None
+            expected = self._lines.levels[line] if queued is None else queued
             if level and not expected:
                 self._interlocks.check(line, levels, self.sessions, at)
         if levels and len(session.queue) >= MOST_WAITING:
@@ -231,7 +231,8 @@ class LineArbiter:
             )
         if will is not None:
             self._set_last_will(session, will)
-        session.forget_activations([line for line, level in levels.items() if not level])
+        if session.queue:
+            session.forget_activations([line for line, level in levels.items() if not level])
         if levels:
             session.queue.append(Write(at, dict(levels), drop))
         self._apply_due(session, at)
@@ -376,7 +377,7 @@ class LineArbiter:
     def deadline(self) -> int | None:
         """The time of the next action, µs; None: nothing is due."""
         times = [session.lease_until for session in self.sessions if not session.ended]
-        times += [self._lines.ready_at(session.queue[0]) for session in self.sessions if session.queue]
+        times += [self._lines.last_ready_at([session.queue[0]]) for session in self.sessions if session.queue]
         ends = [*map(self._lines.longest_end, self.policy.max_active_us)]
         ends += [self._lines.coils.due] if self._lines.coils else []
         return min([*times, *(end for end in ends if end is not None)], default=None)
@@ -525,7 +526,7 @@ class LineArbiter:
         Raises:
             WireError: an activation failed; deactivations of the same write are tried again later.
         """
-        while session.queue and self._lines.ready_at(session.queue[0]) <= at:
+        while session.queue and self._lines.last_ready_at([session.queue[0]]) <= at:
             write = session.queue.popleft()
             try:
                 if write.drop and self._lines.remote is not None:
@@ -560,14 +561,14 @@ class LineArbiter:
         self.predicates.latch(name, why)
 
     def _set_last_will(self, session: Session, will: LastWill) -> None:
-        _check_own(session, {step.line: False for step in will})
+        _check_own(session, [step.line for step in will])
         self.policy.check_last_will(will)
         session.will = will
 
 
-def _check_own(session: Session, levels: Mapping[str, object]) -> None:
-    if not session.lines.issuperset(levels):
-        foreign = [line for line in levels if line not in session.lines]
+def _check_own(session: Session, lines: Collection[str]) -> None:
+    if not session.lines.issuperset(lines):
+        foreign = [line for line in lines if line not in session.lines]
         raise UsageError(
             f"{session.client} does not write {', '.join(foreign)}: its hello did not name this line."
         )

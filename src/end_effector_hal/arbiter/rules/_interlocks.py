@@ -23,6 +23,9 @@ class LineInterlocks:
     def __init__(self, policy: Policy, lines: OutputLines, predicates: SensorPredicates) -> None:
         self._policy, self._lines, self._predicates = policy, lines, predicates
         self._partners = {line: policy.partners(line) for line in policy.lines}
+        self._unlocking = {
+            line for line in policy.lines for other in self._partners[line] if other.interlock == "IL-01"
+        }
 
     def broken(self) -> list[str]:
         """Return lines that are active together with a line that excludes them; possible only at the start."""
@@ -45,34 +48,27 @@ class LineInterlocks:
         Raises:
             LineRefusedError: an interlock refuses; the message begins with its id.
         """
-        called = self._policy.called(line)
+        called = self._policy.called
         for other, interlock, gap_us in self._partners[line]:
             # the same write cannot end one and begin the other: a device may be slower than a line
-            if self._may_be_active(other, sessions) or levels.get(other, False):
+            waiting = [write for session in sessions for write in session.queue if write.levels.get(other)]
+            if waiting or levels.get(other) or self._lines.may_be_active(other):
                 raise LineRefusedError(
-                    f"{interlock}: {called} is not activated while {self._policy.called(other)} is active."
+                    f"{interlock}: {called(line)} is not activated while {called(other)} is active."
                 )
             if at - self._lines.changed_at[other] < gap_us:
                 raise LineRefusedError(
-                    f"{interlock}: {called} is not activated within {gap_us // 1000} ms after "
-                    f"{self._policy.called(other)}."
+                    f"{interlock}: {called(line)} is not activated within {gap_us // 1000} ms after {called(other)}."
                 )
         for interlock, why in self.objections(line, at):
-            raise LineRefusedError(f"{interlock}: {called} is not activated: {why}.")
+            raise LineRefusedError(f"{interlock}: {called(line)} is not activated: {why}.")
 
     def objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
         """Yield the interlocks that refuse an activation now because of the sensors or a stop, with their reasons."""
         if stopped := self._predicates.stopped:
             yield "IL-13", stopped
-        unlocks = any(partner.interlock == "IL-01" for partner in self._partners[line])
-        if unlocks and (why := self._predicates.faults.get(FORMER)):
+        if (why := self._predicates.faults.get(FORMER)) and line in self._unlocking:
             yield "IL-01", why.rstrip(".")
         for need in self._policy.needs.get(line, ()):
             if why := self._predicates.objection(need, at):
                 yield need.interlock, why
-
-    def _may_be_active(self, line: str, sessions: Sequence[Session]) -> bool:
-        """Return whether the line may be active now, or will be active after one of the waiting writes."""
-        return self._lines.may_be_active(line) or any(
-            write.levels.get(line) for session in sessions for write in session.queue
-        )

@@ -147,10 +147,6 @@ class OutputLines:
             return frozenset()
         return frozenset(map(_fault, self._renewed.difference(self.remote.unsure(), self._half_done)))
 
-    def ready_at(self, write: Write) -> int:
-        """Return the earliest time at which a write may be applied, µs."""
-        return self.last_ready_at([write])
-
     def last_ready_at(self, writes: Iterable[Write]) -> int:
         """Return the time at which the last of these writes can be applied if all are applied as early as possible,
         µs.

@@ -112,12 +112,12 @@ class Policy:
 
     def check_last_will(self, will: LastWill) -> None:
         """Raise UsageError if a last will takes so long that it would block its lines."""
-        late = [step for step in will if step.after_us > self.longest_last_will_us]
-        if late:
-            raise UsageError(
-                f"the last will deactivates {late[0].line} {late[0].after_us} µs after the death; "
-                f"the longest last will of this tool takes {self.longest_last_will_us} µs."
-            )
+        for line, _, after_us in will:
+            if after_us > self.longest_last_will_us:
+                raise UsageError(
+                    f"the last will deactivates {line} {after_us} µs after the death; "
+                    f"the longest last will of this tool takes {self.longest_last_will_us} µs."
+                )
 
     def settle_us(self, line: str) -> int:
         """Return how long a line stays unchanged after a change (IL-10), µs; at least until the end of a pulse's

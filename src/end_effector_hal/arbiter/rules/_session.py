@@ -209,8 +209,6 @@ class Session:
 
     def forget_activations(self, lines: Iterable[str]) -> None:
         """Remove from the queue all activations of these lines."""
-        if not self.queue:
-            return
         given_up, queue = set(lines), self.queue
         self.queue = deque()
         for due, levels, drop in queue:
@@ -220,8 +218,6 @@ class Session:
 
     def queued_level(self, line: str) -> bool | None:
         """Return the level of a line after the queue is applied; None: no write of this line waits."""
-        if not self.queue:
-            return None
         waiting = [write.levels[line] for write in self.queue if line in write.levels]
         return waiting[-1] if waiting else None
 

@@ -163,16 +163,16 @@ class ArbiterServer(Closing):
                 key.data.heard()
             elif key.data is None:
                 self._end(self._connections.admit(), "there are too many connections")
-        self._read_inputs()
+        if self._inputs is not None:
+            self._read_inputs(self._inputs)
         for connection in self._connections.round(ready):
             self._answer(connection)
 
-    def _read_inputs(self) -> None:
+    def _read_inputs(self, inputs: OwnInputs) -> None:
         """Read the arbiter's own inputs; done before answering messages, because writes depend on them."""
-        if self._inputs is not None:
-            for proven, at in self._inputs.read():
-                self._arbiter.predicates.read(proven, at)
-            self._arbiter.predicates.unread = self._inputs.error
+        for proven, at in inputs.read():
+            self._arbiter.predicates.read(proven, at)
+        self._arbiter.predicates.unread = inputs.error
 
     def _is_over(self) -> bool:
         return self._stops > 1 or (self._stops == 1 and self._arbiter.may_end(self._stopped_at, now_us()))

@@ -136,7 +136,7 @@ def _the_dead_are_removed(patch: pytest.MonkeyPatch) -> None:
 
 def _last_step_is_lost(patch: pytest.MonkeyPatch) -> None:
     def applies(arbiter: LineArbiter, session: Session, at: int) -> None:
-        while session.queue and arbiter._lines.ready_at(session.queue[0]) <= at:
+        while session.queue and arbiter._lines.last_ready_at([session.queue[0]]) <= at:
             arbiter._lines.set(session.queue.popleft().levels, at)
             if session.ended and len(session.queue) == 1:
                 session.queue.clear()
