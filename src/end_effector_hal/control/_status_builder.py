@@ -249,12 +249,13 @@ class StatusBuilder:
         """Read the sensors' state once for all steps that follow from it."""
         senses, readings = self._senses, self._senses.now.readings
         self._seen = at, senses.revision, self.held
-        self._refused = senses.refused
+        self._refused = senses.stamps.refused
         self._down = readings.down(at)
-        down = {
-            source.link or "": self._description.sensors_are("down", source.link) for source in self._down
-        }
-        self._outages = tuple(Alarm("link.down", link, {"sensors": are}) for link, are in down.items())
+        links = dict.fromkeys([source.link for source in self._down]) if self._down else ()
+        self._outages = [
+            Alarm("link.down", link or "", {"sensors": self._description.sensors_are("down", link)})
+            for link in links
+        ]
         self._stale = tuple(filter(self._used.__contains__, readings.stale(at)))
         self._notices = senses.notices(at, held=self.held)
 

@@ -61,7 +61,7 @@ def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
 
     def lasts(sample: _Sample) -> bool | None:
         value, streak = at_once(sample), sample.streaks[index]
-        arrived = True in map(sample.readings.arrived, channels)
+        arrived = not sample.readings.arrived.isdisjoint(channels)
         if arrived:
             sample.seen[index] = sample.at
         if arrived or value is None:

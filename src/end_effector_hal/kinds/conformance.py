@@ -40,8 +40,9 @@ class FixedReadings:
     def get(self, channel: str | None, at: int) -> int | bool | None:
         return None if channel is None else self.values.get(channel)
 
-    def arrived(self, channel: str) -> bool:
-        return self.values.get(channel) is not None
+    @property
+    def arrived(self) -> frozenset[str]:
+        return frozenset(channel for channel, value in self.values.items() if value is not None)
 
 
 class KindConformance:

@@ -50,6 +50,7 @@ class CylinderDetector:
 
     def __init__(self, actuator: CylinderActuator, supply: Supply) -> None:
         self._actuator, self._supply = actuator, supply
+        self._extended_us, self._retracted_us = to_us(actuator.extended_s), to_us(actuator.retracted_s)
         self._held = False
         self._high, self._low = Streak(), Streak()
         self.level = Evidence.UNKNOWN
@@ -65,10 +66,10 @@ class CylinderDetector:
         )
         if lacking and not extended:
             return self.expire()
-        if pressure is not None and readings.arrived(part.channel):
+        if pressure is not None and part.channel in readings.arrived:
             self._high.take(pressure >= self._threshold_pa(readings, at), at)
             self._low.take(pressure < part.retracted_kpa * 1000, at)
-        if extended or self._high.lasted(at, to_us(part.extended_s)):
+        if extended or self._high.lasted(at, self._extended_us):
             self._held = True
             self.level = Evidence.CONFIRMED
         elif not (self._held and self._high.samples):
@@ -93,7 +94,7 @@ class CylinderDetector:
         at: int,
     ) -> bool:
         if pressure is not None:
-            return self._low.lasted(at, to_us(self._actuator.retracted_s))
+            return self._low.lasted(at, self._retracted_us)
         if retracted is None and self._actuator.retracted_bit in readings.carried:
             return False  # it would say so, and does not
         return bool(retracted) if retracted is not None else not extended

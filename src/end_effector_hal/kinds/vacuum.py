@@ -99,7 +99,7 @@ class VacuumDetector:
         value = readings.get(self._actuator.channel, at)
         if value is None:
             return self.expire()
-        if not readings.arrived(self._actuator.channel):
+        if self._actuator.channel not in readings.arrived:
             return self.level
         part = self._actuator
         kpa = below_ambient_kpa(value)
@@ -134,13 +134,10 @@ class SecureDetector:
 
     def __init__(self, actuator: VacuumActuator) -> None:
         self._part = actuator
+        self.least_kpa = actuator.secure_kpa - actuator.secure_hysteresis_kpa
+        """Limit below which a grip is no longer secure, kPa below ambient."""
         self._high, self._low = Streak(), Streak()
         self.secure = False
-
-    @property
-    def least_kpa(self) -> float:
-        """Limit below which a grip is no longer secure, kPa below ambient."""
-        return self._part.secure_kpa - self._part.secure_hysteresis_kpa
 
     def sample(self, kpa: float, at: int) -> bool:
         """Return whether the grip is secure after one more sample, kPa below ambient, at ``at`` µs."""
@@ -194,7 +191,7 @@ class VacuumWatch:
         if value is None or isinstance(value, bool):
             self._expire()
             self.secure = value is True
-        elif readings.arrived(self._part.channel):
+        elif self._part.channel in readings.arrived:
             self.kpa = -value / 1000
             self.secure = self._detector.sample(self.kpa, at)
             if held:

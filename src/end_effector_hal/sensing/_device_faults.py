@@ -50,22 +50,18 @@ class DeviceFaults:
     """
 
     def __init__(self, description: Description) -> None:
-        self._channels = {name: each for name, each in description.channels.items() if each.alarm}
+        self.channels = {name: each for name, each in description.channels.items() if each.alarm}
+        """The channels, by name."""
         self._unproven = {
             name: frozenset(actuator for alarm in each.alarm for actuator in alarm.unproven)
-            for name, each in self._channels.items()
+            for name, each in self.channels.items()
         }
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
-        return tuple(self._channels)
 
     def standing(self, readings: ChannelReadings, at: int) -> Iterator[DeviceFault]:
         """Yield the faults that fresh readings show at ``at`` µs."""
-        for name in self._channels:
+        for name in self.channels:
             value = readings.get(name, at)
-            if value and (alarm := self._channels[name].alarm_of(value)):
+            if value and (alarm := self.channels[name].alarm_of(value)):
                 yield DeviceFault(_named(name, alarm), name, alarm, int(value))
 
     def shown(self, values: Mapping[str, Value], *, latching: bool) -> Iterator[str]:
@@ -73,20 +69,20 @@ class DeviceFaults:
 
         ``latching`` selects faults that latch, or those that do not.
         """
-        for name, each in self._channels.items():
+        for name, each in self.channels.items():
             if (alarm := each.alarm_of(values.get(name))) and refuses(alarm, latching):
                 yield name
 
     def named(self, name: str) -> DeviceFault | None:
         """Return a fault by its name; None: the description does not declare it."""
         channel, _, code = name.partition(" ")
-        alarms = self._channels[channel].alarm if channel in self._channels else ()
+        alarms = self.channels[channel].alarm if channel in self.channels else ()
         alarm = next((each for each in alarms if _named(channel, each) == name), None)
         return DeviceFault(name, channel, alarm, int(code or 1)) if alarm else None
 
     def unknown(self, readings: ChannelReadings, at: int) -> tuple[str, ...]:
         """Return the channels without a fresh reading."""
-        return tuple([name for name in self._channels if readings.get(name, at) is None])
+        return tuple([name for name in self.channels if readings.get(name, at) is None])
 
     def unproven(self, readings: ChannelReadings, at: int) -> frozenset[str]:
         """Return the actuators whose sensors prove nothing.
@@ -104,7 +100,7 @@ class DeviceFaults:
         """
         return tuple(
             name
-            for name, each in self._channels.items()
+            for name, each in self.channels.items()
             if any(refuses(alarm, latching) for alarm in each.alarm)
         )
 

@@ -111,7 +111,7 @@ class Predicates:
     @property
     def at(self) -> int:
         """Time of the newest valid frame, µs."""
-        return self._senses.at
+        return self._senses.now.readings.last_frame
 
     def advance(self, at: int) -> dict[str, bool]:
         """Return the predicates at ``at`` µs, if no frame came since the last one."""

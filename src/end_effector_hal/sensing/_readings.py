@@ -45,7 +45,7 @@ class Readings:
         "_invalid": dict[str, int],
         "_heard": dict[str, int],
         "last_frame": int,
-        "_arrived": frozenset[str],
+        "arrived": frozenset[str],
     }
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
@@ -82,7 +82,11 @@ class Readings:
         self._numbers = {
             channel: str(number) for number, source in enumerate(self._sources) for channel in source.channels
         }
-        self._relayed = description.arbiter_inputs
+        # input lines that the line arbiter reads come by another way than those of this process
+        self._names = {
+            channel: f"{number} relay" if channel in description.arbiter_inputs else number
+            for channel, number in self._numbers.items()
+        }
         own = {name for name, each in description.channels.items() if each.on_board}
         self._on_board = tuple([bool(source.channels) and source.channels <= own for source in self._sources])
         self._invalid: dict[str, int] = {}
@@ -91,7 +95,8 @@ class Readings:
         """Time of the last frame, by the numbers of several sources."""
         self.last_frame = -self.down_us
         """Latest stamp of a frame, µs; before the first one it lies so far in the past that all sources are down."""
-        self._arrived: frozenset[str] = frozenset()
+        self.arrived: frozenset[str] = frozenset()
+        """The channels of which the newest frame has a valid value: only that is a sample."""
         self._ends: tuple[dict[str, int] | None, list[int]] = None, []
         """Cache: the reading times it belongs to, and the sorted times at which a reading or source ends."""
 
@@ -103,12 +108,12 @@ class Readings:
             doubted: channels whose value was sent but is not trusted; they are invalid in the frame.
         """
         self.last_frame = max(frame.at, self.last_frame)
-        if len(self._sources) > 1 and (number := self._number_of(frame)):
+        if len(self._sources) > 1 and (number := self._numbers.get(next(iter(frame.values), ""))):
             self._heard = {**self._heard, number: frame.at}
         valid = {channel: value for channel, value in frame.values.items() if value is not None}
         self._values.update(valid)
         self.read_at = {**self.read_at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
-        self._arrived = frozenset(valid)
+        self.arrived = frozenset(valid)
         if self._invalid or len(valid) < len(frame.values):
             before = {name: at for name, at in self._invalid.items() if name not in frame.values}
             now = [name for name in frame.values if name not in valid and name not in doubted]
@@ -117,7 +122,7 @@ class Readings:
     def renew(self, at: int) -> None:
         """Account for frames equal to the newest one that came until ``at`` µs."""
         self.last_frame = at
-        self.read_at = self.read_at | dict.fromkeys(self._arrived, at)
+        self.read_at = self.read_at | dict.fromkeys(self.arrived, at)
         self._invalid = dict.fromkeys(self._invalid, at)
 
     def forget(self, channel: str) -> None:
@@ -128,11 +133,7 @@ class Readings:
 
     def idle(self) -> None:
         """Mark that time has passed without a frame: the stored values are no new samples."""
-        self._arrived = frozenset()
-
-    def arrived(self, channel: str) -> bool:
-        """Return whether the newest frame has a valid value of the channel: only that is a sample."""
-        return channel in self._arrived
+        self.arrived = frozenset()
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """Return the value of a channel at a time in µs; None: not carried, never read, or stale."""
@@ -143,9 +144,9 @@ class Readings:
 
     def judged(self, now: int) -> JudgedReadings:
         """Return the readings at the time of the newest frame, or at ``now`` µs if time has passed since."""
-        at = self.last_frame if self._arrived else now
+        at = self.last_frame if self.arrived else now
         values = {name: None if self.sent_invalid(name, at) else self.get(name, at) for name in self.carried}
-        return JudgedReadings(at, values, tuple(sorted(self._arrived)))
+        return JudgedReadings(at, values, tuple(sorted(self.arrived)))
 
     def sent_invalid(self, channel: str, at: int) -> bool:
         """Return whether frames with the channel arrive, but without a valid value: its device works."""
@@ -177,9 +178,7 @@ class Readings:
 
     def source_of(self, frame: Frame) -> str:
         """Return the source of a frame, by its channels: the stamps of one source must be in order."""
-        number, first = self._number_of(frame), next(iter(frame.values), "")
-        # input lines that the line arbiter reads come by another way than those of this process
-        return f"{number} relay" if first in self._relayed else number
+        return self._names.get(next(iter(frame.values), ""), "")
 
     def link_up(self, at: int) -> bool:
         """Return whether every source has sent a frame within the time after which it is down.
@@ -230,9 +229,6 @@ class Readings:
             else:
                 last.append(self._heard.get(str(number), gone))
         return last
-
-    def _number_of(self, frame: Frame) -> str:
-        return self._numbers.get(next(iter(frame.values), ""), "")
 
 
 class ToolPlace(IntEnum):

@@ -53,13 +53,14 @@ class SensorSet:
         carrier: carries its channels.
     """
 
-    MEMORY: ClassVar = {"now": INLINE, "_stamps": PART, "revision": int}
+    MEMORY: ClassVar = {"now": INLINE, "stamps": PART, "revision": int}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.now = SensorState(description, carrier)
         """The present evidence of the sensors."""
         self._description = description
-        self._stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
+        self.stamps = StampGate("Sensor frames", old_us=self.now.readings.stale_us, in_order=True)
+        """Refuses frames because of their stamp."""
         self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
         self._channels = {
             name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
@@ -109,19 +110,10 @@ class SensorSet:
         """
         return self.now.readings.last_frame
 
-    @property
-    def refused(self) -> int:
-        """Number of frames refused because of their stamp, since the start."""
-        return self._stamps.refused
-
-    def refusals(self, at: int) -> tuple[Alarm, ...]:
-        """Return the alarm about frames that were refused recently; it is a part of the notices."""
-        return self._stamps.notices(at)
-
     def accepts(self, frame: Frame, now: int) -> bool:
         """Return whether the stamp of a frame received at ``now`` is valid; a refusal is reported."""
         readings = self.now.readings
-        passes = self._stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
+        passes = self.stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
         if not passes:
             self.revision += 1
             self._due = None, 0, None
@@ -164,7 +156,7 @@ class SensorSet:
         of, asked_at, due = self._due
         if of is read_at and asked_at <= at and (due is None or at < due):
             return due  # several ask between two frames
-        due, ends = self.now.deadline(at), self._stamps.deadline(at)
+        due, ends = self.now.deadline(at), self.stamps.deadline(at)
         due = due if ends is None else ends if due is None else min(due, ends)
         self._due = read_at, at, due
         return due
@@ -174,11 +166,12 @@ class SensorSet:
 
         Alarms for a link that is down, and for an actuator of a held part without evidence, are made elsewhere.
         """
-        said, readings = [*self.refusals(at), *self.now.doubts(at)], self.now.readings
+        said, readings = [*self.stamps.notices(at), *self.now.doubts(at)], self.now.readings
         down = readings.down(at)
         if down and not self._named:
             return tuple(said)
-        said += self._findings(at)
+        if self.now.conditional:
+            said += self._findings(at)
         silent = {channel for source in down for channel in source.channels} if down else set[str]()
         stale = readings.stale(at)
         if not silent.issuperset(stale):

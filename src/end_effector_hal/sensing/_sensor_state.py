@@ -28,6 +28,7 @@ class SensorState:
     Attributes:
         readings: readings of all channels.
         faults: the channels that are alarms of a device.
+        conditional: positions in the sequence of actuators that are judged by conditions.
         supply: whether a grip may start (IL-06).
         evidence: evidence of each actuator, in sequence order.
         tool: evidence of the tool changer's bits.
@@ -57,7 +58,7 @@ class SensorState:
         self._parts = description.ordered
         self.faults = DeviceFaults(description)
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
-        self._conditional = tuple(
+        self.conditional = tuple(
             [i for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
         )
         self._guarded = tuple(
@@ -136,11 +137,7 @@ class SensorState:
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
         """Detectors that judge by conditions, with the position of their actuator in the sequence."""
         return tuple(
-            [
-                (i, each)
-                for i in self._conditional
-                if isinstance(each := self._detectors[i], ConditionDetector)
-            ]
+            [(i, each) for i in self.conditional if isinstance(each := self._detectors[i], ConditionDetector)]
         )
 
     def empty(self, index: int) -> str:
@@ -179,7 +176,7 @@ class SensorState:
             for index, (name, _) in enumerate(self._parts):
                 evidence[index] = Evidence.UNKNOWN if name in unproven else evidence[index]
         self.evidence, self.tool = tuple(evidence), tool
-        if self._conditional:
+        if self.conditional:
             found = [i for i, each in self.by_conditions if each.empty]
             self.emptied = tuple([i for i in found if evidence[i] is not Evidence.CONFIRMED])
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)

@@ -68,7 +68,7 @@ class ReleaseDetector:
             released = released and evidence[index] is Evidence.GONE
         for channel, low in zip(self._below_ambient, self._low, strict=True):
             value = readings.get(channel, at)
-            if value is None or readings.arrived(channel):
+            if value is None or channel in readings.arrived:
                 low.take(value is not None and below_ambient_kpa(value) < self._changer.vented_kpa, at)
             released = released and low.lasted(at, self._vented_us)
         return released
@@ -91,7 +91,7 @@ class SupplyDetector:
         if value is None:
             self.ok, self.kpa = False, None
             return self.ok
-        if not readings.arrived(self._supply.channel):
+        if self._supply.channel not in readings.arrived:
             return self.ok
         if isinstance(value, bool):
             # no thresholds: the bit itself says whether there is air
@@ -130,7 +130,7 @@ class ToolDetector:
             self._streaks = {level: Streak() for level in ToolEvidence}
             self.level = said
             return self.level
-        if not any(map(readings.arrived, bits)):
+        if readings.arrived.isdisjoint(bits):
             return self.level
         for streak in self._streaks.values():
             if streak is not self._streaks[said]:

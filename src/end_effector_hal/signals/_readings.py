@@ -60,8 +60,9 @@ class ChannelReadings(Protocol):
         """Return gauge Pa (vacuum negative) or a bit at ``at`` µs; None: no fresh, valid reading."""
         ...
 
-    def arrived(self, channel: str) -> bool:
-        """Return whether the newest frame has a valid value of the channel: only that is a sample."""
+    @property
+    def arrived(self) -> frozenset[str]:
+        """The channels of which the newest frame has a valid value: only that is a sample."""
         ...
 
 
@@ -88,9 +89,10 @@ class PassingReadings:
             return value
         return self._remembered.get(channel, at)  # an invalid value refreshes nothing
 
-    def arrived(self, channel: str) -> bool:
+    @property
+    def arrived(self) -> frozenset[str]:
         """See `ChannelReadings`."""
-        return self._values.get(channel) is not None
+        return frozenset([channel for channel, value in self._values.items() if value is not None])
 
 
 class Measure(NamedTuple):

@@ -35,23 +35,20 @@ class RecordedReadings:
     Attributes:
         at: time, µs.
         carried: the channels of the codec.
+        arrived: the channels of a frame that arrived at this instant.
     """
 
-    __slots__ = ("_arrived", "_values", "at", "carried")
+    __slots__ = ("_values", "arrived", "at", "carried")
 
     def __init__(
         self, at: int, carried: Mapping[str, Kind], values: Mapping[str, int | bool], arrived: frozenset[str]
     ) -> None:
         self.at, self.carried = at, carried
-        self._values, self._arrived = values, arrived
+        self._values, self.arrived = values, arrived
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """Return the value in gauge Pa, or the bit; None: there was none."""
         return None if channel is None else self._values.get(channel)
-
-    def arrived(self, channel: str) -> bool:
-        """Return whether a frame with this channel arrived at this instant."""
-        return channel in self._arrived
 
 
 @dataclass(slots=True)
@@ -219,7 +216,7 @@ class _OneRecording:
             value = readings.get(channel, at)
             if value is not None:
                 values[channel] = value
-        arrived = frozenset(channel for channel in values if readings.arrived(channel))
+        arrived = readings.arrived.intersection(values)
         then = RecordedReadings(at, carried, values, arrived)
         for each in self._open.values():
             each.readings.append(then)

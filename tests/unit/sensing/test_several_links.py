@@ -137,14 +137,14 @@ def test_what_waited_until_it_was_stale_is_told_as_a_standstill(tool: Descriptio
     assert senses.accepts(newest, now)
     senses.frame(newest)
     assert not senses.accepts(Frame(at + 20 * MS, 20, 400, {"one": -71_000}), now)
-    (said,) = map(str, senses.refusals(now))
+    (said,) = map(str, senses.stamps.notices(now))
     assert said.endswith("one is too old. Did the machine stand still?")
 
 
 def test_a_source_that_goes_back_itself_has_a_wrong_clock(tool: Description) -> None:
     senses, at = confirmed(tool)
     assert not senses.accepts(Frame(at - 50 * MS, 20, 400, {"two": -71_000}), at)
-    (said,) = map(str, senses.refusals(at))
+    (said,) = map(str, senses.stamps.notices(at))
     assert "stamped before the one that came last. Is a clock wrong" in said
 
 

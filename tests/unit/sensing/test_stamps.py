@@ -273,7 +273,7 @@ def test_what_was_refused_is_part_of_what_a_segment_begins_with(description: Des
     senses.accepts(Frame(NOW, None, None, {}), NOW)
     senses.accepts(Frame(NOW + 1, None, None, {}), NOW)
     recall(restored, memory_of(senses))
-    assert (restored.refused, restored.refusals(NOW)) == (1, senses.refusals(NOW))
+    assert (restored.stamps.refused, restored.stamps.notices(NOW)) == (1, senses.stamps.notices(NOW))
     assert not restored.accepts(Frame(NOW - 1, None, None, {}), NOW), "it is before the one that came last"
 
 
@@ -281,6 +281,6 @@ def test_detectors_ask_for_the_stamp_first(description: Description) -> None:
     senses = SensorSet(description, get_codec(description.link.codec))
     assert not senses.accepts(Frame(NOW + 1, None, None, {}), NOW)
     assert senses.accepts(Frame(NOW, None, None, {}), NOW)
-    assert senses.refused == 1
+    assert senses.stamps.refused == 1
     assert senses.deadline(NOW) == NOW + 10_000_000
-    assert senses.refusals(NOW) == (refused("stamped ahead of now"),)
+    assert senses.stamps.notices(NOW) == (refused("stamped ahead of now"),)

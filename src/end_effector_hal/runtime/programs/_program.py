@@ -460,11 +460,11 @@ class Program:
             if publisher is not None:
                 publisher.publish(frame)  # nothing is proven yet, but what objects is latched
             return None
-        refused = controller.senses.refused
+        refused = controller.senses.stamps.refused
         statuses = controller.frame(frame, self._clock())
         if publisher is None:
             return self._reaction(statuses)
-        publisher.publish(frame if controller.senses.refused > refused else None)
+        publisher.publish(frame if controller.senses.stamps.refused > refused else None)
         follow_up = self._reaction(statuses)
         if follow_up is None:
             publisher.repeat()

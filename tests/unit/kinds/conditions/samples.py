@@ -22,5 +22,7 @@ class Samples:
     def get(self, channel: str | None, at: int) -> int | bool | None:
         return None if channel is None else self._values.get(channel)
 
-    def arrived(self, channel: str) -> bool:
-        return self._values.get(channel) is not None if self._arrived is None else self._arrived
+    @property
+    def arrived(self) -> frozenset[str]:
+        shown = (name for name, value in self._values.items() if value is not None)
+        return frozenset(shown if self._arrived is None else self._values if self._arrived else ())
