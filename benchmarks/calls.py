@@ -63,7 +63,8 @@ class Count:
     def stop(self) -> None:
         """Mark the end of the path, at the first call only."""
         if self.reached is None:
-            self.reached, self.calls = self.calls, Counter()
+            self.reached = self.calls
+            self.calls = Counter()  # after the end: it is a call, too
 
     def of(self, path: Callable[[], object]) -> Counter[str] | None:
         """Count the calls of a path in this thread, up to its end; None: the end was not reached."""

@@ -132,6 +132,8 @@ class StatusBuilder:
         if not values or not self._of_a_release.isdisjoint(values):
             self._kept = tuple([i for i, name in enumerate(self._keeps) if known[name]])
             self._blowing = tuple([i for i, name in self._blows if known[name]])
+        if not values or "changer_fault" in values:
+            self._changer_fault = explain_changer(self._description, known["changer_fault"])
         self._active = (
             self._outputs
             if self.adopted
@@ -196,7 +198,7 @@ class StatusBuilder:
         if self._seen != (at, self._senses.revision, self.held):
             self._look(at)
         proven = ee == EndEffectorState.GRIPPED and self._senses.now.confirmed and self._is(self._liftable)
-        step, fault = steps.step, values["changer_fault"]
+        step = steps.step
         gripping, deadline = values["command"], self._execution.deadline
         if gripping == Command.NONE:
             deadline = None
@@ -225,8 +227,8 @@ class StatusBuilder:
             adopted=self.adopted,
             changer=_CHANGER_STATES[values["changer"]],
             unlock_output=bool(values["unlock_valve"]),
-            changer_fault=_CHANGER_FAULTS[fault],
-            changer_reason=explain_changer(self._description, fault, self._senses.now.tool),
+            changer_fault=_CHANGER_FAULTS[values["changer_fault"]],
+            changer_reason=self._changer_fault or self._vacant,
             vented=self._senses.now.nothing_gripped,
             armed=bool(values["armed"]),
             link_up=not self._down,
@@ -250,6 +252,8 @@ class StatusBuilder:
         senses, readings = self._senses, self._senses.now.readings
         self._seen = at, senses.revision, self.held
         self._refused = senses.stamps.refused
+        changer, absent = self._description.tool_changer, senses.now.tool is ToolEvidence.ABSENT
+        self._vacant = f"There is no tool ({changer.present_bit} is off)." if changer and absent else ""
         self._down = readings.down(at)
         links = dict.fromkeys([source.link for source in self._down]) if self._down else ()
         self._outages = [

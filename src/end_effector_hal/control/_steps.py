@@ -34,21 +34,21 @@ class StepLog:
             self.steps = tuple(map(StepReport, self._names))
             self._begun = [None] * len(self._names)
         if gripping or self._gripping:
-            reports = list(self.steps)
+            reports, began = list(self.steps), dict[int, int]()
             confirmed = -1
             for event in events:
                 if event.kind is EventKind.ATTEMPT_BEGAN:
                     self.step = event.actuator
-                    reports[self.step] = StepReport(self._names[self.step], event.attempt)
+                    began[self.step] = event.attempt
                     if self._begun[self.step] is None:
                         self._begun[self.step] = at
                 elif event.kind is EventKind.CONFIRMED:
                     confirmed = event.actuator
             for index, begun in enumerate(self._begun):
                 report = reports[index]
-                if begun is not None and not report.confirmed:
-                    seconds = to_s(at - begun)
-                    reports[index] = StepReport(report.name, report.attempts, seconds, index == confirmed)
+                if begun is not None and (index in began or not report.confirmed):
+                    attempts, seconds = began.get(index, report.attempts), to_s(at - begun)
+                    reports[index] = StepReport(report.name, attempts, seconds, index == confirmed)
             self.steps = tuple(reports)
         if not gripping:
             self.step = -1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import ClassVar
 
@@ -49,15 +49,15 @@ class AlarmLog:
 
     def forget(self, id_: str, about: str) -> None:
         """Remove an alarm that nobody needs to acknowledge."""
-        self._keep(each for each in self.listed if each.key != (id_, about))
+        self.listed = tuple([each for each in self.listed if each.key != (id_, about)])
 
     def acknowledge(self) -> None:
         """Remove all alarms that are over."""
-        self._keep(each for each in self.listed if not each.over)
+        self.listed = tuple([each for each in self.listed if not each.over])
 
     def clear(self) -> None:
         """Remove the alarms about the part, because nothing is held now. The faults of devices stay."""
-        self._keep(each for each in self.listed if each.id in DEVICE_ALARMS)
+        self.listed = tuple([each for each in self.listed if each.id in DEVICE_ALARMS])
 
     def _known(self, id_: str, about: str) -> Alarm | None:
         for each in self.listed:
@@ -66,7 +66,4 @@ class AlarmLog:
         return None
 
     def _replace(self, old: Alarm, new: Alarm) -> None:
-        self._keep(new if each is old else each for each in self.listed)
-
-    def _keep(self, alarms: Iterable[Alarm]) -> None:
-        self.listed = tuple(alarms)
+        self.listed = tuple([new if each is old else each for each in self.listed])

@@ -69,7 +69,7 @@ class StampGate:
 
     def notices(self, at: int) -> tuple[Alarm, ...]:
         """Return the alarm about recent refusals, if any."""
-        if self.deadline(at) is None:
+        if self._until is None or self._until <= at:
             return ()
         late = self._said_us == LATE_SAID_US
         doubt = (

@@ -110,7 +110,7 @@ class Execution:
         self._observe(Begun(at, dict(inputs or {})))
         self._state = _with(self._state, writes)
         self._schedule.renew(self._state, at, None)
-        return tuple(self._at_once(at))
+        return tuple(self._take(at, at, first_before=at))
 
     def receive(self, event: Event, at: int, *, stamp: int | None = None) -> Reaction:
         """Take the transitions that are due before ``at``, then the event, then the steps that follow without delay.
@@ -131,8 +131,13 @@ class Execution:
         now = self._advance_clock(at)
         steps = self._take(now, (now if stamp is None else min(stamp, now)) - 1)
         self._observe(Received(now, event.channel, event.writes))
-        taken = self._receive(now, event.channel, channel, writes)
-        return Reaction(taken is not None, (*steps, *([taken] if taken else []), *self._at_once(now)))
+        successor = self._successors.received(self._state, channel, writes)
+        if successor is None:
+            self._write(now, writes)
+        else:
+            steps.append(self._move(now, successor, None, self._schedule.last, received=event.channel))
+        steps += self._take(now, now, first_before=now)
+        return Reaction(successor is not None, tuple(steps))
 
     def takes(self, event: Event) -> bool:
         """Return whether an edge would receive an event now, before any due transition; the state is not changed.
@@ -151,10 +156,10 @@ class Execution:
         """
         offsets = self._boundary.writes(writes)
         now = self._advance_clock(at)
-        steps = () if at is None else self._take(now, now - 1)
+        steps = [] if at is None else self._take(now, now - 1)
         if self._write(now, offsets):
             self._observe(Written(now, writes))
-        return () if at is None else (*steps, *self._at_once(now))
+        return () if at is None else (*steps, *self._take(now, now, first_before=now))
 
     def advance(self, at: int) -> tuple[Step, ...]:
         """Take all transitions that are due at or before ``at``, in order of their due times; all are taken
@@ -212,10 +217,6 @@ class Execution:
         self._now = max(self._now, at) if at is not None else self._now
         return self._now
 
-    def _at_once(self, now: int) -> list[Step]:
-        """Take all transitions that do not wait for a clock: not those whose lower bound is reached exactly now."""
-        return self._take(now, now, first_before=now)
-
     def _write(self, now: int, offsets: Mapping[int, int]) -> bool:
         """Write variables; return whether a value changed."""
         values = self._state.values
@@ -225,21 +226,22 @@ class Execution:
             self._schedule.renew(self._state, now, None)
         return changes
 
-    def _receive(self, now: int, name: str, channel: int, writes: Mapping[int, int]) -> Step | None:
-        successor = self._successors.received(self._state, channel, writes)
-        if successor is None:
-            self._write(now, writes)
-            return None
-        return self._move(now, successor, None, self._schedule.last, received=name)
-
     def _take(self, now: int, until: int, first_before: int = NEVER) -> list[Step]:
-        """Take at ``now`` all transitions that are due at or before ``until``; see `Schedule.next`."""
+        """Take at ``now`` all transitions that are due at or before ``until``; see `Schedule.next`.
+
+        With ``first_before`` equal to ``now``, those whose lower bound a clock reaches exactly now are not taken.
+        """
         steps: list[Step] = []
-        while candidate := self._schedule.next(until, first_before):
+        schedule = self._schedule
+        while (
+            schedule.deadline is not None
+            and schedule.deadline <= until
+            and (candidate := schedule.next(until, first_before))
+        ):
             if len(steps) == _MOST_STEPS:
                 raise self._livelock(steps, candidate)
             steps.append(self._move(now, candidate.successor, candidate.due, candidate.last))
-        if self._schedule.committed and not self._schedule.candidates:
+        if schedule.committed and not schedule.candidates:
             raise self._stuck()
         return steps
 

@@ -302,7 +302,7 @@ class ArbiterClient:
 
     def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool) -> OSError | None:
         """Send the write; return the error if sending failed."""
-        fields: dict[str, object] = {"levels": {line: bool(level) for line, level in levels.items()}}
+        fields: dict[str, object] = {"levels": dict(levels)}
         # this side gives up after the time-out: it must not be executed later
         fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
         if drop:

@@ -18,13 +18,11 @@ from end_effector_hal.vocabulary import (
 _REST = (EndEffectorState.STAND_BY, EndEffectorState.OFF)
 
 
-def explain_changer(description: Description, fault: int, tool: ToolEvidence = ToolEvidence.UNCLEAR) -> str:
-    """Return why the tool changer is in FAULT, and the remedy, or that there is no tool; empty: neither is so."""
+def explain_changer(description: Description, fault: int) -> str:
+    """Return why the tool changer is in FAULT, and the remedy; empty: it is not."""
     changer = description.tool_changer
-    if changer is None:
+    if changer is None or fault == ChangerFault.NONE:
         return ""
-    if fault == ChangerFault.NONE:
-        return f"There is no tool ({changer.present_bit} is off)." if tool is ToolEvidence.ABSENT else ""
     if fault == ChangerFault.SENSOR:
         return (
             f"IL-04: {changer.locked_bit} and {changer.unlocked_bit} were both on, or both off, for "
