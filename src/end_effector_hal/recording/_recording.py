@@ -149,11 +149,12 @@ class Recording(Closing):
         self._changed = ChangerState.UNKNOWN
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
-        with ExitStack() as undo:
-            self._states = StatesWriter(self.folder / "states.csv", tuple(known.actuators), limits)
-            undo.callback(self._states.close)
-            if self._states.last is not None:
-                self._reported = self._states.last.end_effector
+        described = None if isinstance(tool, RunInfo) else tool
+        actuators, path = tuple(known.actuators), self.folder.joinpath
+        with ExitStack() as files:
+            states = files.enter_context(StatesWriter(path("states.csv"), actuators, limits))
+            if states.last is not None:
+                self._reported = states.last.end_effector
             self._info = replace(
                 known,
                 scenario=scenario or before.scenario,
@@ -165,31 +166,33 @@ class Recording(Closing):
             )
             with os_errors("Cannot be written", folder):
                 self._write_info()
-            channels = () if isinstance(tool, RunInfo) else pressure_channels(tool)
-            measures = {} if isinstance(tool, RunInfo) else measures_of(tool)
-            units = {name: measures[name].unit for name in channels}
-            self._readings = None if isinstance(tool, RunInfo) else Readings(tool, carrier_of(tool))
-            self._names, self._due = tuple(known.actuators), deque[EventRow](maxlen=MOST_DUE)
-            table = self.folder / "events.csv"
-            self._events = EventsWriter(table, self._names, limits) if events else None
-            if self._events is not None:
-                undo.callback(self._events.close)
-            self._alarms = AlarmsWriter(self.folder / "alarms.csv", limits)
-            undo.callback(self._alarms.close)
-            pressures = self.folder / "pressures.csv"
-            self._pressures = PressuresWriter(pressures, channels, limits, units) if channels else None
-            if self._pressures is not None:
-                undo.callback(self._pressures.close)
-            switches = () if isinstance(tool, RunInfo) else switch_channels(tool)
+            self._names, self._due = actuators, deque[EventRow](maxlen=MOST_DUE)
+            self._writes: dict[str, Callable[[float], bool]] = {
+                "states.csv": lambda time_s: self._latest is not None and states.write(time_s, *self._latest)
+            }
+            """The tables whose last row is written again after a failure, in that order; each writes what holds now."""
+            if events:
+                writer = files.enter_context(EventsWriter(path("events.csv"), actuators, limits))
+                self._writes["events.csv"] = lambda _: self._write_due(writer)
+            alarms = files.enter_context(AlarmsWriter(path("alarms.csv"), limits))
+            self._writes["alarms.csv"] = lambda time_s: alarms.write(time_s, self._standing) or True
+            self._readings = self._pressures = self._switches = None
             self._levels: Mapping[str, bool | None] = {}
-            self._switches = (
-                SwitchesWriter(self.folder / "switches.csv", switches, limits) if switches else None
-            )
-            if self._switches is not None:
-                undo.callback(self._switches.close)
-            changer = isinstance(tool, RunInfo) or tool.tool_changer is not None
-            self._changer = ChangerWriter(self.folder / "tool_changer.csv", limits) if changer else None
-            undo.pop_all()
+            if described is not None:
+                self._readings = Readings(described, carrier_of(described))
+                if channels := pressure_channels(described):
+                    measures = measures_of(described)
+                    units = {name: measures[name].unit for name in channels}
+                    pressures = PressuresWriter(path("pressures.csv"), channels, limits, units)
+                    self._pressures = files.enter_context(pressures)
+                if bits := switch_channels(described):
+                    switches = files.enter_context(SwitchesWriter(path("switches.csv"), bits, limits))
+                    self._switches = bits
+                    self._writes["switches.csv"] = lambda time_s: switches.write(time_s, self._levels) or True
+            if described is None or described.tool_changer is not None:
+                changer = files.enter_context(ChangerWriter(path("tool_changer.csv"), limits))
+                self._writes["tool_changer.csv"] = lambda time_s: changer.write(time_s, self._changed) or True
+            self._files = files.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
         """Write the states that hold from ``at`` on; return False when they equal the last row.
@@ -202,7 +205,7 @@ class Recording(Closing):
                 self._start = max(at, self._begun)
                 self._losses.info_due = True
             self._latest = (end_effector, command, actuators)
-            written = self._write_state(at)
+            written = self._write("states.csv", at)
             self._settle(at)
         return written
 
@@ -213,9 +216,9 @@ class Recording(Closing):
             ReportedError: rows cannot be written now.
         """
         with self._lock:
-            if self._changer is not None and self._start is not None:
+            if "tool_changer.csv" in self._writes and self._start is not None:
                 self._changed = ChangerState(state) if state in set(ChangerState) else ChangerState.UNKNOWN
-                self._write_changer(at)
+                self._write("tool_changer.csv", at)
                 self._settle(at)
 
     def alarms(self, at: int, alarms: Sequence[Alarm]) -> None:
@@ -223,7 +226,7 @@ class Recording(Closing):
         with self._lock:
             if self._start is not None:
                 self._standing = alarms
-                self._write_alarms(at)
+                self._write("alarms.csv", at)
                 self._settle(at)
 
     def events(self, at: int, events: Sequence[ToolEvent]) -> None:
@@ -236,7 +239,7 @@ class Recording(Closing):
             ReportedError: rows cannot be written now.
         """
         with self._lock:
-            if self._latest is None or self._events is None:
+            if self._latest is None or "events.csv" not in self._writes:
                 return
             rows = [event_row(each, self.seconds(min(each.at, at)), self._names) for each in events]
             states = [row.new for row in rows if row.kind is EventKind.STATE_CHANGED]
@@ -245,7 +248,7 @@ class Recording(Closing):
                 rows.append(EventRow(self.seconds(at), EventKind.STATE_CHANGED, old=old, new=self._reported))
             if rows:
                 self._due.extend(rows)
-                self._write_events(at)
+                self._write("events.csv", at)
                 self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
@@ -270,9 +273,9 @@ class Recording(Closing):
                 kpa = {name: None if value is None else value / 1000 for name, value in now.items()}
                 self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
             if switches is not None:
-                bits = {name: readings.get(name, at) for name in switches.channels}
+                bits = {name: readings.get(name, at) for name in switches}
                 self._levels = {name: None if value is None else bool(value) for name, value in bits.items()}
-                self._write_switches(at)
+                self._write("switches.csv", at)
             self._settle(at)
 
     def note(self, gap: str) -> None:
@@ -283,19 +286,10 @@ class Recording(Closing):
 
     def close(self) -> None:
         """Close the files; may be called again. Data that cannot be written any more is reported in the log."""
-        for each in (
-            self._states,
-            self._events,
-            self._alarms,
-            self._pressures,
-            self._switches,
-            self._changer,
-        ):
-            try:
-                if each is not None:
-                    each.close()
-            except ReportedError as error:
-                _log.warning("%s", error)
+        try:
+            self._files.close()
+        except ReportedError as error:
+            _log.warning("%s", error)
         with suppress(OSError):
             if self._losses.over(self.seconds(self._now())) or self._losses.info_due:
                 self._write_info()
@@ -304,51 +298,22 @@ class Recording(Closing):
         """Convert µs on the monotonic clock to seconds since the start of the recording."""
         return max(0, at - (self._start or self._begun)) / 1_000_000
 
-    def _write_state(self, at: int, *, again: bool = False) -> bool:
-        assert self._latest is not None
-        states, time_s = self._latest, self.seconds(at)
-        return self._losses.write(
-            "states.csv", time_s, lambda: self._states.write(time_s, *states), again=again
-        )
+    def _write(self, table: str, at: int, *, again: bool = False) -> bool:
+        """Write what holds now; return whether the table needed it and has it."""
+        write, time_s = self._writes[table], self.seconds(at)
+        return self._losses.write(table, time_s, lambda: write(time_s), again=again)
 
-    def _write_alarms(self, at: int, *, again: bool = False) -> None:
-        standing, time_s = self._standing, self.seconds(at)
-        self._losses.write(
-            "alarms.csv", time_s, lambda: self._alarms.write(time_s, standing) or True, again=again
-        )
-
-    def _write_events(self, at: int, *, again: bool = False) -> None:
-        writer, rows, time_s = self._events, tuple(self._due), self.seconds(at)
-        if writer and self._losses.write("events.csv", time_s, lambda: writer.write(rows), again=again):
-            self._due.clear()
-
-    def _write_changer(self, at: int, *, again: bool = False) -> None:
-        writer, state, time_s = self._changer, self._changed, self.seconds(at)
-        if writer is not None:
-            self._losses.write(
-                "tool_changer.csv", time_s, lambda: writer.write(time_s, state) or True, again=again
-            )
-
-    def _write_switches(self, at: int, *, again: bool = False) -> None:
-        writer, levels, time_s = self._switches, self._levels, self.seconds(at)
-        if writer is not None:
-            self._losses.write(
-                "switches.csv", time_s, lambda: writer.write(time_s, levels) or True, again=again
-            )
+    def _write_due(self, writer: EventsWriter) -> bool:
+        written = writer.write(tuple(self._due))
+        self._due.clear()
+        return written
 
     def _settle(self, at: int) -> None:
         """Retry the failed writes; raise ReportedError while one fails."""
         losses = self._losses
-        if "states.csv" in losses.failing and self._latest is not None:
-            self._write_state(at, again=True)  # a state that lasts comes but once
-        if "events.csv" in losses.failing:
-            self._write_events(at, again=True)
-        if "alarms.csv" in losses.failing:
-            self._write_alarms(at, again=True)
-        if "switches.csv" in losses.failing:
-            self._write_switches(at, again=True)
-        if "tool_changer.csv" in losses.failing:
-            self._write_changer(at, again=True)
+        for table in self._writes:
+            if table in losses.failing:
+                self._write(table, at, again=True)
         if not losses.failing and losses.over(self.seconds(at)):
             losses.info_due = True
         if losses.info_due:
