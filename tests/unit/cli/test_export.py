@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
+from end_effector_hal.cli._export import command
 from end_effector_hal.cli._main import eehal
-from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import DescriptionError
-from end_effector_hal.nodes.interface import GRIP_UPPER, actuator_joints, grip_joint
+from end_effector_hal.cli._sros2 import security_policy
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import DescriptionError, UsageError
+from end_effector_hal.nodes.interface import GRIP_UPPER, actuator_joints, grip_joint, topics
+from tests.support.sros2 import read_policy
 
 xacro = pytest.importorskip("xacro", reason="make setup installs it")
 
@@ -155,3 +161,128 @@ def test_a_description_with_a_fault_is_told_with_its_place(tmp_path: Path) -> No
     done = CliRunner().invoke(eehal, ["export", "urdf", str(path)])
     assert isinstance(done.exception, DescriptionError)
     assert f"{path}:2:" in str(done.exception)
+
+
+ROOT = Path(__file__).parents[3]
+MESSAGES = ROOT / "ros" / "end_effector_msgs" / "msg"
+OF_ROS = {"sensor_msgs/FluidPressure": {"fluid_pressure": "float64"}}
+TOOLS = [profile_path(), *sorted((ROOT / "examples" / "tools").glob("*/*.yaml"))]
+
+
+def exported(*arguments: object) -> dict[str, Any]:
+    result = CliRunner().invoke(eehal, ["export", "foxglove", *map(str, arguments)], catch_exceptions=False)
+    layout: dict[str, Any] = json.loads(result.output)
+    return layout
+
+
+def placed(layout: object) -> Iterator[str]:
+    if isinstance(layout, dict):
+        yield from placed(layout["first"])
+        yield from placed(layout["second"])
+    else:
+        yield str(layout)
+
+
+def paths(layout: dict[str, Any]) -> Iterator[str]:
+    for panel in layout["configById"].values():
+        yield from (each["value"] for each in panel.get("paths", ()))
+        yield from (panel[key] for key in ("path", "topicPath") if key in panel)
+
+
+def fields(message: str) -> dict[str, str]:
+    if message in OF_ROS:
+        return OF_ROS[message]
+    text = (MESSAGES / f"{message.partition('/')[2]}.msg").read_text()
+    return {name: kind for kind, name in re.findall(r"^([\w/\[\]]+) +(\w+)\b(?!\s*=)", text, re.MULTILINE)}
+
+
+@pytest.mark.parametrize("tool", TOOLS, ids=lambda path: path.parent.name)
+def test_each_path_is_a_field_of_a_topic_of_the_tool(tool: Path) -> None:
+    layout, description = exported(tool), load(tool)
+    known = {f"/{topic.name}": topic.type for topic in topics(description)}
+    for path in paths(layout):
+        topic, _, field = path.partition(".")
+        found = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", field)
+        assert found, path
+        kind = fields(known[topic])[found[1]]
+        assert kind.endswith("[]") is (found[2] is not None), path
+        assert found[2] is None or int(found[2]) < len(description.sequence)
+
+
+def test_each_panel_has_its_place_and_a_namespace_stands_before_each_topic() -> None:
+    layout = exported("--namespace", "/left")
+    assert sorted(placed(layout["layout"])) == sorted(layout["configById"])
+    assert all(path.startswith("/left/") for path in paths(layout))
+    assert layout["configById"]["DiagnosticSummary!health"]["topicToRender"] == "/diagnostics"
+
+
+FIVE = ("hal_main", "grip", "tool_change", "pressure", "position")
+
+
+def holders(text: str, right: str, name: str) -> set[str]:
+    """The last word of each enclave that has a right."""
+    return {path.rpartition("/")[2] for path, allowed in read_policy(text).items() if name in allowed[right]}
+
+
+def test_an_enclave_for_each_process(verdin: Description) -> None:
+    others = ("data_logger", "supervisor", "client")
+    assert [*read_policy(security_policy(verdin))] == [f"/verdin_gripper/{each}" for each in ("hal", *others)]
+    five = read_policy(security_policy(verdin, "five", "cell/left/"))
+    assert [*five] == [f"/cell/left/{each}" for each in (*FIVE, *others)]
+
+
+def test_each_node_speaks_for_itself_only(verdin: Description) -> None:
+    text = security_policy(verdin, "five")
+    assert holders(text, "publish", "/EndEffectorState") == {"hal_main"}
+    assert holders(text, "publish", "/PressureCylinder") == {"pressure"}
+    assert holders(text, "reply", "/StopTool") == {"grip"}
+    assert holders(text, "subscribe", "/EndEffectorState") == {"data_logger", "supervisor", "client"}
+    assert holders(text, "subscribe", "/PressureCylinder") == {"client"}
+
+
+@pytest.mark.parametrize("five", [False, True])
+def test_who_commands_the_tool(verdin: Description, five: bool) -> None:
+    text = security_policy(verdin, "five" if five else "one", "/left")
+    server = {"hal_main" if five else "hal"}
+    assert holders(text, "request", "/left/Drop/_action/send_goal") == {"client", "supervisor"}
+    assert holders(text, "reply", "/left/Drop/_action/send_goal") == server
+    assert holders(text, "publish", "/left/Drop/_action/feedback") == server
+    assert holders(text, "request", "/left/SetCylinder") == {"client"}
+    assert holders(text, "reply", "/left/SetCylinder") == {"grip" if five else "hal"}
+    assert holders(text, "request", "/left/ArmToolChanger") == {"client", "supervisor"}
+    assert not holders(text, "request", "/Drop/_action/send_goal")
+    client = read_policy(text)["/left/client"]
+    assert client["publish"] == {"/rosout", "/parameter_events"}
+    assert "/left/PressureSupply" in client["subscribe"]
+
+
+def test_parameters_are_set_by_nobody(verdin: Description) -> None:
+    for allowed in read_policy(security_policy(verdin, "five")).values():
+        assert not [each for each in allowed["request"] if "parameters" in each]
+
+
+def test_who_manages_the_managed_node(verdin: Description) -> None:
+    text = security_policy(verdin, "managed", "/left")
+    for name in ("change_state", "get_state"):
+        assert holders(text, "reply", f"/left/EndEffector/{name}") == {"lifecycle_hal"}
+        assert holders(text, "request", f"/left/EndEffector/{name}") == {"operator"}
+    assert not holders(security_policy(verdin), "request", "/EndEffector/change_state")
+
+
+def test_a_tool_without_a_changer(verdin: Description) -> None:
+    text = security_policy(verdin.model_copy(update={"tool_changer": None}))
+    assert "ArmToolChanger" not in text
+    assert "PositionToolChanger" not in text
+
+
+@pytest.mark.parametrize("namespace", ["a//b", "9x", "/a b", "a/&lt;", "ä"])
+def test_what_is_no_namespace(verdin: Description, namespace: str) -> None:
+    with pytest.raises(UsageError, match="is not a namespace"):
+        security_policy(verdin, namespace=namespace)
+
+
+def test_the_command_writes_a_file(tmp_path: Path) -> None:
+    target = tmp_path / "policy.xml"
+    done = CliRunner().invoke(command, ["sros2", "--processes", "five", "-o", str(target)])
+    assert (done.exit_code, done.output) == (0, f"{target}\n")
+    assert "/verdin_gripper/pressure" in read_policy(target.read_text())

@@ -9,7 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from rich.table import Table
 
+from end_effector_hal.cli._output import print_table
 from tests.support.refuted import REFUTED
 
 EEHAL = "import sys; from end_effector_hal.cli import main; main()"
@@ -67,3 +69,13 @@ def test_the_verdict_does_not_depend_on_who_reads_it(tmp_path: Path, model: str,
     assert found == code
     assert "Traceback" not in told
     assert os.strerror(errno.EPIPE) not in told
+
+
+def test_a_long_row_stays_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    table = Table("run", "replay", box=None, pad_edge=False)
+    name = "a" * 150 + "[b]"
+    table.add_row(name, "the same as recorded")
+    print_table(table)
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["run", "replay"]
+    assert row.split(maxsplit=1) == [name, "the same as recorded"]

@@ -1,14 +1,19 @@
 """eehal plot: figures beside the recording, errors as sentences with exit code 2."""
 
+from __future__ import annotations
+
 import json
 import subprocess
 import sys
 
 import pytest
+from click.testing import CliRunner
 
 from end_effector_hal.cli import main
 from end_effector_hal.recording import EventsWriter, StatesWriter
 from end_effector_hal.recording._pressures import PressuresWriter
+from end_effector_lab.commands._testbench import command
+from end_effector_lab.testbench import FAULTS
 from tests.support.trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
 
 
@@ -180,3 +185,11 @@ def test_a_folder_with_traces_only_says_what_takes_them(tmp_path, plot):
     assert code
     assert "only traces" in err
     assert "`eehal page`, `eehal report` and `eehal replay`" in err
+
+
+def test_the_list_of_scenarios_is_json_where_that_is_asked() -> None:
+    words = CliRunner().invoke(command, ["--list"])
+    assert [line.split()[0] for line in words.output.splitlines()] == [fault.usage for fault in FAULTS]
+    told = json.loads(CliRunner().invoke(command, ["--list", "--json"]).output)
+    assert told["schema_version"] == 1
+    assert [each["usage"] for each in told["scenarios"]] == [fault.usage for fault in FAULTS]

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from io import StringIO
+from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from end_effector_hal.control import EventKind
-from end_effector_hal.description import Description
-from end_effector_hal.recording import EventRow, StatesLog, StatesRow
+from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.recording import EventRow, StatesLog, StatesRow, run_info
 from end_effector_hal.vocabulary import Command, EndEffectorState
 from end_effector_lab.demo import DemoScenario, Report, scenarios
 from end_effector_lab.demo._judge import judge
+from end_effector_lab.demo._progress import Progress
 
 NAMES = ["nominal", "fails-once", "never-confirms", "cancel", "stuck-release", "unlock-lock"]
 Rows = list[StatesRow]
@@ -179,3 +183,22 @@ def test_the_report_as_json(told: Callable[..., Report]) -> None:
 
 def test_scenarios_are_values() -> None:
     assert DemoScenario.__dataclass_params__.frozen  # type: ignore[attr-defined]
+
+
+BEGUN = "time_s,end_effector,command,bottom_vacuum,cylinder,top_vacuum\n0.0,6,-1,0,0,0\n"
+ABORTED = "18.7,1,2,2,1,0\n18.8,2,3,2,0,0\n18.8,4,3,0,0,0\n"
+
+
+def test_an_error_that_is_unwound_at_once_is_said(tmp_path: Path) -> None:
+    states = tmp_path / "states.csv"
+    progress = Progress(Console(file=StringIO()), "[1/1]", states, run_info(load(profile_path())))
+    assert progress.news() == []
+    states.write_text(BEGUN)
+    assert progress.news() == ["STAND-BY"]
+    states.write_text(BEGUN + ABORTED)
+    assert progress.news() == [
+        "GRIPPING, Bottom vacuum ON, Cylinder PENDING EXTEND",
+        "GRIP ERROR, Bottom vacuum ON",
+        "RELEASING",
+    ]
+    assert progress.news() == []

@@ -1,16 +1,17 @@
-"""Evidence that is written by hand over channels of one's own is played: confirmed, gone, between and empty."""
+"""What the sensors of a simulated tool show, and what of it a codec carries."""
 
 from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.codecs import carrier_of
+from end_effector_hal.codecs import carrier_of, codec_of, get_codec
 from end_effector_hal.description import Description, examine_text
 from end_effector_hal.errors import UsageError
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
-from end_effector_lab.testbench import Bench
+from end_effector_lab.testbench import Bench, SensorBoard, carried
+from end_effector_lab.virtual import VirtualTool
 
 S = 1_000_000
 
@@ -138,3 +139,74 @@ def test_an_e_stop_of_its_own_name_is_shown() -> None:
         "e_stop: {channel: door}\n",
     )
     assert (Bench(it).sample(0)["door"], Bench(it, "estop-open").sample(0)["door"]) == (True, False)
+
+
+def test_the_default_format_carries_all_of_the_shipped_tool(verdin: Description) -> None:
+    codec = get_codec("ees1-ascii")
+    values = Bench(verdin).sample(0)
+    assert carried(values, codec.channels, verdin) == values
+    (frame,) = codec.decoder().feed(codec.encode(Frame(0, 1, 2, values)), at=5)
+    assert dict(frame.values) == values
+
+
+def test_a_pressure_on_a_bit_channel_is_a_switch_at_the_threshold(verdin: Description) -> None:
+    channels = get_codec("legacy-nibble").channels
+    values = {"bottom": -54_999, "top": -55_000, "cylinder_extended": True, "locked": True, "unlocked": False}
+    assert carried(values | {"supply": 600_000, "cylinder": 0}, channels, verdin) == {
+        "bottom": False,
+        "top": True,
+        "cylinder_extended": True,
+        "locked": True,
+        "unlocked": False,
+    }
+
+
+def test_invalid_stays_invalid(verdin: Description) -> None:
+    channels = get_codec("legacy-nibble").channels
+    assert carried({"bottom": None}, channels, verdin) == {"bottom": None}
+
+
+def test_switches_of_a_cylinder_and_of_the_supply(verdin: Description) -> None:
+    kind = get_codec("legacy-nibble").channels["bottom"]
+    channels = {"cylinder": kind, "supply": kind}
+    assert carried({"cylinder": 509_000, "supply": 399_000}, channels, verdin) == {
+        "cylinder": False,
+        "supply": False,
+    }
+    assert carried({"cylinder": 511_000, "supply": 401_000}, channels, verdin) == {
+        "cylinder": True,
+        "supply": True,
+    }
+
+
+TOOL = """\
+name: cup
+link: {port: /dev/a, frame: {text: {start: "$"}}}
+channels:
+  cup: {text: {field: 1}, unit: kPa}
+  tank: {text: {field: 2}, unit: bar, range: [1, 10], invalid: [-9999]}
+  door: {text: {field: 3}, on: [7], invalid: [0]}
+  lamp: {digital: {line: X}}
+sequence: [cup]
+actuators: {cup: {kind: vacuum, line: A, channel: cup}}
+supply: {channel: none}
+"""
+
+
+def test_what_nothing_uses_has_a_value_of_its_range() -> None:
+    description = examine_text(TOOL, "tool.yaml").description
+    assert description
+    codec = codec_of(description)
+    board = SensorBoard(codec, Bench(description), description, 0)
+    (frame,) = codec.decoder().feed(board.frame(20_000).data, 20_000)
+    assert (frame.values["tank"], frame.values["door"]) == (100_000, False)
+
+
+def test_no_frame_has_a_channel_without_a_value_in_virtual_time() -> None:
+    description = examine_text(TOOL, "tool.yaml").description
+    assert description
+    frames: list[Frame] = []
+    tool = VirtualTool(description, on_frame=frames.append)
+    tool.run(2.0)
+    assert {name for frame in frames for name in frame.values} == {"cup", "tank", "door", "lamp"}
+    assert not [frame for frame in frames if None in frame.values.values()]

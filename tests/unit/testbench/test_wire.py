@@ -1,11 +1,18 @@
+"""What happens to frames on the wire, and the files of edges and true values."""
+
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from random import Random
+from statistics import mean, stdev
 
 import pytest
 
+from end_effector_hal.errors import UsageError
 from end_effector_lab.testbench import Scenario
-from end_effector_lab.testbench._noise import LONGEST_BURST, disturbed
+from end_effector_lab.testbench._noise import LONGEST_BURST, Noise, disturbed
+from end_effector_lab.testbench._records import Events, Record
 
 DATA = bytes(10_000)
 
@@ -45,3 +52,58 @@ def test_babble_keeps_nothing() -> None:
     data = disturbed(DATA, Scenario(), Random(1), babble=True)
     assert len(data) == len(DATA)
     assert data.count(0) < 100
+
+
+def test_depends_on_seed_purpose_and_time_only() -> None:
+    noise = Noise(7)
+    first = noise.normal("bottom", 20_000)
+    noise.normal("top", 20_000)
+    assert noise.normal("bottom", 20_000) == first == Noise(7).normal("bottom", 20_000)
+    assert (
+        len(
+            {
+                first,
+                noise.normal("top", 20_000),
+                noise.normal("bottom", 40_000),
+                Noise(8).normal("bottom", 20_000),
+            }
+        )
+        == 4
+    )
+
+
+def test_is_standard_normal() -> None:
+    numbers = [Noise(1).normal("x", at) for at in range(2000)]
+    assert mean(numbers) == pytest.approx(0, abs=0.1)
+    assert stdev(numbers) == pytest.approx(1, abs=0.1)
+
+
+def test_events(tmp_path: Path) -> None:
+    events = Events(tmp_path / "events")
+    events.line("SODIMM_208", True, 100, 130)
+    events.frame(200, 7, {"bottom": -5, "locked": True, "top": None}, sent=False)
+    lines = (tmp_path / "events").read_text().splitlines()  # before it is closed: it is there at once
+    assert [json.loads(line) for line in lines] == [
+        {"at": 100, "seen": 130, "line": "SODIMM_208", "level": 1},
+        {"at": 200, "frame": 7, "sent": False, "values": {"bottom": -5, "locked": True, "top": None}},
+    ]
+    events.close()
+
+
+def test_record(tmp_path: Path) -> None:
+    record = Record(tmp_path / "record")
+    record.frame(1_000_000, {"bottom": -78_250, "top": None, "locked": True})
+    record.frame(1_020_000, {"bottom": 0, "top": 1, "locked": False})
+    record.close()
+    assert (tmp_path / "record").read_text() == (
+        "time_s,bottom,top,locked\n0.000000,-78.250,,1\n0.020000,0.000,0.001,0\n"
+    )
+
+
+def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="Give another path"):
+        Events(tmp_path)
+    full = Events("/dev/full")
+    with pytest.raises(UsageError, match="No space left"):
+        full.line("A", True, 0, 0)
+    full.close()

@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import Gap, RecordingLimits
 from end_effector_hal.verification.replay import (
     ProgramTrace,
@@ -20,6 +22,7 @@ from end_effector_hal.verification.replay import (
     review,
     traces_of,
 )
+from end_effector_hal.vocabulary import Cause, EndEffectorState
 from tests.support.nightly import first_of
 from tests.support.recorded_tool import RecordedTool
 from tests.unit.verification.replay.conftest import Edit, edited, numbers
@@ -246,3 +249,75 @@ def test_a_changed_header_is_found_in_the_row(
     found = in_a_row((*segments[:2], third))
     assert not found[2].ok
     assert any(said in each.what for each in found[2].objections), found[2].objections
+
+
+YEAR_2038 = 2_147_483_647_000_000
+JUMPS = [YEAR_2038, 2**63 - 1, 2**80, 0, -1, -(2**63), 1.5, float("nan"), float("inf"), "now", None, 10**400]
+
+
+def outcome(trace: ProgramTrace) -> str:
+    """What is said of a trace, in words."""
+    try:
+        found = review(trace)
+    except UsageError as error:
+        return str(error)
+    return "" if found.ok else str(found.replay.difference or found.objections[0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "jump"),
+    [
+        pytest.param(*place, jump, id=f"{'-'.join(place)}-{jump!r:.12}", marks=marks)
+        for place in (("frame", "stamp"), ("frame", "at"), ("time", "at"), ("command", "at"))
+        for number, jump in enumerate(JUMPS)
+        # each jump at one place, and each place with one jump ahead, one back and one that is no number
+        for marks in ([] if place[1] == "stamp" or number in (0, 4, 9) else [pytest.mark.thinned],)
+    ],
+)
+def test_a_jump_of_a_stamp_is_found_and_ends(
+    gripped: ProgramTrace, kind: str, key: str, jump: object
+) -> None:
+    middle = numbers(gripped, kind)[len(numbers(gripped, kind)) // 2]
+
+    def jumps(content: dict[str, Any]) -> None:
+        content[key] = jump
+
+    said = outcome(edited(gripped, middle, jumps))
+    backwards = key == "at" and type(jump) is int and jump <= 0
+    assert said or backwards, "what comes late counts as coming now"
+    assert "Traceback" not in said
+
+
+def test_a_frame_of_2038_in_a_trace_is_refused_again(gripped: ProgramTrace) -> None:
+    middle = numbers(gripped, "frame")[40]
+    said = outcome(edited(gripped, middle, lambda content: content.update(stamp=YEAR_2038)))
+    assert said.startswith("status: recorded nothing, replayed"), "the alarm that it was refused"
+
+
+TOOL = """
+name: jaw_tool
+link: {port: /dev/ttyUSB0}
+sequence: [jaw]
+actuators: {jaw: {kind: gripper, line: JAW, open_bit: cylinder_retracted, closed_bit: cylinder_extended, timeout_s: 2}}
+tool_changer: {line: UNLOCK}
+supply: {channel: none}
+"""
+
+
+def test_it_is_over_long_before_its_time_out(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(TOOL, encoding="utf-8")
+    tool = RecordedTool(tmp_path, "no-part:jaw", description=load_tool(path))
+    tool.run(1.5)
+    assert tool.command("grip").accepted
+    tool.run(5.0)
+    times = [at for at, line, _ in tool.edges if line == "JAW"]
+    lengths = [end - begin for begin, end in zip(times[::2], times[1::2], strict=True)]
+    assert len(lengths) == 3
+    assert max(lengths) < 1_000_000
+    error = next(status for status in tool.statuses if status.ee is EndEffectorState.GRIP_ERROR)
+    assert error.cause is Cause.EMPTY
+    assert tool.status.ee is EndEffectorState.STAND_BY
+    found = review(tool.trace())
+    assert found.ok, found.as_json()
+    assert found.replay.inputs > 100

@@ -1,18 +1,115 @@
-"""`eehal run --json`: why the automata did what they did, with guard, event and readings."""
+"""The thread that gives the commands of ``eehal run``, and its prompt, where the system has no memory left."""
 
 from __future__ import annotations
 
 import json
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from end_effector_hal.cli import main
+from end_effector_hal.cli.run import _simulation
 from end_effector_hal.cli.run._causes import Causes
+from end_effector_hal.cli.run._session import CommandThread, Prompt
 from end_effector_hal.cli.run._voices import Changes, JsonLines
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.errors import MissingExtraError, ReportedError, UsageError
 from end_effector_hal.runtime.boundary import RecordedController, Recorder, entry_of
+from end_effector_lab.demo import World
 from tests.support.virtual_tool import VirtualTool
+
+
+def test_a_step_that_fails_ends_itself_only() -> None:
+    ended, worked = threading.Event(), threading.Event()
+
+    def fails() -> Iterator[None]:
+        yield
+        raise MemoryError
+
+    def works() -> Iterator[None]:
+        while not ended.wait(0.0):
+            yield
+        worked.set()
+
+    commands = CommandThread()
+    for steps in (works(), fails(), fails()):
+        commands.give(steps)
+    ended.set()
+    assert worked.wait(10.0)
+    assert commands.alive()
+
+
+def test_a_line_that_finds_no_memory_is_refused_and_the_next_one_is_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    lines: list[str | type[Exception]] = [MemoryError, "grip", EOFError]
+
+    def read(_: str) -> str:
+        line = lines.pop(0)
+        if isinstance(line, str):
+            return line
+        raise line
+
+    monkeypatch.setattr("builtins.input", read)
+    monkeypatch.setattr("time.sleep", lambda _: None)
+    refused: list[ReportedError] = []
+    assert len(list(Prompt(shown=False).commands(refused.append))) == 1
+    assert ["not enough memory" in str(error) for error in refused] == [True]
+
+
+TOOL = load(profile_path())
+
+
+def test_the_workshop_has_it() -> None:
+    assert _simulation._SIMULATION.get(_simulation.NAME) is World
+
+
+def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_simulation, "lab_installed", lambda: False)
+    with pytest.raises(MissingExtraError) as refused, _simulation.simulated(TOOL, "nominal"):
+        pass
+    assert str(refused.value) == (
+        "--simulate needs the extra lab, which is not installed. "
+        "Install it: pip install '.[lab]' in a checkout of end-effector-hal."
+    )
+    assert list(_simulation.possible_scenarios(TOOL)) == []
+
+
+def test_a_scenario_that_the_tool_cannot_have_is_refused_before_anything_is_started(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"no fault is named 'leek'\. Did you mean 'leak'"):
+        World(TOOL, "leek:cylinder", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+    """What `eehal run` says of a usage error."""
+    monkeypatch.setattr(sys, "argv", ["eehal", "run", str(profile_path()), *options])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    return capsys.readouterr().err
+
+
+def test_what_is_not_simulated_has_no_seed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = refused(monkeypatch, capsys, "--seed", "3")
+    assert said == "--seed is for a simulated tool: a real one has nothing random. Add --simulate.\n"
+    assert "-1 is not in the range" in refused(monkeypatch, capsys, "--simulate", "--seed", "-1")
+
+
+@pytest.mark.parametrize("options", [("--scenario", "nominal"), ("--script", "lock; scenario supply:300")])
+def test_what_is_not_simulated_has_no_scenario(
+    options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert refused(monkeypatch, capsys, *options) == (
+        "A scenario is for a simulated tool: nothing makes a real one fail. Add --simulate.\n"
+    )
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Who may ask the page for what."""
+"""Who may ask the page for what, which files there are, and that one page commands at a time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from end_effector_hal.page._html import static_file
 from end_effector_hal.page.web import PageAddress
+from end_effector_hal.page.web._control import ControlLease
 from end_effector_hal.page.web._guard import Asked, Guard
 
 ADDRESS = PageAddress("127.0.0.1", 8137)
@@ -80,3 +82,37 @@ def test_secrets_are_new_at_each_start_and_in_no_repr() -> None:
     secrets = {one.token, one.session, one.csrf, other.token, other.session, other.csrf}
     assert len(secrets) == 6
     assert not any(secret in repr((one, other)) for secret in secrets)
+
+
+S = 1_000_000
+
+
+def test_one_page_at_a_time_until_it_gives_back_or_is_silent() -> None:
+    control = ControlLease()
+    assert control.take("a", "Page 1", 0).accepted
+    refused = control.take("b", "Page 2", 4 * S)
+    assert not refused.accepted
+    assert refused.reason.startswith("Page 1 has the control")
+    assert control.renew("a", 9 * S)
+    assert not control.renew("b", 9 * S)
+    assert control.holder(18 * S) == "a"
+    assert control.shown(18 * S)["name"] == "Page 1"
+    assert control.holder(19 * S) == ""
+    assert not control.renew("a", 19 * S)
+    assert control.take("b", "Page 2", 19 * S).accepted
+    control.release("a", 20 * S)
+    assert control.holder(20 * S) == "b"
+    control.release("b", 20 * S)
+    assert control.take("a", "Page 1", 20 * S).accepted
+
+
+def test_a_file_of_the_page() -> None:
+    assert b"import" in (static_file("recording.js") or b"")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["a" * 60_000 + ".js", "no.js", "", ".", "..", "../_html.py", "a\0.js", "\udcff.js", "recording.js/"],
+)
+def test_there_is_no_such_file(name: str) -> None:
+    assert static_file(name) is None

@@ -1,0 +1,153 @@
+"""A person waits for the start of every command: what only another command needs is not loaded."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from end_effector_hal.cli._arbiter import arbiter
+from end_effector_hal.description import profile_path, tool_path
+from end_effector_hal.errors import UsageError
+
+HEAVY = {"lark", "matplotlib", "numpy", "pydantic", "rich", "ruamel.yaml"}
+OURS = {"end_effector_hal.description", "end_effector_hal.runtime", "end_effector_lab.figures"}
+CODE = """\
+import sys
+from end_effector_hal.cli import main
+try: main()
+except SystemExit as end: code = end.code
+print(f"\\n{code}", *sys.modules)
+"""
+
+
+def loaded(*arguments: str) -> set[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", CODE, *arguments], capture_output=True, text=True, check=True
+    )
+    code, *modules = done.stdout.splitlines()[-1].split()
+    assert code == "0", done.stderr
+    return set(modules)
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("verify", "--help"), ("plot", "--help")])
+def test_help_reads_no_description(arguments: tuple[str, ...]) -> None:
+    assert not loaded(*arguments) & (HEAVY | OURS)
+
+
+def test_a_check_loads_nothing_that_draws() -> None:
+    assert not loaded("check") & {"matplotlib", "numpy", "end_effector_lab.figures"}
+
+
+def test_the_styles_are_those_of_the_figures() -> None:
+    from end_effector_lab import figures
+    from end_effector_lab.commands import _plot
+
+    assert _plot.STYLES == figures.STYLES
+
+
+LAMP = Path(__file__).parents[1] / "timed_automata" / "models" / "lamp.xml"
+POINTS = """\
+[end_effector_hal.commands]
+absent = nowhere:command
+wrong = json:dumps
+good = added_command:command
+[end_effector_hal.figures]
+absent = nowhere:figures
+"""
+COMMAND = """\
+import click
+@click.command(short_help="says hello")
+def command():
+    click.echo("hello")
+"""
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    metadata = tmp_path / "added-1.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: added\nVersion: 1\n")
+    (metadata / "entry_points.txt").write_text(POINTS)
+    (tmp_path / "added_command.py").write_text(COMMAND)
+    return tmp_path
+
+
+def eehal(site: Path, *arguments: str) -> tuple[int, str, str]:
+    program = [sys.executable, "-c", "from end_effector_hal.cli import main; main()", *arguments]
+    env = {**os.environ, "PYTHONPATH": str(site)}
+    done = subprocess.run(program, env=env, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_help_names_all_and_says_which_cannot_be_loaded(site: Path) -> None:
+    code, out, err = eehal(site, "--help")
+    assert (code, err) == (0, "")
+    found = (
+        line.split(maxsplit=1)
+        for line in out.partition("Added by other distributions:")[2].splitlines()
+        if line.split()[1:]
+    )
+    lines = dict(found)
+    assert lines["good"] == "says hello"
+    assert lines["absent"].startswith("(the command absent cannot be loaded")
+    assert lines["wrong"].startswith("(the command wrong: the entry point must name a click.Command")
+
+
+def test_one_that_works_runs(site: Path) -> None:
+    assert eehal(site, "good") == (0, "hello\n", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("absent", "No module named 'nowhere'"), ("wrong", "must name a click.Command")]
+)
+def test_one_that_is_broken_is_refused_in_a_sentence(site: Path, name: str, why: str) -> None:
+    code, _, err = eehal(site, name)
+    assert code == 2
+    assert why in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.thinned
+def test_broken_figures_of_another_hide_not_ours(site: Path, tmp_path: Path) -> None:
+    code, _, err = eehal(site, "model", "show", "--model", str(LAMP), "-o", str(tmp_path / "drawings"))
+    assert (code, err) == (0, "")
+
+
+HOW = "DESCRIPTION or --profile NAME"
+
+
+def test_without_a_tool_it_drives_none() -> None:
+    ended = CliRunner().invoke(arbiter, [])
+    assert str(ended.exception) == (
+        "No tool is named: exactly one tool is needed. Give DESCRIPTION or --profile NAME; "
+        "shipped profiles: verdin_gripper."
+    )
+
+
+def test_two_tools_are_one_too_many() -> None:
+    ended = CliRunner().invoke(arbiter, ["tool.yaml", "--profile", "verdin_gripper"])
+    assert str(ended.exception).startswith("Two tools are named: exactly one tool is needed.")
+
+
+def test_a_profile_is_named_instead(monkeypatch: pytest.MonkeyPatch) -> None:
+    driven: list[Path] = []
+    monkeypatch.setattr(
+        "end_effector_hal.arbiter.run_arbiter", lambda description, *_: driven.append(description.source)
+    )
+    assert CliRunner().invoke(arbiter, ["--profile", "verdin_gripper"]).exit_code == 0
+    assert driven == [profile_path()]
+
+
+def test_a_path_becomes_absolute_where_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", "/home/me")
+    assert tool_path("tool.yaml", "", how=HOW) == tmp_path / "tool.yaml"
+    assert tool_path("~/tool.yaml", "", how=HOW) == Path("/home/me/tool.yaml")
+    assert tool_path("", "verdin_gripper", how=HOW) == profile_path()
+    with pytest.raises(UsageError, match="no profile is named 'verdin_griper'"):
+        tool_path("", "verdin_griper", how=HOW)
