@@ -187,7 +187,6 @@ class _Pipe:
     The rest is discarded, and the exit code stays right.
 
     Args:
-        stream: the stream.
         failure: the errors after which the rest is discarded.
     """
 

@@ -91,7 +91,6 @@ def security_policy(description: Description, processes: str = "one", namespace:
     """Return the text of ``policy.xml``.
 
     Args:
-        description: the description of the tool.
         processes: how the HAL is divided into processes, one of `PROCESSES`.
         namespace: namespace of all nodes.
 

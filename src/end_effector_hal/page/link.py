@@ -29,7 +29,6 @@ class ToolLink:
     """Passes records to a view, and commands to the HAL.
 
     Args:
-        description: the tool.
         view: receives the records.
     """
 
@@ -90,7 +89,6 @@ class TestbenchLink:
     """Passes the records of a testbench to a view, and requests to the testbench.
 
     Args:
-        description: the tool.
         view: receives the records.
     """
 

@@ -42,8 +42,6 @@ def run_demo(
         description: the tool; it gets virtual lines and a pty, unless ``own_wires``.
         scenarios: the scenarios to play.
         output: receives a folder for each scenario.
-        drive: drives the tool.
-        progress: console for the progress.
         own_wires: use the lines and the port of the description; the device at their other end plays the scenario.
         figures: whether to draw figures.
         seed: seed of the noise and the dead times of the testbench; ignored on own wires.

@@ -31,7 +31,6 @@ class BoardSensors:
     their levels, and the files are removed.
 
     Args:
-        description: description of the tool.
         chip: path of its virtual chip.
     """
 

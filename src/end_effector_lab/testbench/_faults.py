@@ -77,7 +77,6 @@ class FaultServer:
     """Serves the socket from `start` to `close`.
 
     Args:
-        description: description of the tool.
         bench: the running testbench.
         chosen: called with every scenario that a page selects, in a thread of this server.
     """

@@ -212,7 +212,6 @@ def write_description(description: Description, path: Path, what: str) -> None:
     """Write a description that this program made; the path of its automata is kept. Raises UsageError.
 
     Args:
-        description: the description.
         path: path of the file.
         what: text for its first line.
     """

@@ -65,7 +65,6 @@ class SensorBoard:
     Args:
         codec: streamed (call `frame`) or polled (call `answer`).
         bench: source of the readings, and of the faults of the link.
-        description: description of the tool.
         start: time at which the device was switched on, µs.
         link: name of the link; None: it is the only one.
         registers: registers that are commanded over the link, if there are any.

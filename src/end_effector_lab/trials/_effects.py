@@ -88,13 +88,11 @@ class Effects:
     """The effects of one fault that begins at some moment.
 
     Args:
-        description: the description of the tool.
         fault: in the words of the testbench.
         phase: what the tool does then, of `PHASES`.
         engaged: the actuators whose outputs are active then, in the order of the sequence.
 
     Attributes:
-        fault: the fault.
         views: by actuator, what its sensor can show.
         is_harmless: whether a grip must succeed, and a part stay held, as without the fault.
         is_loose: whether the sensors of the tool changer show that the tool is not locked, or absent (IL-05).

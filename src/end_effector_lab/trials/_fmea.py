@@ -64,7 +64,6 @@ def fmea(
     """Return the FMEA as CSV: a row for each fault and function, from the cells without a command.
 
     Args:
-        description: the description of the tool.
         cells: cells of the matrix.
         played: their results by id.
         signed: severity and occurrence; empty cells without it.

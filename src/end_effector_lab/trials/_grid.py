@@ -56,7 +56,6 @@ class Cell:
     Attributes:
         fault: in the words of the testbench.
         moment: the time of both.
-        command: one of `COMMANDS`.
         at_once: whether a killed process is restarted at once, not a second later.
     """
 

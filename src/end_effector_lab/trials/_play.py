@@ -44,7 +44,6 @@ def play_case(
     """Play a case and judge it.
 
     Args:
-        description: the description of the tool.
         case: the events.
         known: everything that can be reached; None: the coverage is not recorded.
         enough: returns whether these failures end the case early.
@@ -78,13 +77,11 @@ class Trial:
     """A case that is played in virtual time and judged.
 
     Args:
-        description: the description of the tool.
         case: what happens to the tool.
         known: everything that can be reached; None: the coverage is not recorded.
         on_frame: see `VirtualTool`.
 
     Attributes:
-        tool: the tool.
         origin: the time at which the case begins, µs.
         marks: the numbers of edges and statuses before each happening.
         outcome, end: outcome and state before the faults are removed; no end: it is not over, or it crashed.

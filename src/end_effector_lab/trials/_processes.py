@@ -33,7 +33,6 @@ def play_on_processes(description: Description, case: Case, folder: Path, *, las
     """Play a case on real processes.
 
     Args:
-        description: the tool.
         case: the events.
         folder: receives the logs.
         lasts_s: shortest time for which the tool is followed after the first event, s: some faults act slowly.

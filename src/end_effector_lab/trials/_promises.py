@@ -24,8 +24,6 @@ class Promises:
     """The effects of the present fault, and the state that the accepted commands must reach.
 
     Args:
-        description: the description of the tool.
-        tool: the tool.
         object_to: called with a rule and a sentence.
     """
 

@@ -72,7 +72,6 @@ def run_campaign(
     """Play cases until ``go_on`` returns False, and write the smallest case of each kind of failure into ``failures``.
 
     Args:
-        description: the description of the tool.
         folder: keeps the results; a campaign of the same seed continues there.
         workers: play the cases.
         seed: seed of all cases.

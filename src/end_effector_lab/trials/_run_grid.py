@@ -33,7 +33,6 @@ class Played:
 
     Attributes:
         id: the cell.
-        outcome: one of `Outcome`.
         seconds: time from the fault to the last change of a line.
         told, told_after: the first alarm or reason after the fault, and its delay in s.
         lines: every later change of a line: seconds, line, level.
@@ -111,7 +110,6 @@ def play_all(
     """Play the cells that were not played yet; return all results by id, in the order of the grid.
 
     Args:
-        description: the description of the tool.
         cells: cells of the grid.
         results: the earlier results for this tool.
         workers: play the cells.

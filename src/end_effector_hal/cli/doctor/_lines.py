@@ -31,7 +31,6 @@ def look_at_lines(description: Description, lines: tuple[str, ...], chips: str =
     """Check the output lines.
 
     Args:
-        description: the description of the tool.
         lines: all output lines of the tool.
         chips: pattern of the paths of the character devices.
     """
@@ -141,7 +140,6 @@ def look_at_inputs(description: Description, chips: str = CHIPS) -> CheckResults
     """Check the inputs of the board.
 
     Args:
-        description: the description of the tool.
         chips: pattern of the paths of the character devices.
     """
     from end_effector_hal.wires.inputs import INPUT_CONSUMER, input_lines

@@ -26,7 +26,6 @@ def look_at_link(description: Description, *, listen: bool = True) -> CheckResul
     """Check every sensor link.
 
     Args:
-        description: the description of the tool.
         listen: whether to open every port that no process reads, for up to 2 s.
     """
     if not description.links:

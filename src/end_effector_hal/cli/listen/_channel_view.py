@@ -44,7 +44,6 @@ class ChannelView:
     within its context.
 
     Args:
-        tool: the description of the tool.
         begun: the time now, µs.
     """
 

@@ -71,7 +71,6 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
     """Open a link of a tool for the duration of the context.
 
     Args:
-        description: the description of the tool.
         name: name of the link.
 
     Raises:

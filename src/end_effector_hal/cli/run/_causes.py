@@ -22,9 +22,6 @@ class Causes:
     """Collects the records of the HAL as they arrive, and turns their steps into entries later.
 
     The HAL calls `take` in its threads, where it only stores the record; `new` is called in any other thread.
-
-    Args:
-        description: the description of the tool.
     """
 
     def __init__(self, description: Description) -> None:

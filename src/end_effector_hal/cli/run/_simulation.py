@@ -42,7 +42,6 @@ class Simulation(Protocol):
         """Return the simulated hardware as a context.
 
         Args:
-            description: the description of the tool.
             bench: a scenario of the testbench.
             folder: the folder for the logs.
             outlives_us: whether the arbiter survives a kill of this process.

@@ -315,7 +315,6 @@ class Changes:
     """Reports each transition, each change of an actuator and each new alarm once.
 
     Args:
-        description: the description of the tool.
         voice: prints the reports.
         causes: the steps of the automata that led to each change, for programs that read the lines; None: they are not
             printed.

@@ -59,7 +59,6 @@ class TablesBuilder:
     """Builds the tables of alarms, the tool changer and pressures, record by record; the states come from `Summary`.
 
     Args:
-        description: the tool.
         epoch: time zero, µs.
         since: time from which pressures are kept, µs.
         step_us: time between two pressure samples, µs.

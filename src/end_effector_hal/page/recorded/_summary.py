@@ -40,7 +40,6 @@ class Summary:
     """Collects states and events, and derives a story from them.
 
     Args:
-        description: the tool.
         info: the facts about the run.
         epoch: time zero, µs.
         has_events: whether events were recorded.

@@ -22,7 +22,6 @@ class Cards:
     """The constant content of the cards, and their present values.
 
     Args:
-        description: the tool.
         carried: channels by name, with their kind.
     """
 

@@ -37,7 +37,6 @@ class EventLog:
     """A log of JSON entries: number, time, kind, text, and the details.
 
     Args:
-        description: the tool.
         document: its UPPAAL file, for the guards.
     """
 

@@ -17,7 +17,6 @@ class Replica:
     """Follows the HAL by its records; it decides nothing and queries the same automata.
 
     Args:
-        description: the tool.
         network: its automata.
         content: the hash of the description, as in headers.
 

@@ -27,7 +27,6 @@ class TimeLine:
     """The samples and changes of the last three minutes, and those since a given count.
 
     Args:
-        description: the tool.
         curves: the curves that are drawn.
         switches: channels of bits, with the meaning of each.
     """

@@ -66,7 +66,6 @@ class Guarded:
 
     Args:
         app: the application that is served.
-        address: address of the page.
     """
 
     def __init__(self, app: ASGIApp, address: PageAddress) -> None:
@@ -114,7 +113,6 @@ def make_app(
 
     Args:
         address: the address with its access secrets.
-        view: the view of the tool.
         ask: sends a command to the tool.
         hub: the open pages.
         control: the lease of the page that commands.

@@ -43,7 +43,6 @@ class Hub:
     """Computes the view ten times a second, once for all pages.
 
     Args:
-        view: the view of the tool.
         control: the lease of the page that commands.
         faults: the view of a testbench.
         fault_commands: holds the armed scenario.

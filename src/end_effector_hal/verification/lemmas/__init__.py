@@ -77,7 +77,6 @@ def prove_tool(
     """Prove a tool, and then its outputs with two coils; ids of the latter findings begin with the output's name.
 
     Args:
-        description: the tool.
         network: the network of its automata, with its constants.
         progress, most_bytes: see `prove`.
     """
