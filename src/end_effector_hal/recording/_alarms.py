@@ -57,7 +57,7 @@ def changed_alarms(time_s: float, before: Sequence[Alarm], now: Sequence[Alarm])
     ]
 
 
-class AlarmsWriter(TableWriter):
+class AlarmsWriter(TableWriter[AlarmRow]):
     """Writes the changes of the alarms of a state; thread-safe.
 
     Raises:
@@ -80,12 +80,18 @@ class AlarmsWriter(TableWriter):
             rows = changed_alarms(self._last_s, self._shown, alarms)
             if not rows:
                 return False
-            self._file.append("".join(map(_text, rows)))
+            self._file.append("".join(map(self._text, rows)))
             self._shown = tuple(alarms)
         return True
 
     def _opening(self) -> str:
-        return "".join(map(_text, changed_alarms(self._last_s, (), self._shown)))
+        return "".join(map(self._text, changed_alarms(self._last_s, (), self._shown)))
+
+    def _text(self, row: AlarmRow) -> str:
+        line = io.StringIO()
+        text, about = " ".join(row.text.split()), " ".join(row.about.split())
+        csv.writer(line, lineterminator="\n").writerow((f"{row.time_s:.6f}", row.event, row.id, about, text))
+        return line.getvalue()
 
 
 def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
@@ -115,10 +121,3 @@ def read_alarms(path: str | Path) -> tuple[AlarmRow, ...]:
             rows.append(row)
         (standing.discard if event == ENDED else standing.add)(row.key)
     return tuple(rows)
-
-
-def _text(row: AlarmRow) -> str:
-    line = io.StringIO()
-    text, about = " ".join(row.text.split()), " ".join(row.about.split())
-    csv.writer(line, lineterminator="\n").writerow((f"{row.time_s:.6f}", row.event, row.id, about, text))
-    return line.getvalue()

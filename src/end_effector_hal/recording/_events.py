@@ -70,7 +70,7 @@ def event_row(event: ToolEvent, time_s: float, actuators: Sequence[str]) -> Even
     return EventRow(max(0.0, time_s), event.kind, name, attempt, old, new, event.cause, event.command)
 
 
-class EventsWriter(TableWriter):
+class EventsWriter(TableWriter[EventRow]):
     """Writes rows in the order of their arrival; thread-safe.
 
     Raises:
@@ -82,7 +82,7 @@ class EventsWriter(TableWriter):
     ) -> None:
         super().__init__(path, COLUMNS, limits)
         last = self._resumed(lambda line: _row(line, actuators, 0.0))
-        self._last_s = last.time_s if last else 0.0
+        self._earliest_s = last.time_s if last else 0.0
 
     def write(self, rows: Sequence[EventRow]) -> bool:
         """Write all rows or none; a time before that of the last row is replaced by it.
@@ -93,12 +93,15 @@ class EventsWriter(TableWriter):
         if not rows:
             return False
         with self._lock:
-            self._file.append("".join(_text(row, self._last_s) for row in rows))
-            self._last_s = max(self._last_s, *(round(row.time_s, 6) for row in rows))
+            self._file.append("".join(map(self._text, rows)))
+            self._earliest_s = max(self._earliest_s, *(round(row.time_s, 6) for row in rows))
         return True
 
-    def _opening(self) -> str:
-        return ""
+    def _text(self, row: EventRow) -> str:
+        states = [_STATES[row.kind](each).name if each >= 0 else "" for each in (row.old, row.new)]
+        cause = row.cause.name if row.cause else ""
+        cells = (row.kind, row.actuator, str(row.attempt or ""), *states, cause, row.command)
+        return f"{max(self._earliest_s, round(row.time_s, 6)):.6f},{','.join(cells)}\n"
 
 
 def read_events(path: str | Path, actuators: Sequence[str]) -> tuple[EventRow, ...] | None:
@@ -121,13 +124,6 @@ def read_events(path: str | Path, actuators: Sequence[str]) -> tuple[EventRow, .
             break
         rows.append(_row(line, actuators, rows[-1].time_s if rows else 0.0))
     return tuple(rows)
-
-
-def _text(row: EventRow, earliest_s: float) -> str:
-    states = [_STATES[row.kind](each).name if each >= 0 else "" for each in (row.old, row.new)]
-    cause = row.cause.name if row.cause else ""
-    cells = (row.kind, row.actuator, str(row.attempt or ""), *states, cause, row.command)
-    return f"{max(earliest_s, round(row.time_s, 6)):.6f},{','.join(cells)}\n"
 
 
 def _row(line: Line, actuators: Sequence[str], earliest_s: float) -> EventRow:

@@ -6,7 +6,6 @@ The levels of switches are 1 on, 0 off, empty without a valid reading; the state
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -59,14 +58,8 @@ class ChangerRow(NamedTuple):
     state: ChangerState
 
 
-class _ChangesWriter(TableWriter):
+class _ChangesWriter(TableWriter[tuple[float, Any]]):
     """Writes a row when its content has changed; a row begins with its time."""
-
-    _last: tuple[float, Any] | None = None
-
-    @abstractmethod
-    def _text(self, row: tuple[float, Any]) -> str:
-        """Return a row with its line end."""
 
     def _change(self, time_s: float, shown: object) -> bool:
         self._check_time(time_s)
@@ -77,9 +70,6 @@ class _ChangesWriter(TableWriter):
             self._file.append(self._text(row))
             self._last = row
         return True
-
-    def _opening(self) -> str:
-        return self._text(self._last) if self._last is not None else ""
 
 
 class SwitchesWriter(_ChangesWriter):
@@ -136,7 +126,9 @@ def read_switches(path: str | Path) -> SwitchesLog | None:
     columns = read_header(lines, path, FIXED)
     if not columns or not all(column.endswith(ON) and column != ON for column in columns):
         raise UsageError("This is not a table of switches.", where=f"{path}:1")
-    rows = read_rows(lines, lambda line, earliest_s: _switches_row(line, columns, earliest_s), itemgetter(0))
+    rows, _ = read_rows(
+        lines, lambda line, earliest_s: _switches_row(line, columns, earliest_s), itemgetter(0)
+    )
     return SwitchesLog(tuple(column.removesuffix(ON) for column in columns), tuple(rows), str(path))
 
 
@@ -150,7 +142,7 @@ def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
     lines = read_lines(path)
     if read_header(lines, path, CHANGER_COLUMNS):
         raise UsageError("This is not a table of a tool changer.", where=f"{path}:1")
-    return tuple(read_rows(lines, _changer_row, itemgetter(0)))
+    return tuple(read_rows(lines, _changer_row, itemgetter(0))[0])
 
 
 def _columns(channels: Sequence[str]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from end_effector_hal.errors import UsageError
 
 from ._files import RecordingLimits
-from ._rows import Line, TableWriter, read_header, read_lines
+from ._rows import Line, TableWriter, read_header, read_lines, read_rows
 
 FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
@@ -59,7 +59,7 @@ class PressuresLog:
         return tuple(values[index] for _, values in self.samples)
 
 
-class PressuresWriter(TableWriter):
+class PressuresWriter(TableWriter[Sample]):
     """Writes at most 50 samples a second, and two a second of a steady pressure.
 
     A sample is left out while every channel stays within 0.2 kPa (or 0.005 of another unit) of the last written one,
@@ -132,9 +132,6 @@ class PressuresWriter(TableWriter):
         self._file.append("".join(map(self._text, [*rows, sample])))
         self._last, self._left_out, self._gap = sample, None, None
 
-    def _opening(self) -> str:
-        return self._text(self._last) if self._last is not None else ""
-
     def _text(self, sample: Sample) -> str:
         time_s, values = sample
         pairs = zip(values, self._decimals, strict=True)
@@ -159,15 +156,9 @@ def read_pressures(path: str | Path) -> PressuresLog:
     lines = read_lines(path)
     units = _units_of(read_header(lines, path, FIXED), f"{path}:1")
     channels = tuple(units)
-    samples: list[Sample] = []
-    note = ""
-    for line in lines:
-        if not line.complete:
-            note = f"{line.where}: the last line is cut off and was dropped."
-            break
-        sample = _sample(line, channels, samples[-1][0] if samples else 0.0)
-        if not samples or sample != samples[-1]:  # a segment begins with the last row of the one before it
-            samples.append(sample)
+    samples, note = read_rows(
+        lines, lambda line, earliest_s: _sample(line, channels, earliest_s), itemgetter(0)
+    )
     quantities = {channel: unit for channel, unit in units.items() if unit != KPA}
     return PressuresLog(channels, tuple(samples), str(path), note, quantities)
 

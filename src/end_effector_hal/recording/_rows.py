@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from end_effector_hal._closing import Closing
 from end_effector_hal.errors import ReportedError, UsageError
@@ -146,6 +146,11 @@ class Line:
         """The place as ``file:line``."""
         return f"{self.path}:{self.number}"
 
+    @property
+    def cut_off(self) -> str:
+        """A note about this line, which lacks its end."""
+        return f"{self.where}: the last line is cut off and was dropped."
+
     def fault(self, what: str, todo: str = "") -> UsageError:
         """Return the error to raise about this line."""
         return UsageError(what, where=self.where, todo=todo)
@@ -173,8 +178,13 @@ class Line:
         return float(text)
 
 
-class TableWriter(Closing):
-    """The base class of the writers of all tables; see `RowFile` for the arguments and the errors."""
+class TableWriter(Closing, Generic[Row]):
+    """The base class of the writers of all tables; see `RowFile` for the arguments and the errors.
+
+    Each segment of a table begins with the last row of the one before it.
+    """
+
+    _last: Row | None = None
 
     def __init__(
         self, path: str | Path, columns: Sequence[str], limits: RecordingLimits | None = None
@@ -182,8 +192,12 @@ class TableWriter(Closing):
         self._file, self._lock = RowFile(path, columns, limits, self._opening), threading.Lock()
 
     @abstractmethod
+    def _text(self, row: Row) -> str:
+        """Return a row with its line end."""
+
     def _opening(self) -> str:
         """Return the rows with which the next segment begins."""
+        return self._text(self._last) if self._last is not None else ""
 
     def _resumed(self, read: Callable[[Line], Row]) -> Row | None:
         """Return the last row of the file, also if an earlier process wrote it."""
@@ -259,19 +273,21 @@ def read_header(lines: Iterator[Line], path: str | Path, fixed: Sequence[str]) -
 
 def read_rows(
     lines: Iterator[Line], read: Callable[[Line, float], Row], time_of: Callable[[Row], float]
-) -> list[Row]:
-    """Return the rows of the complete lines; a segment begins with the last row of the one before it, left out here.
+) -> tuple[list[Row], str]:
+    """Return the rows of the complete lines, and a note about the last one if it is cut off.
+
+    A segment begins with the last row of the one before it, which is left out here.
 
     ``read``: reads a row from its line and the earliest time that it may have, s.
     """
     rows: list[Row] = []
     for line in lines:
         if not line.complete:
-            break
+            return rows, line.cut_off
         row = read(line, time_of(rows[-1]) if rows else 0.0)
         if not rows or row != rows[-1]:
             rows.append(row)
-    return rows
+    return rows, ""
 
 
 def checked_names(names: Sequence[str]) -> Sequence[str]:

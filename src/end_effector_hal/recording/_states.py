@@ -57,7 +57,7 @@ class StatesLog:
         return tuple(row.time_s for row in self.rows)
 
 
-class StatesWriter(TableWriter):
+class StatesWriter(TableWriter[StatesRow]):
     """Writes a row whenever a state has changed; thread-safe.
 
     Args:
@@ -115,12 +115,12 @@ class StatesWriter(TableWriter):
             time_s = max(round(time_s, 6), self._last.time_s if self._last else 0.0)
             new = StatesRow(time_s, *states, row)
             self._lacking = True
-            self._file.append(_text(new))
+            self._file.append(self._text(new))
             self._last, self._lacking = new, False
         return True
 
-    def _opening(self) -> str:
-        return _text(self._last) if self._last is not None else ""
+    def _text(self, row: StatesRow) -> str:
+        return ",".join((f"{row.time_s:.6f}", *(str(int(value)) for value in row.states))) + "\n"
 
 
 def read_states(path: str | Path) -> StatesLog:
@@ -140,13 +140,9 @@ def read_states(path: str | Path) -> StatesLog:
         except UsageError:
             if line.complete:
                 raise
-            note = f"{line.where}: the last line is cut off and was dropped."
+            note = line.cut_off
     events = read_events(Path(path).with_name("events.csv"), actuators)
     return StatesLog(actuators, tuple(rows), str(path), note, events)
-
-
-def _text(row: StatesRow) -> str:
-    return ",".join((f"{row.time_s:.6f}", *(str(int(value)) for value in row.states))) + "\n"
 
 
 def _row(line: Line, actuators: tuple[str, ...], earliest_s: float) -> StatesRow:
