@@ -7,17 +7,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from math import inf
+from pathlib import Path
+from typing import Self
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import recorded_kind
 from end_effector_hal.vocabulary import Command, display_name
 
-from ._alarms import BEGUN, AlarmRow
+from ._alarms import BEGUN, AlarmRow, read_alarms
 from ._compared_pressures import RunDifference, Shifts, pressure_differences
-from ._levels import ChangerRow, SwitchesLog
-from ._pressures import PressuresLog
-from ._run import RunInfo
-from ._states import StatesLog
+from ._levels import ChangerRow, SwitchesLog, read_changer, read_switches
+from ._pressures import PressuresLog, read_pressures
+from ._run import RunInfo, read_run
+from ._states import StatesLog, read_states
 
 Change = tuple[float, str]
 """Time of a change, s, and the new value."""
@@ -33,6 +35,24 @@ class RunTables:
     changer: tuple[ChangerRow, ...] = ()
     alarms: tuple[AlarmRow, ...] = ()
     switches: SwitchesLog | None = None
+
+    @classmethod
+    def read(cls, states: Path, faults: list[str] | None = None) -> Self:
+        """Read ``states.csv`` and the files beside it; raises UsageError if one cannot be read.
+
+        ``faults``: receives the error of damaged pressures, which are then left out.
+        """
+        log, info, beside = read_states(states), read_run(states.parent), states.with_name
+        pressures: PressuresLog | None = None
+        try:
+            if beside("pressures.csv").exists():
+                pressures = read_pressures(beside("pressures.csv"))
+        except UsageError as error:
+            if faults is None:
+                raise
+            faults.append(str(error))
+        changer, alarms = read_changer(beside("tool_changer.csv")), read_alarms(beside("alarms.csv"))
+        return cls(log, info, pressures, changer, alarms, read_switches(beside("switches.csv")))
 
     @property
     def first_command_s(self) -> float:

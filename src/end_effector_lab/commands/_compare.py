@@ -58,7 +58,7 @@ def read_tables(folder: Path) -> RunTables:
     Raises:
         UsageError: the folder has no table of states, the table has no row, or a table cannot be read.
     """
-    from end_effector_hal import recording
+    from end_effector_hal.recording import RunTables
 
     states = folder / "states.csv" if folder.is_dir() else folder
     if not states.exists():
@@ -67,18 +67,10 @@ def read_tables(folder: Path) -> RunTables:
             where=str(folder),
             todo="Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote.",
         )
-    log = recording.read_states(states)
-    if not log.rows:
+    tables = RunTables.read(states)
+    if not tables.log.rows:
         raise UsageError("This recording holds no row.", where=str(states))
-    pressures = states.with_name("pressures.csv")
-    return recording.RunTables(
-        log,
-        recording.read_run(states.parent),
-        recording.read_pressures(pressures) if pressures.exists() else None,
-        recording.read_changer(states.with_name("tool_changer.csv")),
-        recording.read_alarms(states.with_name("alarms.csv")),
-        recording.read_switches(states.with_name("switches.csv")),
-    )
+    return tables
 
 
 def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:

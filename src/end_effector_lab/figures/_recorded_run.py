@@ -3,26 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from end_effector_hal.errors import UsageError, os_errors
-from end_effector_hal.recording import (
-    AlarmRow,
-    ChangerRow,
-    Moment,
-    PressuresLog,
-    RunInfo,
-    StatesLog,
-    SwitchesLog,
-    read_alarms,
-    read_changer,
-    read_pressures,
-    read_run,
-    read_states,
-    read_switches,
-)
+from end_effector_hal.recording import Moment, RunTables, read_run
 from end_effector_hal.verification.replay import ProgramTrace, load_trace, traces_of
 
 from ._run_table import write_run_table
@@ -35,7 +21,7 @@ SCRIPT = "plot_run.m"
 
 
 @dataclass(frozen=True)
-class RecordedRun:
+class RecordedRun(RunTables):
     """All data of a recording that figures show.
 
     Attributes:
@@ -44,27 +30,23 @@ class RecordedRun:
         marks: additional moments to show.
     """
 
-    log: StatesLog
-    info: RunInfo
-    alarms: Sequence[AlarmRow]
-    pressures: PressuresLog | None
-    changer: Sequence[ChangerRow]
-    missed: Sequence[Moment]
-    notes: tuple[str, ...]
-    switches: SwitchesLog | None = None
+    missed: Sequence[Moment] = ()
+    notes: tuple[str, ...] = ()
     marks: Sequence[Moment] = ()
 
     @classmethod
-    def read(cls, states: Path) -> RecordedRun:
-        """Read ``states.csv`` and the files beside it; raises UsageError if the states cannot be read."""
-        log, info = read_states(states), read_run(states.parent)
-        alarms = read_alarms(states.with_name("alarms.csv"))
-        pressures, note = _pressures(states.with_name("pressures.csv"))
-        changer = read_changer(states.with_name("tool_changer.csv"))
-        switches = read_switches(states.with_name("switches.csv"))
-        missed, more = missed_moments(states.parent)
-        notes = tuple(note for note in (log.note, info.note, *info.gaps, note, *more) if note)
-        return cls(log, info, alarms, pressures, changer, missed, notes, switches)
+    def read(cls, states: Path, faults: list[str] | None = None) -> Self:
+        """Read ``states.csv`` and the files beside it; raises UsageError if the states cannot be read.
+
+        Damaged pressures, and traces that cannot be read, do not prevent the figure of the states.
+        """
+        faults = [] if faults is None else faults
+        run = super().read(states, faults)
+        damaged = [f"{fault} The pressures are not drawn." for fault in faults]
+        missed, unread = missed_moments(states.parent)
+        cut_off = run.pressures.note if run.pressures else ""
+        notes = (run.log.note, run.info.note, *run.info.gaps, cut_off, *damaged, *unread)
+        return replace(run, missed=missed, notes=tuple(filter(None, notes)))
 
     def write_table(self, folder: Path) -> list[Path]:
         """Write ``run.csv``, all data in one table, and ``plot_run.m``, which plots it in MATLAB or Octave.
@@ -72,10 +54,7 @@ class RecordedRun:
         Raises:
             UsageError: the files cannot be written, or the recording holds no row.
         """
-        table = write_run_table(
-            folder / "run.csv", self.log, self.pressures, self.changer, self.alarms, self.switches
-        )
-        script = folder / SCRIPT
+        table, script = write_run_table(folder / "run.csv", self), folder / SCRIPT
         with os_errors("Cannot be written", script):
             script.write_bytes(Path(__file__).with_name(SCRIPT).read_bytes())
         return [table, script]
@@ -90,17 +69,6 @@ class RecordedRun:
 
         marks = (*self.missed, *self.marks)
         return timeline(self.log, self.pressures, self.info, self.alarms, marks, self.changer, self.switches)
-
-
-def _pressures(path: Path) -> tuple[PressuresLog | None, str]:
-    """Read the pressures; a damaged file is reported and does not prevent the figure of the states."""
-    if not path.exists():
-        return None, ""
-    try:
-        pressures = read_pressures(path)
-    except UsageError as error:
-        return None, f"{error} The pressures are not drawn."
-    return pressures, pressures.note
 
 
 def missed_moments(folder: str | Path) -> tuple[tuple[Moment, ...], tuple[str, ...]]:

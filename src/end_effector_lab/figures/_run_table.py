@@ -13,6 +13,7 @@ from end_effector_hal.recording import (
     AlarmRow,
     ChangerRow,
     PressuresLog,
+    RunTables,
     StatesLog,
     SwitchesLog,
 )
@@ -36,14 +37,7 @@ class _Columns:
         return [self.rows[end - 1] if end else (self.before,) * len(self.names)]
 
 
-def write_run_table(
-    path: Path,
-    log: StatesLog,
-    pressures: PressuresLog | None,
-    changer: Sequence[ChangerRow] = (),
-    alarms: Sequence[AlarmRow] = (),
-    switches: SwitchesLog | None = None,
-) -> Path:
+def write_run_table(path: Path, run: RunTables) -> Path:
     """Write one table of a recording, with a row for each instant at which any value changes.
 
     Columns: ``time_s``, the columns of ``states.csv``, ``tool_changer`` if the recording has it, ``alarms`` (number of
@@ -54,15 +48,13 @@ def write_run_table(
     Raises:
         UsageError: the file cannot be written, or the recording contains no row.
     """
+    log = run.log
     if not log.rows:
         raise UsageError("This recording holds no row, so there is nothing to write.", where=log.source)
     columns = [
-        _states(log),
-        *_changer(changer),
-        _alarms(alarms),
-        *_switches(switches),
-        *_pressures(pressures),
-    ]
+        _states(log), *_changer(run.changer), _alarms(run.alarms), *_switches(run.switches),
+        *_pressures(run.pressures),
+    ]  # fmt: skip
     lines = [",".join(("time_s", *(name for each in columns for name in each.names)))]
     for time_s in sorted({time_s for each in columns for time_s in each.times_s}):
         lines += [f"{time_s:.6f},{cells}" for cells in _rows(columns, time_s)]

@@ -12,6 +12,7 @@ from end_effector_hal.recording import (
     ChangerRow,
     PressuresLog,
     RunInfo,
+    RunTables,
     StatesLog,
     SwitchesLog,
     read_run,
@@ -127,7 +128,7 @@ def test_a_row_for_each_change_of_anything_and_what_has_not_changed_is_repeated(
         AlarmRow(1.5, "begun", "Three."),
         AlarmRow(3.0, "ended", "Three."),
     ]
-    path = write_run_table(tmp_path / "run.csv", states, pressures, changer, alarms)
+    path = write_run_table(tmp_path / "run.csv", RunTables(states, INFO, pressures, changer, alarms))
     assert path.read_text() == (
         "time_s,end_effector,command,cup,tool_changer,alarms,air_gauge_kpa\n"
         "0.000000,6,-1,0,0,0,NaN\n"
@@ -141,15 +142,17 @@ def test_a_row_for_each_change_of_anything_and_what_has_not_changed_is_repeated(
 
 def test_states_that_were_left_in_the_instant_of_their_entry_have_rows(tmp_path):
     states = log((0, 1, 2, 1), (5, 2, 2, 1), (5, 4, 3, 0), (5.2, 6, -1, 0), names=["cup"])
-    path = write_run_table(tmp_path / "run.csv", states, PressuresLog(("air",), ((5.0, (600.0,)),)))
+    path = write_run_table(
+        tmp_path / "run.csv", RunTables(states, INFO, PressuresLog(("air",), ((5.0, (600.0,)),)))
+    )
     assert path.read_text().splitlines()[2:4] == ["5.000000,2,2,1,0,600.00", "5.000000,4,3,0,0,600.00"]
 
 
 def test_what_cannot_be_written_is_said(tmp_path):
     with pytest.raises(UsageError, match="holds no row"):
-        write_run_table(tmp_path / "run.csv", StatesLog(("cup",), ()), None)
+        write_run_table(tmp_path / "run.csv", RunTables(StatesLog(("cup",), ()), INFO))
     with pytest.raises(UsageError, match="Cannot be written: No such file"):
-        write_run_table(tmp_path / "none" / "run.csv", log((0, 6, -1, 0), names=["cup"]), None)
+        write_run_table(tmp_path / "none" / "run.csv", RunTables(log((0, 6, -1, 0), names=["cup"]), INFO))
 
 
 PROVES = {"top_cup": {"actuator": "top_vacuum", "on": "confirmed", "off": "gone"}}
