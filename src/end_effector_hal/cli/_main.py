@@ -74,8 +74,9 @@ _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _PLACES = {
     **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
-    **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model", "run")},
-    **{name: f"run._{name}:command" for name in ("do", "serve", "status")},
+    **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model")},
+    **{name: f"run._run:{name}" for name in ("run", "serve")},
+    **{name: f"run._clients:{name}" for name in ("do", "status")},
     "page": "recorded:command",
     "schema": "_completion:schema",
 }

@@ -1,8 +1,9 @@
-"""``eehal do``: gives commands to a tool that another process runs."""
+"""``eehal do`` and ``eehal status``: commands to a tool that another process runs, and its state."""
 
 from __future__ import annotations
 
 import sys
+import threading
 from pathlib import Path
 
 import click
@@ -16,7 +17,7 @@ from end_effector_hal.errors import UsageError
 @click.argument("description", type=PathName())
 @click.argument("commands", shell_complete=completed(client_words, separator=";"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines: states, log, alarms, results.")
-def command(description: Path, commands: str, as_json: bool) -> None:
+def do(description: Path, commands: str, as_json: bool) -> None:
     """Give COMMANDS, such as 'lock; grip', to the tool of a DESCRIPTION, which another program runs.
 
     `eehal serve`, `eehal run` or the ROS nodes must run the tool. The commands are those of `eehal run --script`:
@@ -56,3 +57,30 @@ def _refuse_scenario(_: str) -> None:
         "`eehal do` chooses no scenario.",
         todo="Choose it on the page of the simulated tool, or with --scenario.",
     )
+
+
+@click.command("status")
+@click.argument("description", type=PathName())
+@click.option("--follow", is_flag=True, help="Also print every later change, until Ctrl-C.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
+def status(description: Path, follow: bool, as_json: bool) -> None:
+    """Print the state of the tool of a DESCRIPTION, the evidence of its actuators, and its alarms.
+
+    `eehal serve`, `eehal run` or the ROS nodes must run the tool.
+
+    Exit codes: 0 printed, 2 the description has a fault, 3 no HAL runs the tool.
+    """
+    from end_effector_hal.runtime import EndEffector
+
+    from ._voices import Changes, JsonLines, Words
+
+    voice = JsonLines() if as_json else Words()
+    end_in_order()
+    with EndEffector.connect(description) as tool:
+        now = tool.status
+        voice.status(tool.description, now)
+        if follow:
+            changes = Changes(tool.description, voice)
+            changes.begin(now)
+            tool.subscribe(changes.status)
+            threading.Event().wait()
