@@ -6,7 +6,6 @@ import os
 import stat
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -30,27 +29,6 @@ _BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, Typ
 _TABLE, _EVENTS, _INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
 
 
-@dataclass(frozen=True, slots=True)
-class ListedRecording:
-    """One line of the list.
-
-    Attributes:
-        id: identifier by which a page requests it; not a path.
-        name: name of its folder.
-        changed: time of the last write, s since 1970.
-        tool: the name in its ``run.json``.
-        story: a sentence about the result of the run, or the reason why it is unknown.
-        length_s: duration of its table of states; None: unknown.
-    """
-
-    id: str
-    name: str
-    changed: float
-    tool: str = ""
-    story: str = ""
-    length_s: float | None = None
-
-
 def recording_folders(folder: Path) -> dict[str, Path]:
     """Return the recordings in a folder, or the folder itself, by id, newest first; links are not followed."""
     found: list[tuple[float, Path]] = []
@@ -63,16 +41,21 @@ def recording_folders(folder: Path) -> dict[str, Path]:
 
 
 def list_recordings(folder: Path, budget_s: float = BUDGET_S) -> dict[str, Any]:
-    """Return the list as JSON, ``{folder, recordings}``; no content of a recording makes this fail."""
+    """Return the list as JSON, ``{folder, recordings}``; no content of a recording makes this fail.
+
+    A recording has ``id``, by which a page requests it, ``name`` and ``changed`` (last write, s since 1970) of its
+    folder, ``tool`` of its ``run.json``, ``story``: a sentence about the result of the run, or the reason why it is
+    unknown, and ``length_s`` of its table of states (None: unknown).
+    """
     spent, until = time.process_time() + budget_s, time.monotonic() + MOST_S
     rows = []
     for id_, path in recording_folders(folder).items():
-        row = ListedRecording(id_, printable(path.resolve().name), _changed(path) or 0.0)
         if time.process_time() < spent and time.monotonic() < until:
-            row = _read(row, path)
+            found = _read(path)
         else:
-            row = ListedRecording(row.id, row.name, row.changed, story="not read: there are too many")
-        rows.append(asdict(row))
+            found = {"tool": "", "story": "not read: there are too many", "length_s": None}
+        name, changed = printable(path.resolve().name), _changed(path) or 0.0
+        rows.append({"id": id_, "name": name, "changed": changed, **found})
     return {"folder": printable(str(folder)), "recordings": rows}
 
 
@@ -112,7 +95,7 @@ def _id_of(path: Path) -> str:
     return sha256(os.fsencode(path.resolve())).hexdigest()[:24]
 
 
-def _read(row: ListedRecording, path: Path) -> ListedRecording:
+def _read(path: Path) -> dict[str, Any]:
     info = read_run(path) if _small(path / _INFO, MOST_INFO_BYTES) else RunInfo()
     tool, story, length_s = printable(info.description)[:_LONGEST], "", None
     if not _small(path / _TABLE, MOST_TABLE_BYTES):
@@ -127,7 +110,7 @@ def _read(row: ListedRecording, path: Path) -> ListedRecording:
             length_s = round(log.rows[-1].time_s, 1) if log.rows else 0.0
         except _BROKEN:
             story = "its states cannot be read: open it"
-    return ListedRecording(row.id, row.name, row.changed, tool, printable(story)[:_LONGEST], length_s)
+    return {"tool": tool, "story": printable(story)[:_LONGEST], "length_s": length_s}
 
 
 def _small(path: Path, most: int) -> bool:
