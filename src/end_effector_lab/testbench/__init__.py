@@ -1,7 +1,6 @@
 """The simulated world at the other end of the wires; replaces the paper's Raspberry Pi."""
 
 from ._bench import Bench
-from ._board_sensors import BoardSensors
 from ._faults import offered_faults, possible_faults
 from ._modbus import CommandedRegisters
 from ._places import lines_of, open_inputs, open_ports, open_sensors, write_description, write_virtual_copy
@@ -9,7 +8,7 @@ from ._ports import Port
 from ._program import run_testbench
 from ._records import edges_of
 from ._scenario import FAULTS, TOOL_CHANGER, Fault, Scenario, parse_scenario, plain_number
-from ._sensor_board import SensorBoard, Sent, carried
+from ._sensor_board import BoardSensors, SensorBoard, Sent, carried
 from ._testbench import Testbench
 
 __all__ = [

@@ -13,9 +13,9 @@ from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 
 from ._bench import Bench
-from ._board_sensors import BoardSensors
 from ._ports import Port, PtyPort, SerialPort
 from ._scenario import TOOL_CHANGER
+from ._sensor_board import BoardSensors
 from .inputs import (
     GpioInputs,
     GpioSimInputs,

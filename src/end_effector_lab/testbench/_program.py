@@ -19,10 +19,10 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.signals import Value
 
-from ._board_sensors import BoardSensors
 from ._faults import FaultServer
 from ._ports import Port
 from ._records import Events, Record
+from ._sensor_board import BoardSensors
 from ._testbench import Testbench, Watcher
 from .inputs import LineInputs
 

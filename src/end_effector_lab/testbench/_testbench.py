@@ -11,11 +11,10 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
-from ._board_sensors import BoardSensors
 from ._modbus import CommandedRegisters
 from ._ports import Port
 from ._scenario import parse_scenario
-from ._sensor_board import SensorBoard, Sent
+from ._sensor_board import BoardSensors, SensorBoard, Sent
 from .inputs import Clock, LineInputs, VirtualInputs, clock_of
 
 RECEIVE_S = 0.1

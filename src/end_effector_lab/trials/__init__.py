@@ -8,12 +8,11 @@ from ._case import Case, Happening, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap
 from ._draw import CaseSource
 from ._effects import GRIP, HELD, RELEASE, REST, Effects, FaultWords
-from ._fmea import fmea, signed_cells
 from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
 from ._outcome import Outcome
 from ._play import no_log, play_case
 from ._processes import play_on_processes
-from ._report import figures, let_go, page
+from ._report import figures, fmea, let_go, page, signed_cells
 from ._run_campaign import UNREACHED, campaign_folder, read_failures, run_campaign
 from ._run_grid import FIGURES, FMEA, PAGE, Played, matrix_folder, play, play_all
 from ._shrink import shrunk_by

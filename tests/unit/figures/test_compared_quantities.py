@@ -20,7 +20,7 @@ from end_effector_hal.recording import (
 )
 from end_effector_hal.vocabulary import ChangerState
 from end_effector_lab.figures import timeline
-from end_effector_lab.figures._run_table import write_run_table
+from end_effector_lab.figures._recorded_run import write_run_table
 from end_effector_lab.figures._style import BAND_INK, FILLS
 from tests.support.trace_recordings import INFO, NOMINAL, log
 from tests.unit.figures.figure_facts import bars, overlaps, texts

@@ -21,8 +21,7 @@ from end_effector_hal.description.rules.frames._frames import frame_faults
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
-from ._likely import likely
-from ._top_keys import read_as_meant
+from ._likely import likely, read_as_meant
 from ._yaml import Reader
 
 

@@ -1,17 +1,125 @@
-"""Builds a faulty description with defaults for its faulty values, so that the rest of it can be judged."""
+"""Reads a faulty description as it was probably meant, so that the rest of it can be judged."""
 
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, get_origin
 
 from pydantic import ValidationError
 
-from end_effector_hal.description._fault import Keys, Places
-from end_effector_hal.description._shape import fields_of, stanza_at
+from end_effector_hal.description._fault import Fault, Keys, Place, Places, closest
+from end_effector_hal.description._shape import fields_of, part_in, stanza_at, top_mappings
 from end_effector_hal.description.model._channels import Channel
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
+
+
+@dataclass(frozen=True)
+class WrongKey:
+    """A wrong top-level key, the key that was probably meant, and the fault."""
+
+    key: str
+    meant: str
+    fault: Fault
+
+
+def read_as_meant(tree: dict[str, Any], places: Places) -> list[Fault]:
+    """Rename each wrong top-level key in the tree and in the places, and return the faults of these keys.
+
+    A key whose meaning is not clear stays, and is reported with all other faults.
+    """
+    found = []
+    for key in sorted(tree, key=lambda key: isinstance(tree[key], list)):  # a list may name the actuators
+        wrong = _link_for_links(key, tree, places) or _misspelt(key, tree, places)
+        if wrong is not None:
+            found.append(wrong.fault)
+            tree[wrong.meant] = tree.pop(key)
+            _move(places.keys, key, wrong.meant)
+            _move(places.values, key, wrong.meant)
+    return found
+
+
+def _move(places: dict[Keys, Place], key: str, meant: str) -> None:
+    for path in [path for path in places if path[:1] == (key,)]:
+        places[(meant, *path[1:])] = places.pop(path)
+
+
+def _link_for_links(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None:
+    """Return the fault of several named links under ``link``, or of the keys of one link under ``links``."""
+    meant = {"link": "links", "links": "link"}.get(key)
+    if (
+        meant is None
+        or meant in tree
+        or not tree[key]
+        or _fits(key, tree[key])
+        or not _fits(meant, tree[key])
+    ):
+        return None
+    inside = ", ".join(tree[key])
+    what, expected = f"'link' has the keys of one link, and these are names ({inside})", "links: by name"
+    if meant == "link":
+        what, expected = f"'links' has links by name, and these are keys of one ({inside})", "link: one link"
+    fault = Fault.at(places.key(key), "EE-228", what, found="", expected=expected, hint=f"write {meant}")
+    return WrongKey(key, meant, fault)
+
+
+def _misspelt(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None:
+    if key in fields_of(Description):
+        return None
+    value, free = tree[key], fields_of(Description).keys() - tree.keys()
+    likely = closest(key, sorted(each for each in free if _fits(each, value)))
+    if likely is None:  # by what stands in it, where that leaves no doubt
+        alike = [each for each in top_mappings() if each in free and _is_one(each, value)]
+        alike += ["sequence"] if "sequence" in free and _names_actuators(value, tree) else []
+        likely = alike[0] if len(alike) == 1 else None
+    if likely is None:
+        return None
+    found = f"{key}:" if isinstance(value, dict | list) else f"{key}: {places.value(key).text}"
+    what, expected, hint = f"unknown key {key!r}", "a key of the description", f"did you mean {likely!r}?"
+    return WrongKey(
+        key, likely, Fault.at(places.key(key), "EE-205", what, found=found, expected=expected, hint=hint)
+    )
+
+
+def _fits(key: str, value: object) -> bool:
+    """Return whether a value looks like that of a top-level key, though parts of it may be wrong."""
+    if mapping := top_mappings().get(key):
+        known = set().union(*map(fields_of, mapping))
+        inside = value.values() if isinstance(value, dict) else ()
+        return any(isinstance(each, dict) and not known.isdisjoint(each) for each in inside)
+    annotation = fields_of(Description)[key].annotation
+    if part := part_in(annotation):
+        return isinstance(value, dict) and (not value or not fields_of(part).keys().isdisjoint(value))
+    return (
+        value is not None and not isinstance(value, dict) and isinstance(value, list) == _is_list(annotation)
+    )
+
+
+def _is_list(annotation: Any) -> bool:
+    return any(get_origin(each) is tuple for each in (annotation, *getattr(annotation, "__args__", ())))
+
+
+def _names_actuators(value: object, tree: dict[str, Any]) -> bool:
+    actuators = tree.get("actuators")
+    known = [*actuators] if isinstance(actuators, dict) else []
+    return isinstance(value, list) and bool(value) and all(each in known for each in value)
+
+
+def _is_one(key: str, value: object) -> bool:
+    """Return whether each stanza of a value has the keys of a top-level mapping, and no others."""
+    models = top_mappings()[key]
+    inside = [*value.values()] if isinstance(value, dict) else []
+    return bool(inside) and all(
+        isinstance(each, dict) and any(_has_its_keys(model, each) for model in models) for each in inside
+    )
+
+
+def _has_its_keys(model: type[Part], stanza: dict[str, Any]) -> bool:
+    fields = fields_of(model)
+    needed = {name for name, each in fields.items() if each.is_required()}
+    return needed <= stanza.keys() <= fields.keys()
+
 
 _UNREAD = "unread"
 """Placeholder for a required text that is faulty."""
