@@ -30,7 +30,7 @@ from .reading._examine import examine, examine_text, load
 from .rules._outputs import lost_by_silence
 from .rules.evidence._channels import CodecChannels, used_channels
 from .rules.evidence._codec import not_fitted, slow, unproven
-from .rules.evidence._span_search import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest
+from .rules.evidence._evidence import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest
 
 __all__ = [
     "BIT",
