@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli import main
 from end_effector_hal.cli._main import _AUDIENCES, _COMMANDS, _OTHERS, eehal
 from end_effector_hal.description import profile_path
 from tests.support.nightly import first_of
+from tests.unit.conftest import Whole
 
 TOOL = str(profile_path())
 
@@ -95,13 +95,11 @@ def test_the_help_is_grouped_by_who_uses_a_command_and_leaves_none_out() -> None
     [("chek", "check"), ("figure", "plot"), ("tesbench", "testbench"), ("prove", "verify")],
 )
 def test_a_command_that_is_misspelt_or_called_otherwise_is_guessed(
-    typed: str, meant: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    typed: str, meant: str, whole: Whole
 ) -> None:
-    monkeypatch.setattr("sys.argv", ["eehal", typed])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    assert f"No such command '{typed}'. Did you mean '{meant}'?" in capsys.readouterr().err
+    code, _, err = whole(typed)
+    assert code == 2
+    assert f"No such command '{typed}'. Did you mean '{meant}'?" in err
 
 
 def test_a_name_far_from_all_is_only_refused() -> None:
@@ -119,11 +117,7 @@ def test_a_name_far_from_all_is_only_refused() -> None:
         (["doctor", "--only", "lin"], "lin (did you mean 'link'?); there are python, "),
     ],
 )
-def test_a_value_that_is_misspelt_is_guessed(
-    typed: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("sys.argv", ["eehal", *typed])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    assert said in capsys.readouterr().err
+def test_a_value_that_is_misspelt_is_guessed(typed: list[str], said: str, whole: Whole) -> None:
+    code, _, err = whole(*typed)
+    assert code == 2
+    assert said in err

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli import main
 from end_effector_hal.description import profile_path
 from end_effector_hal.wires.lines import VirtualChip
+from tests.unit.conftest import Whole
 
 SHAPE = {"code", "file", "line", "column", "message"}
 
@@ -24,16 +23,6 @@ def own_signals() -> Iterator[None]:
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
-
-
-def run(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *arguments: str
-) -> tuple[int, str, str]:
-    monkeypatch.setattr(sys, "argv", ["eehal", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    told = capsys.readouterr()
-    return int(ended.value.code or 0), told.out, told.err
 
 
 @pytest.mark.parametrize(
@@ -57,13 +46,12 @@ def run(
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_an_error_is_an_object(
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    whole: Whole,
     arguments: tuple[str, ...],
     code: str,
     said: str,
 ) -> None:
-    exit_code, out, err = run(capsys, monkeypatch, *arguments, "--json")
+    exit_code, out, err = whole(*arguments, "--json")
     document = json.loads(out)
     assert (exit_code, err) == (2, "")
     assert (document["ok"], document["exit_code"]) == (False, 2)
@@ -73,52 +61,44 @@ def test_an_error_is_an_object(
     assert said in fault["message"]
 
 
-def test_without_it_an_error_is_a_sentence(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    exit_code, out, err = run(capsys, monkeypatch, "replay", "/nowhere")
+def test_without_it_an_error_is_a_sentence(whole: Whole) -> None:
+    exit_code, out, err = whole("replay", "/nowhere")
     assert (exit_code, out) == (2, "")
     assert err.startswith("/nowhere: There is no trace here. Name a folder")
 
 
-def test_every_fault_of_a_description_is_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_fault_of_a_description_is_told(tmp_path: Path, whole: Whole) -> None:
     text = profile_path().read_text(encoding="utf-8")
     path = tmp_path / "tool.yaml"
     path.write_text(text.replace("timeout_s: 5.0", "timeout_s: 5000").replace("attempts: 3", "attempts: 0"))
     told = {}
     for command in ("check", "verify", "demo"):
-        _, out, _ = run(capsys, monkeypatch, command, str(path), "--json")
+        _, out, _ = whole(command, str(path), "--json")
         told[command] = json.loads(out)["faults"]
     assert [fault["line"] for fault in told["check"]] == [25, 27]
     assert told["verify"] == told["demo"] == told["check"]
 
 
 @pytest.mark.parametrize("command", ["verify", "arbiter", "run", "demo", "testbench", "model show"])
-def test_what_check_refuses_no_other_command_takes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: str
-) -> None:
+def test_what_check_refuses_no_other_command_takes(tmp_path: Path, whole: Whole, command: str) -> None:
     """A codec that carries nothing for an actuator: found where it is read, before anything is done."""
     chip = tmp_path / "chip"
     VirtualChip.create(chip, ["SODIMM_208"])
     text = profile_path().read_text(encoding="utf-8").replace("channel: top", "channel: further")
     path = tmp_path / "tool.yaml"
     path.write_text(text.replace("backend: gpiod", f"backend: virtual\n  path: {chip}"))
-    _, _, by_check = run(capsys, monkeypatch, "check", str(path))
-    exit_code, out, err = run(capsys, monkeypatch, *command.split(), str(path))
+    _, _, by_check = whole("check", str(path))
+    exit_code, out, err = whole(*command.split(), str(path))
     assert "[EE-225]" in by_check
     sentence = by_check.splitlines(keepends=True)[0]  # below it check shows the line of the file
     assert (exit_code, out, err) == (2, "", sentence)
 
 
-def test_what_does_not_fit_its_automata_is_not_proven(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_does_not_fit_its_automata_is_not_proven(tmp_path: Path, whole: Whole) -> None:
     text = profile_path().read_text(encoding="utf-8")
     path = tmp_path / "tool.yaml"
     path.write_text(text.replace("bounds:", "automata: {grip: [Griper, Actuator]}\nbounds:"))
-    _, checked, _ = run(capsys, monkeypatch, "check", str(path), "--json")
-    exit_code, verified, _ = run(capsys, monkeypatch, "verify", str(path), "--json")
+    _, checked, _ = whole("check", str(path), "--json")
+    exit_code, verified, _ = whole("verify", str(path), "--json")
     assert exit_code == 2
     assert json.loads(verified)["faults"] == json.loads(checked)["faults"]

@@ -9,10 +9,10 @@ from pathlib import Path
 import click
 import pytest
 
-from end_effector_hal.cli import main
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import profile_path
 from tests.unit.cli.test_model import LAMP
+from tests.unit.conftest import Whole
 
 ELSEWHERE = {
     "run": "tests/acceptance/cli/test_run_on_a_terminal.py",
@@ -58,33 +58,24 @@ def test_each_command_with_json_is_known_here() -> None:
     assert set(with_json()) - ELSEWHERE.keys() == CALLS.keys()
 
 
-def called(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str
-) -> dict[str, object]:
-    monkeypatch.setattr("sys.argv", ["eehal", *arguments])
-    with pytest.raises(SystemExit):
-        main()
-    answer: dict[str, object] = json.loads(capsys.readouterr().out)
+def called(whole: Whole, *arguments: str) -> dict[str, object]:
+    answer: dict[str, object] = json.loads(whole(*arguments)[1])
     return answer
 
 
 @pytest.mark.parametrize("name", CALLS)
 def test_its_object_names_the_version_first(
-    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    name: str, monkeypatch: pytest.MonkeyPatch, whole: Whole, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lamp.xml").write_text(LAMP)
-    answer = called(monkeypatch, capsys, *name.split(), *CALLS[name], "--json")
+    answer = called(whole, *name.split(), *CALLS[name], "--json")
     assert next(iter(answer.items())) == ("schema_version", 1)
 
 
-def test_a_run_of_the_model_has_words_beside_its_numbers(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_of_the_model_has_words_beside_its_numbers(whole: Whole) -> None:
     choose = "world == IN_TIME; adopt; grip @ 1000"
-    answer = called(
-        monkeypatch, capsys, "model", "simulate", str(profile_path()), "--choose", choose, "--json"
-    )
+    answer = called(whole, "model", "simulate", str(profile_path()), "--choose", choose, "--json")
     steps = answer["steps"]
     assert isinstance(steps, list)
     gripping = next(step for step in steps if step["changes"].get("ee") == [6, 1])

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli._main import main
 from end_effector_hal.cli.model._model import command
 from end_effector_hal.description import profile_path
 from end_effector_hal.recording import read_run, read_states
+from tests.unit.conftest import Whole
 
 SHIPPED = profile_path()
 AUTOMATA = SHIPPED.with_name("end_effector.xml")
@@ -35,16 +35,6 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def run(*words: str) -> Result:
     return CliRunner().invoke(command, list(words), catch_exceptions=False)
-
-
-def told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[int, str]:
-    """Exit code and stderr of the whole program."""
-    monkeypatch.setattr("sys.argv", ["eehal", "model", *words])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    captured = capsys.readouterr()
-    assert "Traceback" not in captured.err
-    return int(ended.value.code or 0), captured.err
 
 
 def edited(name: str, **replace: str) -> Path:
@@ -391,9 +381,7 @@ def test_a_value_out_of_range_is_an_error_with_the_run_that_leads_to_it() -> Non
         (["dance"], "No such command 'dance'"),
     ],
 )
-def test_bad_input_is_a_sentence_and_exit_code_2(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: list[str], message: str
-) -> None:
-    code, stderr = told(capsys, monkeypatch, *words)
+def test_bad_input_is_a_sentence_and_exit_code_2(whole: Whole, words: list[str], message: str) -> None:
+    code, _, stderr = whole("model", *words)
     assert code == 2
     assert message in " ".join(stderr.split())

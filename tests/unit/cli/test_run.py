@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.cli import main
 from end_effector_hal.cli.run import _simulation
 from end_effector_hal.cli.run._causes import Causes
 from end_effector_hal.cli.run._session import CommandThread, Prompt
@@ -22,6 +20,7 @@ from end_effector_hal.errors import MissingExtraError, ReportedError, UsageError
 from end_effector_hal.runtime.boundary import RecordedController, Recorder, entry_of
 from end_effector_lab.demo import World
 from tests.support.virtual_tool import VirtualTool
+from tests.unit.conftest import Whole
 
 
 def test_a_step_that_fails_ends_itself_only() -> None:
@@ -86,28 +85,22 @@ def test_a_scenario_that_the_tool_cannot_have_is_refused_before_anything_is_star
     assert list(tmp_path.iterdir()) == []
 
 
-def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+def refused(whole: Whole, *options: str) -> str:
     """What `eehal run` says of a usage error."""
-    monkeypatch.setattr(sys, "argv", ["eehal", "run", str(profile_path()), *options])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    return capsys.readouterr().err
+    code, _, err = whole("run", profile_path(), *options)
+    assert code == 2
+    return err
 
 
-def test_what_is_not_simulated_has_no_seed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    said = refused(monkeypatch, capsys, "--seed", "3")
+def test_what_is_not_simulated_has_no_seed(whole: Whole) -> None:
+    said = refused(whole, "--seed", "3")
     assert said == "--seed is for a simulated tool: a real one has nothing random. Add --simulate.\n"
-    assert "-1 is not in the range" in refused(monkeypatch, capsys, "--simulate", "--seed", "-1")
+    assert "-1 is not in the range" in refused(whole, "--simulate", "--seed", "-1")
 
 
 @pytest.mark.parametrize("options", [("--scenario", "nominal"), ("--script", "lock; scenario supply:300")])
-def test_what_is_not_simulated_has_no_scenario(
-    options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert refused(monkeypatch, capsys, *options) == (
+def test_what_is_not_simulated_has_no_scenario(options: tuple[str, ...], whole: Whole) -> None:
+    assert refused(whole, *options) == (
         "A scenario is for a simulated tool: nothing makes a real one fail. Add --simulate.\n"
     )
 

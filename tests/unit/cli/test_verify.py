@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli._main import main
 from end_effector_hal.cli._verify import command
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_run
 from end_effector_hal.verification.proof import Proof, prove
+from tests.unit.conftest import Whole
 from tests.unit.timed_automata.explore.models import Template, document
 from timed_automata import Network
 
@@ -199,35 +199,18 @@ def test_a_value_out_of_range_comes_with_its_run() -> None:
     ],
 )
 def test_what_cannot_be_checked_is_said_with_its_place(
-    declarations: str,
-    invariant: str,
-    query: str,
-    message: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    declarations: str, invariant: str, query: str, message: str, whole: Whole
 ) -> None:
     written(declarations, Template("P", ["a -> b"], invariants={"a": invariant}), (query, ""))
-    monkeypatch.setattr("sys.argv", ["eehal", "verify", "--model", "model.xml"])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    told = capsys.readouterr().err
-    assert ended.value.code == 2
-    assert re.search(message, told)
-    assert "Traceback" not in told
+    code, _, told = whole("verify", "--model", "model.xml")
+    assert (code, bool(re.search(message, told))) == (2, True)
 
 
 @pytest.mark.parametrize("content", [b"", b"hello", b"<foo/>", b"<nta>", b"\x00\xff\x17"])
-def test_files_that_are_no_model(
-    content: bytes, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_that_are_no_model(content: bytes, whole: Whole) -> None:
     Path("odd.xml").write_bytes(content)
-    monkeypatch.setattr("sys.argv", ["eehal", "verify", "--model", "odd.xml"])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    told = capsys.readouterr().err
-    assert ended.value.code == 2
-    assert told.startswith("odd.xml:1:")
-    assert "Traceback" not in told
+    code, _, told = whole("verify", "--model", "odd.xml")
+    assert (code, told[:10]) == (2, "odd.xml:1:")
 
 
 def test_the_shipped_tool() -> None:
@@ -300,14 +283,11 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
     ],
 )
 def test_a_query_that_cannot_be_asked_is_open_and_the_others_are_answered(
-    query: str, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    query: str, message: str, whole: Whole
 ) -> None:
     written("clock x;", Template("P", ["a -> b"]), ("E<> P.b", ""), (query, ""), ("A[] P.a", ""))
-    monkeypatch.setattr("sys.argv", ["eehal", "verify", "--model", "model.xml"])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    told = capsys.readouterr().out
-    assert ended.value.code == 4
+    code, told, _ = whole("verify", "--model", "model.xml")
+    assert code == 4
     marks = [line.split()[0] for line in told.splitlines() if line.startswith(("holds", "open", "FAILS"))]
     assert marks == ["FAILS", "open"]
     assert re.search(message, told)

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from end_effector_hal.cli import main
 from tests.support.bags import frame, state, write_ros1, write_ros2
+from tests.unit.conftest import Whole
 
 S = 1_000_000
 MESSAGES = [state(S, 0), *frame(0, bottom=-1_000, supply=600_000), state(2 * S, S, 1, count=1)]
-Run = Callable[..., tuple[object, str, str]]
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Runs a command in a folder of its own; returns its exit code, output and error output."""
+def run(whole: Whole, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Whole:
+    """Runs a command in a folder of its own."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments: str) -> tuple[object, str, str]:
-        monkeypatch.setattr(sys, "argv", ["eehal", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        return end.value.code or 0, *capsys.readouterr()
-
-    return call
+    return whole
 
 
-def test_a_bag_is_imported_and_drawn(run: Run, tmp_path: Path) -> None:
+def test_a_bag_is_imported_and_drawn(run: Whole, tmp_path: Path) -> None:
     write_ros2(tmp_path / "lift", MESSAGES)
     code, out, err = run("import", "lift", "--profile", "verdin_gripper")
     assert (code, out) == (0, "runs/lift: verdin_gripper, 1.000 s, 2 states, 2 pressures\n")
@@ -41,7 +31,7 @@ def test_a_bag_is_imported_and_drawn(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "runs/lift/timeline.png").exists()
 
 
-def test_a_part_of_a_bag_is_exit_code_1(run: Run, tmp_path: Path) -> None:
+def test_a_part_of_a_bag_is_exit_code_1(run: Whole, tmp_path: Path) -> None:
     write_ros1(tmp_path / "lift.bag", [*MESSAGES, state(3 * S, 2 * S, 77)])
     code, out, err = run("import", "lift.bag", "-o", "out")
     assert (code, out) == (1, "out: verdin_gripper, 1.000 s, 2 states, 0 pressures\n")
@@ -51,7 +41,7 @@ def test_a_part_of_a_bag_is_exit_code_1(run: Run, tmp_path: Path) -> None:
     assert (code, found["folder"], found["states"], len(found["faults"])) == (1, "again", 2, 1)
 
 
-def test_what_is_refused_is_exit_code_2(run: Run, tmp_path: Path) -> None:
+def test_what_is_refused_is_exit_code_2(run: Whole, tmp_path: Path) -> None:
     write_ros1(tmp_path / "lift.bag", MESSAGES)
     assert run("import", "nothing")[0] == 2
     code, out, err = run("import", "lift.bag", "--profile", "verdin_griper")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.cli import main
 from end_effector_hal.recording import EventsWriter, StatesWriter
 from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_lab.commands._testbench import command
@@ -35,21 +35,9 @@ def run(tmp_path):
 
 
 @pytest.fixture
-def plot(capsys, monkeypatch):
+def plot(whole):
     """Runs the command; returns its exit code, output and error output."""
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["eehal", "plot", *map(str, arguments)])
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code
-        else:
-            code = 0
-        out, err = capsys.readouterr()
-        return code or 0, out, err
-
-    return call
+    return partial(whole, "plot")
 
 
 def made(folder):
