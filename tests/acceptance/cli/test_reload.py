@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import wait_until
 from tests.support.terminal import Terminal
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 def asked(world: World, *restart: str) -> tuple[int, str]:

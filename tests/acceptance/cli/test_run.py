@@ -6,13 +6,12 @@ import json
 import os
 import signal
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import profile_path
 from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
 from end_effector_lab.demo._world import World
@@ -21,12 +20,6 @@ from tests.support.patience import wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 LONG_S = 60.0
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 def clients(world: World) -> list[str]:

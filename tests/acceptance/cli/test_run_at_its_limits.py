@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S, wait_until
@@ -37,12 +36,6 @@ from end_effector_hal.cli import main
 main()
 """
 """So many threads can be started, and none after SIGUSR1: root has no limit of processes to meet."""
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 class Run:

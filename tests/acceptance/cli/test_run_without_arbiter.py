@@ -7,26 +7,18 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any, Self
 
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import PATIENCE_S, wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(120)]
 LONGER_THAN_A_RELEASE_S = 8.0
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 class Run:
