@@ -1,9 +1,18 @@
 """Recordings to test with: (time_s, end_effector, command, actuators...), and their events."""
 
 from dataclasses import replace
+from pathlib import Path
 
 from end_effector_hal.control import COMMANDS, EventKind
-from end_effector_hal.recording import EventRow, PressuresLog, RunInfo, StatesLog, StatesRow
+from end_effector_hal.recording import (
+    EventRow,
+    EventsWriter,
+    PressuresLog,
+    RunInfo,
+    StatesLog,
+    StatesRow,
+    StatesWriter,
+)
 from end_effector_hal.vocabulary import Cause, Command, EndEffectorState
 
 NAMES = ("bottom_vacuum", "cylinder", "top_vacuum")
@@ -125,3 +134,15 @@ PRESSURES = PressuresLog(
         (19.5, (-2.0, 0.0, 0.0, 600.0)),
     ),
 )
+
+
+def written(folder: Path, states: StatesLog, info: RunInfo = INFO) -> Path:
+    """A folder that is made, with the states, the events and the facts of a recording."""
+    folder.mkdir(parents=True)
+    with StatesWriter(folder / "states.csv", states.actuators) as writer:
+        for row in states.rows:
+            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    with EventsWriter(folder / "events.csv", states.actuators) as table:
+        table.write(states.events or ())
+    info.write(folder)
+    return folder

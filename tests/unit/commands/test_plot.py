@@ -10,27 +10,19 @@ from functools import partial
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.recording import EventsWriter, StatesWriter
 from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import FAULTS
-from tests.support.trace_recordings import FAILS_ONCE, INFO, NEVER, PRESSURES
+from tests.support.trace_recordings import FAILS_ONCE, NEVER, PRESSURES, written
 
 
 @pytest.fixture
 def run(tmp_path):
     """A run folder."""
-    folder = tmp_path / "never"
-    folder.mkdir()
-    with StatesWriter(folder / "states.csv", NEVER.actuators) as writer:
-        for row in NEVER.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    with EventsWriter(folder / "events.csv", NEVER.actuators) as table:
-        table.write(NEVER.events)
+    folder = written(tmp_path / "never", NEVER)
     with PressuresWriter(folder / "pressures.csv", PRESSURES.channels) as writer:
         for time_s, values in PRESSURES.samples:
             writer.write(time_s, dict(zip(PRESSURES.channels, values, strict=True)))
-    INFO.write(folder)
     return folder
 
 

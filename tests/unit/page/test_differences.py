@@ -26,25 +26,22 @@ from end_effector_hal.page.recorded import (
 from end_effector_hal.page.recorded import _differences as differences_module
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._recordings import ServedRecording, make_recordings_app
-from end_effector_hal.recording import BEGUN, AlarmRow, RunTables, StatesLog, StatesWriter
+from end_effector_hal.recording import BEGUN, AlarmRow, RunTables, StatesLog
 from end_effector_hal.recording._alarms import AlarmsWriter
 from end_effector_hal.recording._pressures import PressuresWriter
 from end_effector_hal.vocabulary import display_name, received_alarms
 from end_effector_lab.recorded import report_html
 from tests.support.recorded_tool import recorded
-from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, log
+from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, log, written
 from tests.unit.page.test_past import asked
 
 Json = dict[str, Any]
 SAME = "what is within 0.1 s and 5 kPa (gauge) of the other one is the same"
 
 
-def written(folder: Path, states: StatesLog, lower_kpa: float = 0.0, *alarms: tuple[float, str]) -> Path:
+def tables_of(folder: Path, states: StatesLog, lower_kpa: float = 0.0, *alarms: tuple[float, str]) -> Path:
     """A folder of tables; the pressure of the bottom cup is lower by that, from 3 s to 4 s."""
-    folder.mkdir()
-    with StatesWriter(folder / "states.csv", states.actuators) as writer:
-        for row in states.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
+    written(folder, states)
     with PressuresWriter(folder / "pressures.csv", ("bottom", "supply")) as writer:
         for tenth in range(120):
             at_s = tenth / 10
@@ -55,7 +52,6 @@ def written(folder: Path, states: StatesLog, lower_kpa: float = 0.0, *alarms: tu
     with AlarmsWriter(folder / "alarms.csv") as writer:
         for at_s, text in alarms:
             writer.write(at_s, received_alarms([text]))
-    INFO.write(folder)
     return folder
 
 
@@ -72,8 +68,8 @@ def run(
 
 def test_the_page_lists_what_the_command_lists(tmp_path: Path, verdin: Description) -> None:
     """States, pressures (also one that no card draws) and alarms, of the same files."""
-    first = written(tmp_path / "one", NOMINAL, 0.0, (3.0, "Leak: 1.5 kPa/s"), (5.0, "Late."))
-    second = written(tmp_path / "other", FAILS_ONCE, 8.0, (3.0, "Leak: 2 kPa/s"), (9.0, "<b>Cut</b>."))
+    first = tables_of(tmp_path / "one", NOMINAL, 0.0, (3.0, "Leak: 1.5 kPa/s"), (5.0, "Late."))
+    second = tables_of(tmp_path / "other", FAILS_ONCE, 8.0, (3.0, "Leak: 2 kPa/s"), (9.0, "<b>Cut</b>."))
     said = CliRunner().invoke(eehal, ["compare", str(first), str(second), "--json"])
     listed = json.loads(said.stdout)["differences"]
     found = compare_recordings(compared(first, verdin), compared(second, verdin))
@@ -330,7 +326,7 @@ def test_no_difference_ends_the_data_of_a_report(nominal: Path) -> None:
 
 
 def test_tables_without_pressures_beside_some_with(tmp_path: Path, verdin: Description) -> None:
-    first, second = written(tmp_path / "one", NOMINAL), written(tmp_path / "other", NOMINAL)
+    first, second = tables_of(tmp_path / "one", NOMINAL), tables_of(tmp_path / "other", NOMINAL)
     (second / "pressures.csv").unlink()
     tables = [read_recording(RecordedTables(each, verdin)).compared for each in (first, second)]
     assert {(each["lane"], each["what"]) for each in compare_recordings(*tables)["rows"]} == {

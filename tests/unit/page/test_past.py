@@ -20,20 +20,13 @@ from end_effector_hal.page.recorded._folder import MOST_TABLE_BYTES, list_record
 from end_effector_hal.page.web import PageAddress, _past
 from end_effector_hal.page.web._past import PastRecordings, past_routes
 from end_effector_hal.page.web._recordings import make_recordings_app
-from end_effector_hal.recording import EventsWriter, StatesWriter
+from end_effector_hal.recording import StatesLog
 from tests.support.recorded_tool import RecordedTool
-from tests.support.trace_recordings import INFO, NEVER, NOMINAL
+from tests.support.trace_recordings import NEVER, NOMINAL, written
 
 
-def written(folder: Path, log: Any, changed: float) -> Path:
-    folder.mkdir(parents=True)
-    with StatesWriter(folder / "states.csv", log.actuators) as writer:
-        for row in log.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    with EventsWriter(folder / "events.csv", log.actuators) as table:
-        table.write(log.events)
-    INFO.write(folder)
-    os.utime(folder / "states.csv", (changed, changed))
+def written_at(folder: Path, log: StatesLog, changed: float) -> Path:
+    os.utime(written(folder, log) / "states.csv", (changed, changed))
     return folder
 
 
@@ -71,8 +64,8 @@ async def finished(app: ASGIApp, path: str) -> tuple[int, bytes]:
 
 
 def test_newest_first_with_how_it_went_and_how_long(tmp_path: Path) -> None:
-    written(tmp_path / "old", NEVER, 1000.0)
-    written(tmp_path / "new", NOMINAL, 2000.0)
+    written_at(tmp_path / "old", NEVER, 1000.0)
+    written_at(tmp_path / "new", NOMINAL, 2000.0)
     found = list_recordings(tmp_path)
     assert found["folder"] == str(tmp_path)
     told = [(each["name"], each["changed"], each["tool"], each["length_s"]) for each in found["recordings"]]
@@ -86,12 +79,12 @@ def test_newest_first_with_how_it_went_and_how_long(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_a_recording_itself_is_listed(tmp_path: Path) -> None:
-    written(tmp_path / "run", NOMINAL, 2000.0)
+    written_at(tmp_path / "run", NOMINAL, 2000.0)
     assert [each["name"] for each in list_recordings(tmp_path / "run")["recordings"]] == ["run"]
 
 
 def test_what_is_broken_hides_nothing_else(tmp_path: Path) -> None:
-    written(tmp_path / "good", NOMINAL, 2000.0)
+    written_at(tmp_path / "good", NOMINAL, 2000.0)
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("x")
     for name, content in (("noise", os.urandom(3000)), ("nothing", b""), ("deep", b"[" * 100_000)):
@@ -118,7 +111,7 @@ def test_what_is_broken_hides_nothing_else(tmp_path: Path) -> None:
 
 
 def test_links_are_not_followed(tmp_path: Path) -> None:
-    outside = written(tmp_path / "outside", NOMINAL, 2000.0)
+    outside = written_at(tmp_path / "outside", NOMINAL, 2000.0)
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / "link").symlink_to(outside)
     (tmp_path / "runs" / "inner").mkdir()
@@ -130,7 +123,7 @@ def test_links_are_not_followed(tmp_path: Path) -> None:
 def test_hundreds_are_listed_in_bounded_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_folder, "MOST_LISTED", 20)
     for number in range(30):
-        written(tmp_path / f"run-{number:02}", NOMINAL, 1000.0 + number)
+        written_at(tmp_path / f"run-{number:02}", NOMINAL, 1000.0 + number)
     found = list_recordings(tmp_path, budget_s=0.0)["recordings"]
     assert [each["name"] for each in found] == [f"run-{number:02}" for number in range(29, 9, -1)]
     assert {each["story"] for each in found} == {"not read: there are too many"}
@@ -146,8 +139,8 @@ def app(tmp_path: Path) -> Iterator[ASGIApp]:
     tool = RecordedTool(tmp_path / "runs" / "traced", "nominal")
     tool.run(0.5)
     tool.close()
-    written(tmp_path / "runs" / "tables", NOMINAL, 1000.0)
-    written(tmp_path / "secret", NEVER, 1000.0)
+    written_at(tmp_path / "runs" / "tables", NOMINAL, 1000.0)
+    written_at(tmp_path / "secret", NEVER, 1000.0)
     (tmp_path / "runs" / "linked").mkdir()
     (tmp_path / "runs" / "linked" / "states.csv").symlink_to(tmp_path / "secret" / "states.csv")
     return Starlette(routes=past_routes(PastRecordings(tmp_path / "runs", profile_path())))

@@ -19,12 +19,11 @@ from end_effector_hal.recording import (
     RunDifference,
     RunTables,
     StatesLog,
-    StatesWriter,
     Tolerances,
     compare_runs,
 )
 from end_effector_lab.commands._compare import read_tables
-from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, PRESSURES, log
+from tests.support.trace_recordings import FAILS_ONCE, INFO, NOMINAL, PRESSURES, log, written
 
 
 def later(run: RunTables, by_s: float) -> RunTables:
@@ -127,12 +126,7 @@ def test_more_than_can_be_aligned_is_refused() -> None:
 
 
 def write(folder: Path, states: StatesLog, seed: int) -> Path:
-    folder.mkdir()
-    with StatesWriter(folder / "states.csv", states.actuators) as writer:
-        for row in states.rows:
-            writer.write(row.time_s, row.end_effector, row.command, row.actuators)
-    replace(INFO, seed=seed).write(folder)
-    return folder
+    return written(folder, states, replace(INFO, seed=seed))
 
 
 def test_the_command_lists_the_differences(tmp_path: Path) -> None:
