@@ -30,6 +30,15 @@ def extras() -> dict[str, tuple[str, ...]]:
     return found
 
 
+def version_of(package: str) -> str:
+    """Return the version of an installed package; empty if it is not installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    with suppress(PackageNotFoundError):
+        return version(package)
+    return ""
+
+
 @cache
 def lab_installed() -> bool:
     """Return whether the commands of `end_effector_lab` can be used; a robot does not need them."""

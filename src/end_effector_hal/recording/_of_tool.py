@@ -5,17 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from end_effector_hal._extras import DISTRIBUTION, version_of
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._run import RunInfo
 from end_effector_hal.signals import Kind
-
-DISTRIBUTION = "end-effector-hal"
 
 
 def run_info(
@@ -125,7 +123,4 @@ def _measured(actuator: Actuator) -> list[dict[str, Any]]:
 
 def product_version() -> str:
     """Return the version of the installed distribution; empty if it is not installed."""
-    try:
-        return version(DISTRIBUTION)
-    except PackageNotFoundError:
-        return ""
+    return version_of(DISTRIBUTION)

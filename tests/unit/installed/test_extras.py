@@ -172,15 +172,15 @@ def test_a_modbus_codec(tmp_path: Path) -> None:
 
 
 def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_machine, "_installed", lambda name: name != "matplotlib")
+    monkeypatch.setattr(_machine, "version_of", lambda name: name != "matplotlib")
     (finding,) = (each for each in _machine.look_at_python() if "extra" in each.what)
     what = "the extra lab is not installed (matplotlib, mcap)"
     assert (finding.level, finding.what) == (Level.WARNING, what)
     needed = "Needed by figures, simulations and trials only: "
     assert finding.todo == f"{needed}pip install '.[lab]' in a checkout of end-effector-hal"
-    monkeypatch.setattr(_machine, "_installed", lambda name: name == DISTRIBUTION)
+    monkeypatch.setattr(_machine, "version_of", lambda name: name == DISTRIBUTION)
     told = [each for each in _machine.look_at_python() if "extra" in each.what]
     assert [each.what.split()[2] for each in told] == [*extras()]
     assert all(each.todo.startswith("Needed by ") for each in told)
-    monkeypatch.setattr(_machine, "_installed", lambda name: True)
+    monkeypatch.setattr(_machine, "version_of", lambda name: True)
     assert not [each for each in _machine.look_at_python() if "extra" in each.what]

@@ -10,7 +10,7 @@ import time
 from importlib import metadata
 from pathlib import Path
 
-from end_effector_hal._extras import DISTRIBUTION, command_for, extras
+from end_effector_hal._extras import DISTRIBUTION, command_for, extras, version_of
 from end_effector_hal.wires import now_us
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
@@ -37,7 +37,7 @@ def look_at_python() -> CheckResults:
     except metadata.PackageNotFoundError:
         yield _say.missing(f"{DISTRIBUTION} is not installed here", "pip install . in a virtual environment")
         return
-    absent = sorted(name for name in _needed(own) if not _installed(name))
+    absent = sorted(name for name in _needed(own) if not version_of(name))
     if absent:
         yield _say.missing(
             f"{DISTRIBUTION} {own.version}, without {', '.join(absent)}", f"pip install {' '.join(absent)}"
@@ -45,7 +45,7 @@ def look_at_python() -> CheckResults:
     else:
         yield _say.ok(f"{DISTRIBUTION} {own.version}")
     for extra, packages in extras().items():
-        if not all(_installed(name) for name in packages):
+        if not all(map(version_of, packages)):
             yield _say.warning(
                 f"the extra {extra} is not installed ({', '.join(packages)})",
                 f"Needed by {_NEEDED_BY[extra]} only: {command_for(extra)}",
@@ -64,14 +64,6 @@ def _needed(own: metadata.Distribution) -> list[str]:
         if name and "extra ==" not in requirement:
             names.append(name[0])
     return names
-
-
-def _installed(name: str) -> bool:
-    try:
-        metadata.distribution(name)
-    except metadata.PackageNotFoundError:
-        return False
-    return True
 
 
 def look_at_machine(reaction_us: int | None) -> CheckResults:

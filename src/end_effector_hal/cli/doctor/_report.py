@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 
-from end_effector_hal._extras import DISTRIBUTION
+from end_effector_hal._extras import DISTRIBUTION, version_of
 from end_effector_hal.cli._options import write_whole
 from end_effector_hal.cli._output import json_text
 
@@ -144,9 +144,7 @@ def _user() -> str:
 
 
 def _version(name: str) -> str:
-    with suppress(metadata.PackageNotFoundError):
-        return metadata.version(name)
-    return "not installed"
+    return version_of(name) or "not installed"
 
 
 def _packages() -> dict[str, str]:

@@ -52,7 +52,6 @@ EPHEMERAL_DOMAINS = range(102, 215)
 RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 _SOURCE = "Source ROS 2, such as . /opt/ros/jazzy/setup.bash; without an installation: make ros2"
 _BUILD = "colcon build, then . install/setup.bash; in the checkout: make ros2"
-_say = CheckedPart("ros")
 
 
 def look_at_ros2() -> CheckResults:
