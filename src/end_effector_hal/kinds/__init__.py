@@ -1,7 +1,9 @@
 """Kinds of devices, such as vacuum, cylinder and gripper: everything that differs between devices.
 
 To add a kind, write a subclass of `DeviceKind` with a stanza of its keys, an entry point in the group
-``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`.
+``end_effector_hal.kinds``, and a test that inherits `end_effector_hal.kinds.conformance.KindConformance`. To simulate
+it, write its physics, with an entry point of the same name in ``end_effector_hal.physics``; `PhysicsConformance` tests
+it.
 """
 
 from end_effector_hal.signals import ChannelReadings

@@ -39,7 +39,8 @@ class DeviceKind(Generic[Stanza]):
     4. **Evidence.** ``detector`` judges readings: CONFIRMED (the actuator grips), GONE (it is released), PARTIAL
        (neither is proven), UNKNOWN (no fresh, valid reading of a channel that decides). Nothing is confirmed without a
        reading. A kind whose evidence can be written as conditions returns them from ``preset`` and needs no detector
-       of its own. ``evidence`` in a description takes precedence over both.
+       of its own. A detector lists every attribute that changes in ``MEMORY``, which traces and replay use.
+       ``evidence`` in a description takes precedence over both.
     5. **Plausible.** ``plausible`` is the range of its pressure; a reading outside of it is invalid.
     6. **Margin.** ``margin_pa`` is the distance of its pressure from the threshold that matters, positive on the right
        side.
