@@ -158,7 +158,7 @@ def test_refusals_are_sentences(bench):
 
 def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
     with bench.arbiter(), ArbiterClient(bench.socket, "grip", [BOTTOM]) as client:
-        wait = client.ask({BOTTOM: True}, [(BOTTOM, False, 0)])
+        wait = client.ask({BOTTOM: True}, [LastWillStep(BOTTOM, False)])
         levels = [None]
         other = threading.Thread(target=lambda: levels.append(client.levels()))
         other.start()  # waits for its turn: a reply belongs to one request
@@ -169,6 +169,9 @@ def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
             client.ask({UNLOCK: True})()
         client.ask({BOTTOM: False})()
         wait_until("it", lambda: client.levels()[BOTTOM] is False)
+        with pytest.raises(AttributeError):
+            client.ask({BOTTOM: True}, ["no step"])
+        assert client.levels()[BOTTOM] is False, "the client goes on"
 
 
 def test_a_write_in_two_parts_never_waits_for_the_calls_of_others(bench):

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.wall
         (b"\xff\xfe\n", "must be a JSON object"),
         (b"[" * 50_000 + b"\n", "must be a JSON object"),
         (b"3\n", "must be a JSON object"),
-        (b"1" * 5000 + b"\n", "an integer of at most 18 digits"),
+        (b"1" * 5000 + b"\n", "must be a JSON object"),
         (b'{"id": ' + b"1" * 19 + b"}\n", "an integer of at most 18 digits"),
         (b'{"id": 1.5, "op": "levels"}\n', "an integer of at most 18 digits"),
         (b'{"id": NaN, "op": "levels"}\n', "an integer of at most 18 digits"),

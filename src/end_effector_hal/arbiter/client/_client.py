@@ -156,7 +156,11 @@ class ArbiterClient:
         if self._lost is not None or not self._arbiter.connected:
             self._lock.release()
             return lambda: self.set(levels, steps, drop=drop).delay_us
-        failed = self._begin_set(levels, steps, drop=drop)
+        try:
+            failed = self._begin_set(levels, steps, drop=drop)
+        except BaseException:  # what cannot be sent: nothing waits for its reply
+            self._lock.release()
+            raise
 
         def wait() -> int:
             try:
