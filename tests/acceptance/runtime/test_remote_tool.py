@@ -237,6 +237,14 @@ def test_status_and_do_on_the_command_line(client: RemoteTool, world: World) -> 
     assert told["state_name"] == "GRIPPED"
     shown = eehal("status")
     assert shown.returncode == 0
+    for more in ([], ["--json"]):
+        command = [*EEHAL, "status", str(world.description_path), *more]
+        with Path("/dev/full").open("w") as full:
+            done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        assert (done.returncode, done.stderr) == (
+            2,
+            "The output cannot be written: No space left on device.\n",
+        )
     assert shown.stdout.startswith("lit: GRIPPED; a part is held, lift allowed\n")
     again = eehal("do", "grip")
     assert again.returncode == 1

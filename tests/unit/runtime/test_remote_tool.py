@@ -26,7 +26,7 @@ from tests.support.patience import PATIENCE_S, wait_until
 
 
 class Hal:
-    """A HAL that sends one status to whoever connects, and answers every command as it is told to."""
+    """A HAL that sends one status to each client, and accepts every command once ``answers`` is set."""
 
     def __init__(self, description: Description) -> None:
         self.answers, self.asked = threading.Event(), 0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-import threading
 from pathlib import Path
+from queue import SimpleQueue
 
 import click
 
@@ -74,7 +74,16 @@ def status(description: Path, follow: bool, as_json: bool) -> None:
 
     from ._voices import Changes, JsonLines, Words
 
-    voice = JsonLines() if as_json else Words()
+    broken = SimpleQueue[OSError]()
+
+    def write(text: str, *, err: bool = False) -> None:
+        try:
+            click.echo(text, err=err)
+        except OSError as error:  # to print is all that this command does
+            broken.put(error)
+            raise
+
+    voice = JsonLines(write=write) if as_json else Words(write)
     end_in_order()
     with EndEffector.connect(description) as tool:
         now = tool.status
@@ -83,4 +92,5 @@ def status(description: Path, follow: bool, as_json: bool) -> None:
             changes = Changes(tool.description, voice)
             changes.begin(now)
             tool.subscribe(changes.status)
-            threading.Event().wait()
+        if follow or not broken.empty():
+            raise broken.get()
