@@ -41,7 +41,7 @@ def level_of(status: Status) -> int:
 
 
 def silence(tool: Tool) -> Health | None:
-    """Return the health of a node that does not hear the HAL; None: it does."""
+    """Return the health of a node that cannot reach the HAL; None: it can."""
     if tool.alive:
         return None
     status = tool.status

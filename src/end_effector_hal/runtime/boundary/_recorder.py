@@ -149,7 +149,7 @@ class Recorder:
 
     def _pass_on(self) -> None:
         entries = list(map(entry_of, self._records))
-        del self._records[: len(entries)]  # what another thread has put meanwhile stays
+        del self._records[: len(entries)]  # records that another thread has added since then stay
         if self._stream is not None:
             self._stream.put(entries)
         if self._writer is not None:

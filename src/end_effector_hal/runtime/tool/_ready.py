@@ -69,7 +69,7 @@ def missing(description: Description, status: Status, sensors: SensorHealth) -> 
 
 
 def silent_links(description: Description, status: Status, names: Collection[str]) -> list[str]:
-    """Return those of the links with these names over which no frame comes now."""
+    """Return the links among ``names`` that deliver no frames now."""
     if status.link_up:
         return []
     sources = sources_of(carrier_of(description))
