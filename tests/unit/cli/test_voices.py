@@ -133,6 +133,14 @@ def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
     assert screen.out[-1] == "GRIPPING -> GRIPPED"
 
 
+def test_a_state_that_changes_without_an_event_is_one_line(description: Description, screen: Screen) -> None:
+    """A HAL that is back begins with the state that it has adopted."""
+    status, changes = VirtualTool(description, "nominal").status, Changes(description, Words(screen))
+    changes.begin(status)
+    changes.status(replace(status, ee=EndEffectorState.GRIPPED))
+    assert screen.out == ["GRIPPED: Bottom vacuum OFF, Cylinder RETRACTED, Top vacuum OFF"]
+
+
 def test_what_is_waited_for_is_told_before(description: Description, screen: Screen) -> None:
     tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
     status = entered(tool.status, 5_000, EndEffectorState.STAND_BY)

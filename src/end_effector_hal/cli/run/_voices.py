@@ -11,7 +11,7 @@ from typing import Any, Self
 import click
 
 from end_effector_hal.cli._output import json_text
-from end_effector_hal.control import Answer, Status, event_lines, refused, unanswered
+from end_effector_hal.control import Answer, EventKind, Status, event_lines, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -341,8 +341,9 @@ class Changes:
             self._voice.event(status.at, line)
         now, before = self._labels(status), self._last
         self._last = now
-        # in words the transition has said it already
-        if now[1] != before[1] or (now != before and isinstance(self._voice, JsonLines)):
+        # in words the transition has said it already; a HAL that is lost or back has none
+        said = any(event.kind is EventKind.STATE_CHANGED for event in status.events)
+        if now[1] != before[1] or (now != before and (isinstance(self._voice, JsonLines) or not said)):
             self._voice.state(status.at, *now)
         for alarm, change in alarm_changes(self._alarms, status.alarms):
             if change != "ended" or not alarm.over:
