@@ -244,6 +244,8 @@ class BusLines:
         master = codec.decoder()
         assert isinstance(master, ModbusMaster)
         traffic, fd = BusTraffic(master, self._outputs), port.fileno()
+        with self._lock:
+            self._outputs.reopened(now_us())
         while not self._ended:
             with self._lock:
                 wait_us = traffic.due - now_us()

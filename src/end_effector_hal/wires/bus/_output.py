@@ -54,7 +54,11 @@ class BusOutput:
         self.name, self.stanza, self._fresh_us = name, stanza, fresh_us
         self.level: bool | None = None
         """The commanded level; None: no command since the start."""
+        self.turn = 0
+        """Number of the last command: outputs of one unit are written in the order of their commands."""
         self.retry_at = 0
+        self.refused = False
+        """Whether the device refused the last write for good; other outputs of the unit then need not wait for it."""
         self.alone = False
         """Whether the output is written without its neighbours, because the joint write was not acknowledged."""
         self.why = ""
@@ -96,7 +100,7 @@ class BusOutput:
         # not before a late answer to the write before would be noise
         self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
         self._commanded_at = self._progress_at = at
-        self.alone = self._repeats = False
+        self.alone = self._repeats = self.refused = False
         self.refusal = ""
         self._sent = None  # the device may have restarted since, and have lost what it had
         activation, handshake = self.stanza.activation, self.stanza.handshake
@@ -205,7 +209,7 @@ class BusOutput:
         if self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
-            self.alone = False
+            self.alone = self.refused = False
 
     def known(self, at: int) -> bool | None:
         """Return the level if command and device agree; None: the state is unknown."""
@@ -238,11 +242,9 @@ class BusOutput:
         return ""
 
     @property
-    def due(self) -> int | None:
-        """The time at which `advance` or the next write is due."""
-        times = [self.retry_at] if self._steps and isinstance(self._steps[0], Row) else []
-        times += [self._give_up_at] if self._give_up_at is not None and self.pending else []
-        return min(times, default=None)
+    def gives_up_at(self) -> int | None:
+        """The time at which `advance` gives up the pending command; None: never."""
+        return self._give_up_at if self.pending else None
 
     @property
     def _may_activate(self) -> bool:

@@ -29,6 +29,7 @@ class BusOutputs:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
         self._drops = set[str]()
         self._sent: list[BusOutput] = []  # those of the write that is on its way
+        self._commands = 0
 
     def prepare(self, names: Iterable[str]) -> None:
         """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`."""
@@ -36,7 +37,9 @@ class BusOutputs:
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """Set the wanted levels of some outputs."""
+        self._commands += 1
         for name, level in levels.items():
+            self._outputs[name].turn = self._commands
             self._outputs[name].command(level, at, drop=name in self._drops)
         self._drops -= levels.keys()
 
@@ -69,14 +72,19 @@ class BusOutputs:
     def next_write(self, at: int) -> RegisterWrite | None:
         """Return the next write, None: nothing is due; adjacent registers of one unit are written together."""
         self.advance(at)
-        due = [each for each in self._outputs.values() if each.next_row(at) is not None]
+        due = [each for each in self._in_turn() if each.retry_at <= at]
         if not due:
             return None
         # or a device that is dead would keep the others waiting
-        first = min(due, key=lambda each: each.retry_at)
+        first = min(due, key=lambda each: (each.retry_at, each.turn))
         row = first.next_row(at)
         assert row is not None
         return self._together(first, row, at)
+
+    def reopened(self, at: int) -> None:
+        """Record that the port is open again: all that is pending is due now, in the order of the commands."""
+        for each in self._outputs.values():
+            each.retry_at = at
 
     def sent(self, write: RegisterWrite) -> None:
         """Record that a write was sent."""
@@ -90,11 +98,14 @@ class BusOutputs:
         for each in self._sent:
             each.acknowledged(at)
 
-    def failed(self, at: int, refusal: str = "") -> None:
-        """Record that the last write was refused with an exception, or was not acknowledged."""
+    def failed(self, at: int, refusal: str = "", *, for_good: bool = False) -> None:
+        """Record that the last write was not acknowledged, or was refused with an exception.
+
+        ``for_good``: the exception says that the device will refuse the same write again.
+        """
         for each in self._sent:  # also where something else is commanded by now: its answer may come late
             each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
-            each.refusal = refusal
+            each.refusal, each.refused = refusal, for_good
 
     def withdraw(self, names: Iterable[str], why: str) -> None:
         """Cancel the activations of these outputs that are not done yet."""
@@ -134,7 +145,22 @@ class BusOutputs:
     @property
     def due(self) -> int | None:
         """The latest time for the next call of `next_write`; None: nothing is pending."""
-        return min((each.due for each in self._outputs.values() if each.due is not None), default=None)
+        times = [each.retry_at for each in self._in_turn()]
+        times += [each.gives_up_at for each in self._outputs.values() if each.gives_up_at is not None]
+        return min(times, default=None)
+
+    def _in_turn(self) -> list[BusOutput]:
+        """Return the outputs that may be written next: of each unit the one that was commanded first, and those before
+        it that the device has refused.
+        """
+        found, units = list[BusOutput](), set[int]()
+        for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.retry_at)):
+            if each.stanza.unit in units or each.next_row(NEVER) is None:
+                continue
+            found.append(each)
+            if not each.refused:
+                units.add(each.stanza.unit)
+        return found
 
     def _others(self, output: BusOutput) -> list[BusOutput]:
         """Return the other outputs of the same unit."""
@@ -145,12 +171,12 @@ class BusOutputs:
         ]
 
     def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
-        """Return a write of this row and of all due rows with adjacent registers."""
+        """Return a write of this row and of all due rows with adjacent registers that were commanded with it."""
         unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
         ready = {
             other.address: other.values
             for each in self._outputs.values()
-            if (each.stanza.unit, each.stanza.register_type) == (unit, table)
+            if (each.stanza.unit, each.stanza.register_type, each.turn) == (unit, table, first.turn)
             and (other := each.next_row(at)) is not None
             and _shares(each, other)
         }

@@ -15,6 +15,8 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus._outputs import BusOutputs
 
 EXCEPTION_BYTES = 5
+NOT_NOW = (5, 6, 10, 11)
+"""Exceptions of a device that is still at work or busy, and of a gateway that does not reach it."""
 MOST_KEPT = 512
 
 
@@ -141,7 +143,7 @@ class BusTraffic:
         if done in self._rest:
             self._end_write(at, done=True)
         elif (start := self._rest.find(refused)) >= 0 and len(self._rest) - start >= EXCEPTION_BYTES:
-            self._end_write(at, done=False, refusal=exception_words(self._rest[start + 2]))
+            self._end_write(at, done=False, exception=self._rest[start + 2])
         return None
 
     @property
@@ -162,7 +164,7 @@ class BusTraffic:
         self._echo.sent(request)
         return request
 
-    def _end_write(self, at: int, *, done: bool, refusal: str = "") -> None:
+    def _end_write(self, at: int, *, done: bool, exception: int = 0) -> None:
         write, self._write, self._rest = self._write, None, b""
         self._free_at = at + self._master.silence_after_us
         if write is None:
@@ -173,7 +175,8 @@ class BusTraffic:
         else:
             self.unacknowledged += 1
             self._read_next = True
-            self._outputs.failed(at, refusal)
+            refusal = exception_words(exception) if exception else ""
+            self._outputs.failed(at, refusal, for_good=exception not in (0, *NOT_NOW))
 
     def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:
         if self._master.answers is before:

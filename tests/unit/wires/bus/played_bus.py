@@ -98,6 +98,7 @@ class Bus:
         """The port is opened, anew."""
         master = self.codec.decoder()
         assert isinstance(master, ModbusMaster)
+        self.outputs.reopened(self.at)
         self.traffic = BusTraffic(master, self.outputs)
         self.arriving: list[tuple[int, bytes]] = []
 
