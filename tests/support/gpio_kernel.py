@@ -65,7 +65,7 @@ class Chip:
         pass
 
     def get_info(self) -> Any:
-        return SimpleNamespace(num_lines=len(self._names))
+        return SimpleNamespace(label="", num_lines=len(self._names))
 
     def get_line_info(self, offset: int) -> Any:
         return SimpleNamespace(name=self._names[offset])

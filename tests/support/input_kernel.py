@@ -44,6 +44,7 @@ class InputKernel:
 class _Chip:
     def __init__(self, kernel: InputKernel, names: list[str]) -> None:
         self.kernel, self.names = kernel, names
+        self.label, self.edges = "", True
         self.high = dict.fromkeys(names, False)
         self.held_by: dict[int, str] = {}
         self.gone = False
@@ -56,7 +57,7 @@ class _Chip:
         pass
 
     def get_info(self) -> Any:
-        return SimpleNamespace(num_lines=len(self.names))
+        return SimpleNamespace(label=self.label, num_lines=len(self.names))
 
     def get_line_info(self, offset: int) -> Any:
         consumer = self.held_by.get(offset, "")
@@ -70,6 +71,8 @@ class _Chip:
     def request_lines(self, config: dict[int, gpiod.LineSettings], consumer: str) -> _Request:
         if self.gone:
             raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
+        if not self.edges and any(each.edge_detection != gpiod.line.Edge.NONE for each in config.values()):
+            raise OSError(errno.ENXIO, os.strerror(errno.ENXIO))
         if any(offset in self.held_by for offset in config):
             raise OSError(errno.EBUSY, os.strerror(errno.EBUSY))
         self.held_by |= dict.fromkeys(config, consumer)
@@ -79,7 +82,7 @@ class _Chip:
     def drive(self, line: str, high: bool, at_ns: int) -> None:
         self.high[line] = high
         offset = self.names.index(line)
-        if self.request and offset in self.request.config:
+        if self.request and offset in self.request.config and self.edges:
             self.request.event(RISING if high else FALLING, at_ns, offset)
 
 

@@ -17,7 +17,7 @@ from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import LineBusyError, UsageError
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import RELAYED, relay_path, tune_interpreter
-from end_effector_hal.wires.inputs import InputsReader, inputs_record, lines_of
+from end_effector_hal.wires.inputs import InputsReader, input_lines, inputs_record, lines_of
 from end_effector_hal.wires.lines import (
     ComposedLines,
     GpiodLines,
@@ -134,7 +134,7 @@ def _backend(description: Description, socket: Path, group: str | None) -> LineB
 
 def _board_lines(description: Description) -> LineBackend:
     if description.lines.backend == "gpiod":
-        return GpiodLines()
+        return GpiodLines(inputs=tuple(input_lines(description)))
     if description.lines.path is None:
         raise UsageError(
             "virtual lines need a file for the chip.",

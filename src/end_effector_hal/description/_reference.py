@@ -103,8 +103,9 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
     """Return in a few words which values are allowed for a key."""
     if "anyOf" in each:
         inner = next(option for option in each["anyOf"] if option.get("type") != "null")
-        or_null = {"type": "null"} in each["anyOf"]
-        return f"{_value(key, path, inner)}, or {'null' if or_null else 'keys, see below'}"
+        inline = next((option["properties"] for option in each["anyOf"] if "properties" in option), None)
+        other = f"`{{{', '.join(inline)}}}`" if inline else "keys, see below"
+        return f"{_value(key, path, inner)}, or {'null' if {'type': 'null'} in each['anyOf'] else other}"
     if "const" in each or "enum" in each:
         return " or ".join(f"`{choice}`" for choice in each.get("enum", [each.get("const")]))
     match each.get("type"):

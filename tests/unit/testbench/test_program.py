@@ -6,16 +6,18 @@ import os
 import signal
 import threading
 from pathlib import Path
+from queue import Queue
 
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.arbiter import output_lines
+from end_effector_hal.arbiter import output_lines, wired_lines
 from end_effector_hal.cli.doctor._lines import look_at_lines
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.wires.lines import read_chip
+from end_effector_hal.wires import inputs as board
+from end_effector_hal.wires.lines import VirtualLines, read_chip
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import open_inputs, write_virtual_copy
 from end_effector_lab.testbench._program import Commands, Mail, Voice, lines_of
@@ -155,6 +157,35 @@ def test_the_chip_of_the_copy_is_the_one_that_the_testbench_wants(name: str, tmp
     levels = inputs.start(lambda line, level, at: None)
     inputs.close()
     assert not any(levels.values())
+
+
+EXPANDER = """
+name: on_an_expander
+channels: {part: {digital: {line: {chip: mcp23017, offset: 8}, poll_ms: 5, bias: pull_up}, invert: true}}
+sequence: [jaw]
+actuators:
+  jaw: {kind: gripper, line: {chip: /dev/gpiochip3, offset: 0}, opposite: {line: "gpiochip3:1"}, part_bit: part}
+supply: {channel: none}
+"""
+
+
+def test_a_copy_has_its_lines_by_chip_and_offset(tmp_path: Path) -> None:
+    (tmp_path / "tool.yaml").write_text(EXPANDER)
+    tool = load_tool(tmp_path / "tool.yaml")
+    copy = load_tool(write_virtual_copy(tool, tmp_path / "copy"))
+    assert (copy.actuators, copy.channels) == (tool.actuators, tool.channels)
+    seen: Queue[tuple[str, bool]] = Queue()
+    inputs = open_inputs(None, copy)
+    inputs.start(lambda line, level, _at: seen.put((line, level)))
+    lines, switches = VirtualLines(copy.lines.path or ""), board.lines_of(copy)
+    assert lines.request(wired_lines(copy)) == {"gpiochip3:0": False, "gpiochip3:1": False}
+    switches.request(board.input_lines(copy))
+    lines.set({"gpiochip3:1": True})
+    assert seen.get(timeout=20) == ("gpiochip3:1", True)
+    assert switches.levels() == {"mcp23017:8": True}
+    switches.close()
+    lines.close()
+    inputs.close()
 
 
 def test_the_sensors_show_their_levels_before_the_testbench_plays(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ class FakeKernel:
             path: [{"name": name, "out": False, "level": name == B, "by": ""} for name in names]
             for path, names in chips.items()
         }
-        self.requests = []
+        self.requests, self.labels = [], {}
 
     def is_gpiochip_device(self, path):
         return path in self.chips
@@ -60,7 +60,7 @@ class FakeChip(FakeContext):
         self.kernel, self.path, self.lines = kernel, path, kernel.chips[path]
 
     def get_info(self):
-        return SimpleNamespace(num_lines=len(self.lines))
+        return SimpleNamespace(label=self.kernel.labels.get(self.path, ""), num_lines=len(self.lines))
 
     def get_line_info(self, offset):
         line, direction = self.lines[offset], gpiod.line.Direction
@@ -326,3 +326,50 @@ def test_debians_old_gpiod_is_refused(kernel, monkeypatch):
 def test_the_real_kernel_names_its_chips():
     with pytest.raises(LineNotFoundError, match="gpiochip"):
         GpiodLines().request(["no such line, surely"])
+
+
+@pytest.mark.parametrize("chip", ["gpiochip3", "mcp23017", "{folder}/by-name"])
+def test_a_line_without_a_name_is_found_by_chip_and_offset(kernel, tmp_path, chip):
+    fake, make = kernel(gpiochip0=[A, ""], gpiochip3=["", "", ""])
+    fake.labels[str(tmp_path / "gpiochip3")] = "mcp23017"
+    (tmp_path / "link").mkdir()
+    (tmp_path / "link" / "by-name").symlink_to(tmp_path / "gpiochip3")
+    line = f"{chip.format(folder=tmp_path / 'link')}:2"
+    lines = make()
+    assert lines.request([A, line]) == {A: False, line: False}
+    lines.set({line: True})
+    assert lines.levels() == {A: False, line: True}
+    assert [each["level"] for each in fake.chips[str(tmp_path / "gpiochip3")]] == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("gpiochip7:1", "no chip gpiochip7; there is gpiochip0 [soc], 2 lines; gpiochip1 [exp], 1 lines"),
+        ("exp:1", "no offset 1; there is gpiochip1 [exp], 1 lines"),
+    ],
+)
+def test_a_missing_chip_or_offset_is_said_with_what_there_is(kernel, tmp_path, line, said):
+    fake, make = kernel(gpiochip0=[A, B], gpiochip1=[""])
+    fake.labels |= {str(tmp_path / "gpiochip0"): "soc", str(tmp_path / "gpiochip1"): "exp"}
+    with pytest.raises(LineNotFoundError, match=re.escape(f"there is no line {line} ({said}).")):
+        make().request([A, line])
+
+
+def test_two_chips_of_one_label_are_ambiguous(kernel, tmp_path):
+    fake, make = kernel(gpiochip1=["", ""], gpiochip2=["", ""])
+    fake.labels = dict.fromkeys(fake.chips, "mcp23017")
+    with pytest.raises(LineNotFoundError, match=r"mcp23017:1 is ambiguous: .*gpiochip1 line 1 and .*chip2"):
+        make().request(["mcp23017:1"])
+
+
+@pytest.mark.parametrize(
+    ("lines", "inputs"),
+    [([A, "gpiochip0:0"], []), (["soc:0", "gpiochip0:0"], []), (["gpiochip0:0"], ["absent", A])],
+)
+def test_one_line_under_two_texts_is_refused_before_anything_is_claimed(kernel, tmp_path, lines, inputs):
+    fake, _ = kernel(gpiochip0=[A, B])
+    fake.labels[str(tmp_path / "gpiochip0")] = "soc"
+    with pytest.raises(WireError, match=r" and .* are one line: .*gpiochip0 line 0\. Give each device"):
+        GpiodLines(f"{tmp_path}/*", inputs=inputs).request([B, *lines])
+    assert fake.requests == []

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING
 
 from end_effector_hal.description import Channel, Description, Inputs, did_you_mean, measures_of
 from end_effector_hal.errors import WireError
@@ -16,15 +16,12 @@ from end_effector_hal.wires import holders_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
 
+if TYPE_CHECKING:
+    from end_effector_hal.wires.lines import LinePlace, SeenChip
+
 CHIPS = "/dev/gpiochip*"
 RESTART = "Make it again: `eehal testbench DESCRIPTION --power-cycle`."
 _say = CheckedPart("lines")
-
-
-class _Place(NamedTuple):
-    chip: str
-    offset: int
-    info: Any
 
 
 def look_at_lines(description: Description, lines: tuple[str, ...], chips: str = CHIPS) -> CheckResults:
@@ -73,51 +70,40 @@ def look_for_lines(
     """Check lines of real chips; ``consumer`` is the kernel's name of the program that may hold them, ``who`` its name
     for people.
     """
-    from end_effector_hal.wires.lines import find_chips, line_infos, load_gpiod, open_chip
+    from end_effector_hal.wires import lines as gpio
 
     try:
-        gpiod = load_gpiod()
-        chips = find_chips(gpiod, pattern)
+        gpiod = gpio.load_gpiod()
+        chips = gpio.find_chips(gpiod, pattern)
     except WireError as error:
         yield say.missing(error.what.rstrip("."), error.todo)
         return
-    places: dict[str, list[_Place]] = {}
+    seen: list[SeenChip] = []
     for path in chips:
         try:
-            with open_chip(gpiod, path) as chip:
-                for offset, info in enumerate(line_infos(chip)):
-                    places.setdefault(info.name, []).append(_Place(path, offset, info))
+            seen.append(gpio.see_chip(gpiod, path))
         except WireError as error:
             yield say.missing(f"{path}: {error.what.rstrip('.')}", error.todo)
-    yield from _judged(say, lines, places, chips, consumer, who)
-
-
-def _judged(
-    say: CheckedPart,
-    lines: tuple[str, ...],
-    places: dict[str, list[_Place]],
-    chips: list[str],
-    consumer: str,
-    who: str,
-) -> CheckResults:
-    absent = [name for name in lines if name not in places]
-    if absent:
+    places = {name: gpio.places_of(name, seen) for name in lines}
+    if absent := [gpio.missing_line(name, seen) for name, found in places.items() if not found]:
         yield say.missing(
-            f"no line {_named(absent, [name for name in places if name])} on {', '.join(chips)}",
-            "gpioinfo lists the names; put yours into the description.",
+            f"no line {', '.join(absent)} on {', '.join(chips)}",
+            "gpioinfo lists the names; put yours into the description, or chip and offset.",
         )
-    for name in lines:
-        where = [f"{place.chip} line {place.offset}" for place in places.get(name, [])]
-        if len(where) > 1:
+    first: dict[str, str] = {}
+    for name, found in places.items():
+        if len(found) > 1:
+            yield say.missing(gpio.ambiguous(name, found), gpio.UNIQUE)
+        elif found and (other := first.setdefault(str(found[0]), name)) != name:
             yield say.missing(
-                f"{name} is ambiguous: {' and '.join(where)}",
-                "Give the lines unique names in the device tree.",
+                f"{other} and {name} are one line: {found[0]}", "Give each device its own line."
             )
-        elif where:
-            yield _line(say, name, where[0], places[name][0].info, consumer, who)
+        elif found:
+            yield _line(say, name, found[0], consumer, who)
 
 
-def _line(say: CheckedPart, name: str, where: str, info: Any, consumer: str, who: str) -> CheckResult:
+def _line(say: CheckedPart, name: str, where: LinePlace, consumer: str, who: str) -> CheckResult:
+    info = where.info
     direction = str(info.direction).rpartition(".")[2].lower()
     if not info.used:
         return say.ok(f"{name} = {where}, {direction}, free")

@@ -6,11 +6,11 @@ The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``ad
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
-from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word
+from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word, stanza_fault
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import MOST_CHANNELS
 
@@ -133,6 +133,17 @@ class DigitalInput(Part):
     debounce_ms: Annotated[int, Field(ge=0, le=1000)] = Field(
         default=0, description="the kernel reports a level that lasts for this long; 0: each edge"
     )
+    poll_ms: Annotated[int | None, Field(ge=1, le=1000)] = Field(
+        default=None,
+        description="of a chip that reports no edges: its level is read this often, without debounce_ms",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.poll_ms and self.debounce_ms:
+            what = "poll_ms and debounce_ms exclude each other"
+            raise stanza_fault("EE-222", what, "poll_ms only: a level that is shorter is mostly not seen")
+        return self
 
 
 class AnalogInput(Part):

@@ -34,7 +34,8 @@ def explain(error: ErrorDetails, places: Places, kinds: Mapping[str, str]) -> tu
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             return path, out_of_range(path, kind, error, places)
         case "stanza_fault":
-            said, whole = error["ctx"], len(path) == 2  # an actuator: its text would say nothing
+            said = error["ctx"]
+            whole = path[0] == "actuators" and len(path) == 2  # its text would say nothing
             place, found = (places.key(*path), "") if whole else (places.value(*path), None)
             return path, Fault.at(
                 place, said["code"], said["what"], found=found, expected=said["expected"], hint=said["hint"]

@@ -9,7 +9,7 @@ from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._description import camel_case
 from end_effector_hal.kinds import get_kind
-from end_effector_hal.kinds.stanza import NO_CHANNEL
+from end_effector_hal.kinds.stanza import NO_CHANNEL, line_text
 from end_effector_hal.signals import Kind
 
 ROS = {"service": "Set", "topic": "Pressure"}
@@ -103,6 +103,7 @@ def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault
     owners: dict[object, Keys] = {}
     for path in sorted(claims, key=lambda each: facts.places.value(*each).order):
         value = _raw(facts, path) or facts.get(*path) or _ros_default(facts, path)
+        value = line_text(value) if what == "line" else value
         if value is None or (value == NO_CHANNEL and what in ("channel", "bit")):
             continue
         if value not in owners:

@@ -1,12 +1,12 @@
 """The building blocks of stanzas: a frozen base, value types with units, endings, compressed air."""
 
-from ._conditions import Condition, EvidenceConditions
+from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import ChangerEndings, Endings
+from ._line import LineAddress, LineName, line_text
 from ._part import (
     NO_CHANNEL,
     PRINTABLE,
     BelowAmbient,
-    LineName,
     Name,
     Names,
     Part,
@@ -32,6 +32,7 @@ __all__ = [
     "EvidenceConditions",
     "Handshake",
     "Hold",
+    "LineAddress",
     "LineName",
     "Name",
     "Names",
@@ -44,5 +45,7 @@ __all__ = [
     "Supply",
     "Texts",
     "Word",
+    "line_text",
     "named",
+    "stanza_fault",
 ]

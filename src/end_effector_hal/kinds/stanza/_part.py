@@ -25,7 +25,6 @@ NO_CHANNEL = "none"
 """Value of a channel key for a missing sensor: what it would prove is off, and is reported as off."""
 Settling = Annotated[int, Field(ge=0, le=10_000)]
 """Time for which a switch must not change, ms."""
-LineName = Annotated[str, Field(pattern=PRINTABLE, min_length=1, max_length=64)]
 
 # A YAML sequence is a list; frozen objects hold tuples.
 Names = Annotated[tuple[Name, ...], Field(strict=False)]

@@ -9,7 +9,8 @@ from pydantic import Field, model_validator
 
 from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
-from ._part import Kilopascal, LineName, MaybeSeconds, Name, Part, RosName, Seconds, Word
+from ._line import LineName
+from ._part import Kilopascal, MaybeSeconds, Name, Part, RosName, Seconds, Word
 from ._registers import RegisterOutput, with_line
 
 

@@ -22,7 +22,8 @@ MOST_EDGES = 1024
 
 
 class VirtualInputLines:
-    """`InputLines` of a virtual chip. As in the kernel, a level is valid once it has lasted for ``debounce_ms``.
+    """`InputLines` of a virtual chip. As in the kernel, a level is valid once it has lasted for ``debounce_ms``; of a
+    line with ``poll_ms``, for that time.
 
     Args:
         path: the file of the chip.
@@ -48,7 +49,7 @@ class VirtualInputLines:
         if missing := [name for name in inputs if name not in found]:
             raise line_not_found(missing, list(found), looked_at=[str(self._path)])
         self._claim = Claim(f"{self._path}.{self._reader}.lock", "an input line of the virtual chip")
-        self._debounce_us = {name: 1000 * each.debounce_ms for name, each in inputs.items()}
+        self._debounce_us = {name: 1000 * (each.poll_ms or each.debounce_ms) for name, each in inputs.items()}
         self._came.clear()
         self._pending.clear()
         self._wake_read, self._wake = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)

@@ -2,13 +2,27 @@
 
 from ._backend import LineBackend, LineHandover, RemoteLines
 from ._chip_log import ChipLog, Edge
+from ._chips import (
+    UNIQUE,
+    LinePlace,
+    SeenChip,
+    ambiguous,
+    chip_requests,
+    find_chips,
+    find_lines,
+    missing_line,
+    open_chip,
+    places_of,
+    see_chip,
+)
 from ._composed import ComposedLines
-from ._gpiod import CONSUMER, GpiodLines, find_chips, line_infos, load_gpiod, open_chip
+from ._gpiod import CONSUMER, GpiodLines, load_gpiod
 from ._virtual import Pull, VirtualChip, VirtualLines, VirtualPins, read_chip
 from ._watcher import ChipWatcher
 
 __all__ = [
     "CONSUMER",
+    "UNIQUE",
     "ChipLog",
     "ChipWatcher",
     "ComposedLines",
@@ -16,14 +30,21 @@ __all__ = [
     "GpiodLines",
     "LineBackend",
     "LineHandover",
+    "LinePlace",
     "Pull",
     "RemoteLines",
+    "SeenChip",
     "VirtualChip",
     "VirtualLines",
     "VirtualPins",
+    "ambiguous",
+    "chip_requests",
     "find_chips",
-    "line_infos",
+    "find_lines",
     "load_gpiod",
+    "missing_line",
     "open_chip",
+    "places_of",
     "read_chip",
+    "see_chip",
 ]

@@ -105,7 +105,7 @@ class RemoteLines(Protocol):
 
 
 def line_not_found(
-    missing: Sequence[str], found: Sequence[str], looked_at: Sequence[str]
+    missing: Sequence[str], found: Sequence[str] = (), *, looked_at: Sequence[str]
 ) -> LineNotFoundError:
     """Return an error that names all missing lines, similar names, and the places that were searched."""
     texts = [f"{name}{hint(name, found)}" for name in missing]

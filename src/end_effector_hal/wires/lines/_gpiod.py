@@ -1,9 +1,8 @@
-"""The ``gpiod`` line back-end: real lines, found by name (libgpiod's v2 API, PyPI ``gpiod``)."""
+"""The ``gpiod`` line back-end: real lines (libgpiod's v2 API, PyPI ``gpiod``)."""
 
 from __future__ import annotations
 
 import errno
-import glob
 import importlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,13 +10,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.errors import LineBusyError, WireError
 from end_effector_hal.wires._claim import holders_of_lines
-from end_effector_hal.wires.lines._backend import line_not_found
+from end_effector_hal.wires.lines._chips import chip_requests, find_lines, open_chip
 
 CONSUMER = "end-effector-hal"
-MOST_REQUESTED = 64
-"""Most lines of one request: GPIO_V2_LINES_MAX of the kernel."""
 
 
 class GpiodLines:
@@ -25,10 +22,11 @@ class GpiodLines:
 
     Args:
         pattern: glob pattern of the chips.
+        inputs: input lines of the same tool; a line that is one of them is refused.
     """
 
-    def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
-        self._pattern = pattern
+    def __init__(self, pattern: str = "/dev/gpiochip*", *, inputs: Sequence[str] = ()) -> None:
+        self._pattern, self._inputs = pattern, inputs
         self._requests: list[tuple[Any, dict[str, int]]] = []
         self._names: list[str] = []
         self._stored: dict[str, int] = {}
@@ -44,7 +42,7 @@ class GpiodLines:
     def request(self, names: Sequence[str]) -> dict[str, bool]:
         """Claim and adopt the lines; see `LineBackend.request`."""
         self._gpiod = load_gpiod()
-        wanted = chip_requests(find_lines(self._gpiod, self._pattern, names))
+        wanted = chip_requests(find_lines(self._gpiod, self._pattern, names, self._inputs))
         self._names = [_stored_name(chip, offsets) for chip, offsets in wanted]
         for name in set(self._stored).difference(self._names):
             os.close(self._stored.pop(name))  # of another description: first given back, or they are busy
@@ -145,44 +143,6 @@ def _stored_name(chip: str, offsets: Mapping[str, int]) -> str:
     return ".".join([Path(chip).name, *map(str, offsets.values())])
 
 
-def find_lines(gpiod: Any, pattern: str, names: Sequence[str]) -> dict[str, tuple[str, int]]:
-    """Return chip and offset of each name; other boards have the same names on other chips.
-
-    Raises:
-        LineNotFoundError: a name is missing or ambiguous.
-        WireError: there is no chip, or it cannot be opened.
-    """
-    found: dict[str, list[tuple[str, int]]] = {}
-    chips = find_chips(gpiod, pattern)
-    for path in chips:
-        with open_chip(gpiod, path) as chip:
-            for offset, info in enumerate(line_infos(chip)):
-                found.setdefault(info.name, []).append((path, offset))
-    missing = [name for name in names if name not in found]
-    if missing:
-        raise line_not_found(missing, list(found), looked_at=chips)
-    for name in names:
-        if len(found[name]) > 1:
-            places = " and ".join(f"{path} line {offset}" for path, offset in found[name])
-            raise LineNotFoundError(
-                f"the line name {name} is ambiguous: {places}.",
-                todo="Give the lines unique names in the device tree.",
-            )
-    return {name: found[name][0] for name in names}
-
-
-def chip_requests(found: Mapping[str, tuple[str, int]]) -> list[tuple[str, dict[str, int]]]:
-    """Return the chip of each request, and its offsets by name: the lines of one chip, up to the kernel's limit."""
-    requests: list[tuple[str, dict[str, int]]] = []
-    open_for: dict[str, dict[str, int]] = {}
-    for name, (chip, offset) in found.items():
-        if len(open_for.get(chip, {})) in (0, MOST_REQUESTED):
-            open_for[chip] = {}
-            requests.append((chip, open_for[chip]))
-        open_for[chip][name] = offset
-    return requests
-
-
 def busy(chip: Any, path: str, offsets: Mapping[str, int]) -> LineBusyError:
     """Return an error that names the busy lines of a chip and their holders."""
     infos = {name: chip.get_line_info(offset) for name, offset in offsets.items()}
@@ -204,41 +164,6 @@ def load_gpiod() -> Any:
             todo="pip install 'gpiod>=2.1,<3' into this environment.",
         )
     return gpiod
-
-
-def find_chips(gpiod: Any, pattern: str) -> list[str]:
-    """Return the character devices of GPIO chips; raises WireError if there is none."""
-    paths = sorted({str(Path(path).resolve()) for path in glob.glob(pattern)})
-    chips = [path for path in paths if gpiod.is_gpiochip_device(path)]
-    if not chips:
-        raise WireError(
-            f"there is no GPIO chip on this machine ({pattern} matches none).",
-            todo="The kernel needs CONFIG_GPIO_CDEV and a driver; a container needs "
-            "--device /dev/gpiochip0. Without hardware use the virtual back-end.",
-        )
-    return chips
-
-
-def open_chip(gpiod: Any, path: str) -> Any:
-    """Open a chip, for use in a ``with`` block; raises WireError."""
-    try:
-        return gpiod.Chip(path)
-    except PermissionError as error:
-        raise WireError(
-            "the GPIO chip cannot be opened: permission denied.",
-            where=path,
-            todo="Add the user to the group gpio (gid 49 on Torizon) and log in again; "
-            "a container needs --group-add 49.",
-        ) from error
-    except OSError as error:
-        raise WireError(
-            f"the GPIO chip cannot be opened: {error.strerror}.", where=path, todo="see dmesg."
-        ) from error
-
-
-def line_infos(chip: Any) -> list[Any]:
-    """Return the kernel's information about each line of a chip, by offset; reading claims nothing."""
-    return [chip.get_line_info(offset) for offset in range(chip.get_info().num_lines)]
 
 
 def stop_holders(proc: str = "/proc") -> str:

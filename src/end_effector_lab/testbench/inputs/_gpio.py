@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import glob
 import os
 import select
 import threading
@@ -12,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineNotFoundError, WireError
+from end_effector_hal.kinds.stanza import LineAddress
 from end_effector_hal.wires import now_us
-from end_effector_hal.wires.lines import load_gpiod
+from end_effector_hal.wires.lines import find_lines, load_gpiod
 
 from ._virtual import OnEdge
 
@@ -73,30 +73,16 @@ class GpioInputs:
 
     def _find(self) -> dict[str, dict[int, str]]:
         """Return chip -> offset -> line of the description."""
-        here: dict[str, list[tuple[str, int]]] = {}
-        chips = [path for path in sorted(glob.glob(self._pattern)) if self._gpiod.is_gpiochip_device(path)]
-        for path in sorted({os.path.realpath(path) for path in chips}):
-            with self._open(path) as chip:
-                for offset in range(chip.get_info().num_lines):
-                    here.setdefault(chip.get_line_info(offset).name, []).append((path, offset))
-        found: dict[str, dict[int, str]] = {}
-        for line, name in self.lines.items():
-            places = here.get(name, [])
-            if len(places) != 1:
-                raise LineNotFoundError(
-                    f"the line {name} ({line}) is on {len(places) or 'no'} GPIO chip(s) of this machine, not on one.",
-                    where=self._pattern,
-                    todo="gpioinfo lists the lines; --lines gpiod:LINE=NAME,... names others.",
-                )
-            path, offset = places[0]
-            found.setdefault(path, {})[offset] = line
-        return found
-
-    def _open(self, path: str) -> Any:
+        names = {name: line for line, name in self.lines.items()}
         try:
-            return self._gpiod.Chip(path)
-        except OSError as error:
-            raise _refused(path, error) from error
+            found = find_lines(self._gpiod, self._pattern, list(names))
+        except LineNotFoundError as error:
+            todo = f"{error.todo} --lines gpiod:LINE=NAME,... names others."
+            raise LineNotFoundError(error.what, where=error.where, todo=todo) from None
+        chips: dict[str, dict[int, str]] = {}
+        for name, (path, offset) in found.items():
+            chips.setdefault(path, {})[offset] = names[name]
+        return chips
 
     def _request(self, path: str, offsets: Mapping[int, str]) -> Any:
         """Request the lines as inputs with edge events; pulled down, so that a disconnected wire is inactive."""
@@ -155,8 +141,9 @@ class GpioSimInputs:
                 self._make()
                 found = self._found()
             if missing := [name for name in self._names if name not in found]:
+                named = [name for name in found if name and LineAddress.of(name) is None]
                 raise LineNotFoundError(
-                    f"the simulated GPIO chips have no line {', '.join(missing)}, only {', '.join(found)}.",
+                    f"the simulated GPIO chips have no line {', '.join(missing)}, only {', '.join(named or found)}.",
                     where=str(self._config),
                     todo="They were made for another tool: remove them.",
                 )
@@ -196,27 +183,34 @@ class GpioSimInputs:
         return {name: os.pread(fd, 8, 0).startswith(b"1") for name, fd in self._files.items()}
 
     def _found(self) -> dict[str, Path]:
-        """Return line -> file with its level, for all active chips."""
+        """Return line -> file with its level, for all active chips: by name, else by the chip's name and label."""
         found = {}
-        for line in sorted(self._config.glob("*/*/line*")):
-            bank, number = line.parent, line.name.removeprefix("line")
-            chip = self._devices / _text(bank.parent / "dev_name") / _text(bank / "chip_name")
-            level = chip / f"sim_gpio{number}" / "value"
-            if level.exists():
-                found[_text(line / "name")] = level
+        for bank in sorted(self._config.glob("*/*/chip_name")):
+            device, chip, label = bank.parent.parent / "dev_name", _text(bank), _text(bank.with_name("label"))
+            for level in (self._devices / _text(device) / chip).glob("sim_gpio*/value"):
+                offset = int(level.parent.name.removeprefix("sim_gpio"))
+                texts = (str(LineAddress(name, offset)) for name in (chip, label) if name)
+                found |= dict.fromkeys([_text(bank.with_name(f"line{offset}") / "name"), *texts], level)
         return found
 
     def _make(self) -> None:
-        chip = self._config / NAME
-        bank = chip / "bank0"
-        bank.mkdir(parents=True, exist_ok=True)
-        (bank / "num_lines").write_text(str(len(self._names)))
-        (bank / "label").write_text(NAME)
-        for number, name in enumerate(self._names):
-            (bank / f"line{number}").mkdir(exist_ok=True)
-            (bank / f"line{number}" / "name").write_text(name)
-        (chip / "live").write_text("1")
+        """Make a chip with the names, and one for each label, which has as many lines as are needed."""
+        addresses = [each for each in map(LineAddress.of, self._names) if each]
+        names = [name for name in self._names if LineAddress.of(name) is None]
+        sizes = {NAME: len(names)} if names else {}
+        for label, offset in addresses:
+            sizes[label] = max(sizes.get(label, 0), offset + 1)
+        for number, (label, size) in enumerate(sizes.items()):
+            bank = self._config / NAME / f"bank{number}"
+            bank.mkdir(parents=True, exist_ok=True)
+            (bank / "num_lines").write_text(str(size))
+            (bank / "label").write_text(label)
+            for offset, name in enumerate(names if label == NAME else ()):
+                (bank / f"line{offset}").mkdir(exist_ok=True)
+                (bank / f"line{offset}" / "name").write_text(name)
+        (self._config / NAME / "live").write_text("1")
 
 
 def _text(path: Path) -> str:
-    return path.read_text().strip()
+    """Return the text of a file; empty if there is none, as for a line without a name."""
+    return path.read_text().strip() if path.exists() else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from queue import Queue
 from types import SimpleNamespace
 
 import gpiod
@@ -92,6 +93,33 @@ def test_a_name_on_two_chips(chip: SimulatedChip) -> None:
         pytest.raises(LineNotFoundError, match=rf"{A} is ambiguous: /dev/gpio"),
     ):
         GpiodLines().request([A])
+
+
+def test_lines_without_names_by_the_name_the_path_and_the_label_of_their_chip() -> None:
+    with SimulatedChip(["", "", "", A], label="expander") as chip:
+        name = chip.device.name
+        lines = GpiodLines()
+        lines.request([f"{name}:0", "expander:2"])
+        lines.set({f"{name}:0": True, "expander:2": True})
+        with gpiod.Chip(str(chip.device)) as device:
+            assert [device.get_line_info(offset).used for offset in range(4)] == [True, False, True, False]
+        lines.close()
+        with pytest.raises(LineNotFoundError, match=rf"no offset 4; there is {name} \[expander\], 4 lines"):
+            lines.request([f"{name}:4"])
+        with pytest.raises(WireError, match=rf"{A} and expander:3 are one line: {chip.device} line 3"):
+            lines.request([A, "expander:3"])
+
+
+def test_the_testbench_makes_a_chip_of_the_label_that_is_missing() -> None:
+    inputs, seen = GpioSimInputs(["expander:1"]), Queue[tuple[str, bool]]()
+    assert inputs.start(lambda line, level, _at: seen.put((line, level))) == {"expander:1": False}
+    lines = GpiodLines()
+    lines.request(["expander:1"])
+    lines.set({"expander:1": True})
+    assert seen.get(timeout=20) == ("expander:1", True)
+    lines.close()
+    inputs.close()
+    remove(CONFIG / "end-effector-testbench")
 
 
 def test_lines_on_two_chips() -> None:

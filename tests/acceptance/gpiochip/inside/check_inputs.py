@@ -83,6 +83,18 @@ def test_an_edge_has_the_time_at_which_the_kernel_saw_it(chip: SimulatedChip) ->
             assert begin <= edge.at <= now_us()
 
 
+def test_a_line_that_is_polled_gives_edges_without_the_kernel(chip: SimulatedChip) -> None:
+    line = f"{chip.device.name}:1"
+    with claimed(**{A: DigitalInput(line=A), line: DigitalInput(line=line, poll_ms=5)}) as lines:
+        assert lines.levels() == {A: False, line: False}
+        assert (len(lines.fds()), lines.due() is None) == (1, False)
+        for level in (True, False):
+            chip.pull("", level)
+            edge = next_edge(lines)
+            assert (edge.line, edge.high) == (line, level)
+            assert edge.at <= now_us()
+
+
 def test_a_bounce_is_no_edge_and_what_stays_is_one_after_the_debounce(chip: SimulatedChip) -> None:
     with claimed(**{A: DigitalInput(line=A, debounce_ms=DEBOUNCE_MS)}) as lines:
         assert lines.levels() == {A: False}

@@ -11,13 +11,15 @@ CONFIG = Path("/sys/kernel/config/gpio-sim")
 class SimulatedChip:
     """Lives from entering to leaving, or to `unplug`."""
 
-    def __init__(self, names: Sequence[str], name: str = "chip") -> None:
-        self.names, self._chip = tuple(names), CONFIG / name
+    def __init__(self, names: Sequence[str], name: str = "chip", label: str = "") -> None:
+        self.names, self._chip, self._label = tuple(names), CONFIG / name, label
         self._bank = self._chip / "bank0"
 
     def __enter__(self) -> SimulatedChip:
         self._bank.mkdir(parents=True)
         (self._bank / "num_lines").write_text(str(len(self.names)))
+        if self._label:
+            (self._bank / "label").write_text(self._label)
         for number, name in enumerate(self.names):
             (self._bank / f"line{number}").mkdir()
             (self._bank / f"line{number}" / "name").write_text(name)

@@ -66,7 +66,7 @@ class Kernel:
                 pass
 
             def get_info(self) -> SimpleNamespace:
-                return SimpleNamespace(num_lines=len(lines))
+                return SimpleNamespace(label="", num_lines=len(lines))
 
             def get_line_info(self, offset: int) -> SimpleNamespace:
                 return lines[offset]
@@ -98,7 +98,7 @@ def test_lines_of_the_kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert look_at(kernel, tmp_path, monkeypatch) == [
         f"missing: {tmp_path}/chip2: the GPIO chip cannot be opened: permission denied",
         f"missing: {tmp_path}/chip3: the GPIO chip cannot be opened: No such device",
-        "missing: no line SODIMM_212 (did you mean 'SODIMM_21'?) on "
+        "missing: no line SODIMM_212 (did you mean SODIMM_21?) on "
         + ", ".join(f"{tmp_path}/chip{number}" for number in range(4)),
         f"ok: SODIMM_208 = {tmp_path}/chip0 line 2, output, held by the line arbiter",
         f"missing: SODIMM_210 = {tmp_path}/chip1 line 1 is held by wifi",

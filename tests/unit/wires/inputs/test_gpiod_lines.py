@@ -12,6 +12,7 @@ import pytest
 
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
+from end_effector_hal.wires.inputs import _gpiod as inputs_module
 from end_effector_hal.wires.inputs._gpiod import GpiodInputLines
 from end_effector_hal.wires.inputs._lines import LineEdge
 from end_effector_hal.wires.lines import _gpiod as module
@@ -122,3 +123,32 @@ def test_a_chip_that_vanishes_is_a_sentence(kernel: InputKernel, lines: GpiodInp
         lines.levels()
     with pytest.raises(WireError, match="do not work any more"):
         lines.edges()
+
+
+POLLED = DigitalInput(line="gpiochip1:1", poll_ms=1)
+
+
+def test_a_chip_without_edges_is_refused_with_the_key_that_helps(
+    kernel: InputKernel, lines: GpiodInputLines
+) -> None:
+    kernel.chip_of("EXP_3").edges = False
+    with pytest.raises(WireError, match=r"reports no edges of the input lines EXP_3\. Write poll_ms: 10"):
+        lines.request({"GPIO17": A, "EXP_3": C})
+
+
+def test_a_polled_line_gives_an_edge_when_its_level_was_read(
+    kernel: InputKernel, lines: GpiodInputLines, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kernel.chip_of("EXP_3").edges = False
+    now_ns = [5_000_000]
+    monkeypatch.setattr(inputs_module.time, "monotonic_ns", lambda: now_ns[0])
+    monkeypatch.setattr(inputs_module, "now_us", lambda: now_ns[0] // 1000)
+    lines.request({"GPIO17": A, "gpiochip1:1": POLLED})
+    assert lines.levels() == {"GPIO17": False, "gpiochip1:1": False}
+    assert len(lines.fds()) == 1
+    kernel.chip_of("TWIN").high["TWIN"] = True
+    now_ns[0] += 999_000
+    assert (lines.due(), lines.edges()) == (6_000, ([], False))
+    now_ns[0] += 1_000
+    assert lines.edges() == ([LineEdge(6_000, "gpiochip1:1", True)], False)
+    assert (lines.due(), lines.edges()) == (7_000, ([], False))
