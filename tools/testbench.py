@@ -8,7 +8,7 @@ from end_effector_hal.cli import PathName
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import lines_of, open_ports, open_sensors, run_testbench
+from end_effector_lab.testbench import chosen_models, lines_of, open_ports, open_sensors, run_testbench
 from end_effector_lab.testbench.inputs import LineInputs
 from tools import run
 from tools.board import QemuInputs, pins_of
@@ -41,6 +41,7 @@ def command(description: Path, scenario: str, events: Path, lines: str, port: st
         inputs_of(lines, tool),
         open_ports(port, tool, lines),
         open_sensors(lines, tool),
+        models=chosen_models(None, tool),
         scenario=scenario,
         seed=0,
         verbose=False,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from end_effector_lab.testbench._modbus import (
+from end_effector_lab.testbench.devices import (
     LONGEST,
     RegisterRequest,
     done_answer,

@@ -51,6 +51,12 @@ def _faults(context: click.Context) -> Iterable[str]:
     "NAME=PORT,...  [default: a pty at each port of the description; rpi3: /dev/serial0]",
 )
 @click.option(
+    "--model",
+    metavar="UNIT=NAME",
+    help="Play a device on a commanded bus by its maker's manual, such as 9=robotiq-2f85; several with commas, of "
+    "several links LINK:UNIT=NAME.  [default: what the description says of its registers]",
+)
+@click.option(
     "--prepare",
     metavar="FOLDER",
     type=PathName(file_okay=False),
@@ -68,6 +74,7 @@ def command(
     seed: int,
     lines: str | None,
     port: str | None,
+    model: str | None,
     prepare: Path | None,
     power_cycle: bool,
     events: Path | None,
@@ -88,6 +95,7 @@ def command(
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
     from end_effector_lab.testbench import (
+        chosen_models,
         open_inputs,
         open_ports,
         open_sensors,
@@ -104,6 +112,7 @@ def command(
         open_inputs(lines, loaded, power_cycle=power_cycle, scenario=scenario),
         open_ports(port, loaded, lines),
         open_sensors(lines, loaded),
+        models=chosen_models(model, loaded),
         scenario=scenario,
         seed=seed,
         verbose=verbose,

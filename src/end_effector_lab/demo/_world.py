@@ -30,6 +30,7 @@ class World:
         events: file in the folder for the edges and frames of the testbench; empty: none.
         outlives_us: whether the line arbiter survives a kill of this process.
         seed: seed of the noise and the dead times of the testbench.
+        models: devices that the testbench plays by their makers' manuals, as for its option ``--model``.
 
     Raises:
         UsageError: the tool cannot have this scenario.
@@ -53,10 +54,11 @@ class World:
         events: str = "",
         outlives_us: bool = True,
         seed: int = 0,
+        models: str = "",
     ) -> None:
         parse_scenario(bench, description)
         self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
-        self._outlives_us, self._seed = outlives_us, seed
+        self._outlives_us, self._seed, self._models = outlives_us, seed, models
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self.place / "chip"
@@ -100,6 +102,7 @@ class World:
         path, start = str(self.description_path), self.children.start
         if not self._own_wires:
             more = ["--events", str(self.folder / self._events)] if self._events else []
+            more += ["--model", self._models] if self._models else []
             self.testbench = start(
                 "testbench",
                 [*EEHAL, "testbench", path, "--scenario", self._bench, "--seed", str(self._seed), *more],

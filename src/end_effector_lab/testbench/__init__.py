@@ -10,6 +10,7 @@ from ._records import edges_of
 from ._scenario import FAULTS, TOOL_CHANGER, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import BoardSensors, SensorBoard, Sent, carried
 from ._testbench import Testbench
+from ._units import Models, chosen_models
 
 __all__ = [
     "FAULTS",
@@ -18,12 +19,14 @@ __all__ = [
     "BoardSensors",
     "CommandedRegisters",
     "Fault",
+    "Models",
     "Port",
     "Scenario",
     "SensorBoard",
     "Sent",
     "Testbench",
     "carried",
+    "chosen_models",
     "edges_of",
     "lines_of",
     "offered_faults",

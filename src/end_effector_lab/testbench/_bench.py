@@ -224,6 +224,11 @@ class Bench:
         after_us = self.scenario.on_link(link).reboot_after_us
         return self._since(after_us) + BOOT_US if self._is_over(after_us, at) else self._booted[link]
 
+    def restarts_at(self, link: str | None) -> int | None:
+        """Return the time, µs, at which the scenario lets the device at a link restart; None: it does not."""
+        after_us = self.scenario.on_link(link).reboot_after_us
+        return None if after_us is None else self._since(after_us)
+
     def silent(self, at: int, link: str | None = None) -> bool:
         """Return whether a link is silent at ``at`` (µs); for None, whether the inputs of the board are silent."""
         after_us = self.scenario.on_link(link).silent_after_us

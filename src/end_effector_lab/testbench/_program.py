@@ -24,6 +24,7 @@ from ._ports import Port
 from ._records import Events, Record
 from ._sensor_board import BoardSensors
 from ._testbench import Testbench, Watcher
+from ._units import Models, played_units
 from .inputs import LineInputs
 
 _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -35,6 +36,7 @@ def run_testbench(
     ports: Mapping[str, Port],
     sensors: BoardSensors | None = None,
     *,
+    models: Models,
     scenario: str,
     seed: int,
     verbose: bool,
@@ -63,7 +65,9 @@ def run_testbench(
         def chosen(text: str) -> None:
             mail.post(partial(voice.say, f"scenario: {text}", scenario=text))
 
-        testbench = Testbench(description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail)
+        testbench = Testbench(
+            description, inputs, ports, sensors, scenario=scenario, seed=seed, watcher=mail, models=models
+        )
         with testbench as bench, FaultServer(description, bench, chosen) if for_pages else nullcontext():
             said = [f"ready: {description.name}, scenario {scenario}, seed {seed}, lines {inputs.text}"]
             fields: dict[str, Any] = {
@@ -80,6 +84,9 @@ def run_testbench(
                 fields |= {"ports": {**fields.get("ports", {}), name: told}} if name else told
             if sensors:
                 said.append("inputs of the board")
+            said += [text for text, _ in played_units(description, models)]
+            if units := dict(each for _, each in played_units(description, models)):
+                fields["units"] = units
             voice.say(", ".join(said), **fields)
             commands = Commands(voice, bench.choose, mail.end)
             threading.Thread(target=_listen, args=(commands, mail), name="commands", daemon=True).start()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from end_effector_hal.codecs import Codec, board_inputs, is_polled
+from end_effector_hal.codecs import Codec, board_inputs, codec_of, is_polled
 from end_effector_hal.description import Channel, Description, Inputs
 from end_effector_hal.errors import WireError
 from end_effector_hal.kinds import kind_of
@@ -18,6 +18,7 @@ from end_effector_hal.wires.lines import VirtualPins
 
 from ._bench import Bench
 from ._modbus import CommandedRegisters
+from ._units import ModelledUnits, Models
 
 
 def carried(
@@ -74,6 +75,7 @@ class SensorBoard:
         start: time at which the device was switched on, µs.
         link: name of the link; None: it is the only one.
         registers: registers that are commanded over the link, if there are any.
+        units: units of the link that have a model, if there are any.
     """
 
     def __init__(
@@ -84,11 +86,55 @@ class SensorBoard:
         start: int,
         link: str | None = None,
         registers: CommandedRegisters | None = None,
+        units: ModelledUnits | None = None,
     ) -> None:
-        self._link, self._registers = link, registers
+        self._link, self._registers, self._units = link, registers, units
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
+
+    @classmethod
+    def on_bus(
+        cls,
+        description: Description,
+        link: str,
+        bench: Bench,
+        start: int,
+        obey: Callable[[str, bool], None],
+        models: Models,
+    ) -> SensorBoard:
+        """Return all units of a bus that is commanded; `begin` switches them on.
+
+        Args:
+            obey: called with the name and level of an output that was commanded.
+            models: the units that have a model; the others are played from the description.
+        """
+        own, outputs = models.get(link, {}), description.buses[link]
+        registers = CommandedRegisters(
+            {name: each for name, each in outputs.items() if each.unit not in own}, obey
+        )
+        units = ModelledUnits(description, link, own, bench, obey) if own else None
+        return cls(codec_of(description, link), bench, description, start, link or None, registers, units)
+
+    def begin(self, levels: Mapping[str, bool], at: int) -> None:
+        """Switch the commanded units on at ``at`` (µs), with the outputs that are active."""
+        if self._registers:
+            self._registers.start(dict(levels), at)
+        if self._units:
+            self._units.start(levels, at)
+
+    def lose_power(self, at: int) -> None:
+        """Cut the power of the commanded units, which returns at once."""
+        if self._registers:
+            self._registers.start({}, at)
+        if self._units:
+            self._units.power_up(at)
+
+    @property
+    def due(self) -> int | None:
+        """Time at which `advance` must be called, µs; None: nothing happens without a request."""
+        parts = [each.due for each in (self._registers, self._units) if each]
+        return min([due for due in parts if due is not None], default=None)
 
     def frame(self, at: int) -> Sent:
         """Return the frame that is due at ``at`` (µs)."""
@@ -100,11 +146,19 @@ class SensorBoard:
         """Advance the outputs in time while there is no request; call it now and then."""
         if self._registers:
             self._registers.advance(at)
+        if self._units:
+            self._bench.sample(at)  # the physics comes first
+            self._units.advance(at)
 
     def answer(self, request: bytes, at: int) -> Sent | None:
         """Return the answer to the bytes of a request at ``at`` (µs), or None if there is none."""
         self.advance(at)
         sample = self._bench.sample(at)
+        answers = b""
+        if self._units and not self._bench.silent(at, self._link):
+            answers = self._units.answer(request, at)
+        if self._units and self._units.owns(request):
+            return self._answered(answers, sample, at)
         if self._registers:
             if self._bench.silent(at):  # without power, or without a wire: it hears nothing
                 return None
@@ -112,7 +166,11 @@ class SensorBoard:
             if done := self._registers.answer(request):
                 return self._sent(done, self.count(at), sample, at)
             sample |= self._registers.values
-        answers = self._device.answer(request, self._carried(sample)) if self._device else b""
+        answers += self._device.answer(request, self._carried(sample)) if self._device else b""
+        return self._answered(answers, sample, at)
+
+    def _answered(self, answers: bytes, sample: Mapping[str, Value], at: int) -> Sent | None:
+        """Return what becomes of the answers; None: there are none."""
         if not answers:
             return None
         answers, late_us = self._bench.answered(answers, at, self._link)

@@ -11,10 +11,10 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
-from ._modbus import CommandedRegisters
 from ._ports import Port
 from ._scenario import parse_scenario
 from ._sensor_board import BoardSensors, SensorBoard, Sent
+from ._units import Models
 from .inputs import Clock, LineInputs, VirtualInputs, clock_of
 
 RECEIVE_S = 0.1
@@ -52,6 +52,7 @@ class Testbench:
         seed: seed of random events.
         watcher: observer that is called for every event.
         clock: clock of the machine at the other end; default: the result of `clock_of`.
+        models: units that have a model (of `chosen_models`); the others are played from the description.
 
     Raises:
         UsageError: scenario or codec cannot be used.
@@ -70,10 +71,12 @@ class Testbench:
         seed: int = 0,
         watcher: Watcher | None = None,
         clock: Clock | None = None,
+        models: Models | None = None,
     ) -> None:
         self._description, self._inputs, self._sensors = description, inputs, sensors
         self._ports = by_link(port, description)
         self._clock = clock or clock_of(inputs)
+        self._models = models or {}
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
         self.codecs = {name: codec_of(description, name) for name in self._ports}
@@ -102,11 +105,14 @@ class Testbench:
                 port.close()
             raise
         for name, port in self._ports.items():
-            codec, registers = self.codecs[name], None
-            if name in (buses := self._description.buses):
-                registers = CommandedRegisters(buses[name], self._obey)
-                registers.start(levels, self._start)
-            board = SensorBoard(codec, self._bench, self._description, self._start, name or None, registers)
+            codec = self.codecs[name]
+            if name in self._description.buses:
+                board = SensorBoard.on_bus(
+                    self._description, name, self._bench, self._start, self._obey, self._models
+                )
+                board.begin(levels, self._start)
+            else:
+                board = SensorBoard(codec, self._bench, self._description, self._start, name or None)
             if is_polled(codec):
                 self._begin("frames", self._answer, board, port)
             else:

@@ -10,7 +10,7 @@ from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, RelayedBus, c
 from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
-from end_effector_lab.testbench import Bench, CommandedRegisters, SensorBoard, Sent
+from end_effector_lab.testbench import Bench, Models, SensorBoard, Sent
 
 ADOPT_US, FLUSH_US = 1_000_000, 1_000_000
 """Longest wait of a start for the devices' reports, and of an end for pending writes, µs."""
@@ -27,10 +27,16 @@ class BusDevices:
         name: name of the link.
         bench: provides the measured values.
         obey: called with the name and level of a commanded output.
+        models: units that have a model.
     """
 
     def __init__(
-        self, description: Description, name: str, bench: Bench, obey: Callable[[str, bool], None]
+        self,
+        description: Description,
+        name: str,
+        bench: Bench,
+        obey: Callable[[str, bool], None],
+        models: Models,
     ) -> None:
         self._outputs = description.buses[name]
         self._kept = {
@@ -38,28 +44,25 @@ class BusDevices:
             for _, part in description.ordered
             if part.line in self._outputs and part.on_power_loss in ("hold", "keep")
         }
-        self._registers = CommandedRegisters(self._outputs, obey)
-        self._board = SensorBoard(
-            codec_of(description, name), bench, description, 0, name or None, self._registers
-        )
+        self._board = SensorBoard.on_bus(description, name, bench, 0, obey, models)
         self._obey = obey
 
     def start(self, active: Mapping[str, bool], at: int) -> None:
         """Set the outputs that are active at the start."""
-        self._registers.start(dict(active), at)
+        self._board.begin(active, at)
 
     @property
     def due(self) -> int | None:
         """Time at which `advance` must be called, µs; None: nothing happens by itself."""
-        return self._registers.due
+        return self._board.due
 
     def advance(self, at: int) -> None:
         """Process what the devices do without communication."""
-        self._registers.advance(at)
+        self._board.advance(at)
 
     def lose_power(self, at: int) -> None:
         """Cut the power: no output is active any more, except those that their devices keep without power."""
-        self._registers.start({}, at)
+        self._board.lose_power(at)
         for name in self._outputs.keys() - self._kept:
             self._obey(name, False)
 

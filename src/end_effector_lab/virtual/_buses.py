@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from end_effector_hal.description import Description
-from end_effector_lab.testbench import Bench
+from end_effector_lab.testbench import Bench, Models
 
 if TYPE_CHECKING:
     from ._bus import BusDevices, VirtualBus
@@ -21,6 +21,7 @@ class VirtualBuses:
         obey: called with the name and level of a commanded output.
         clock: returns the time, µs.
         active: outputs that are active at the start.
+        models: units that have a model.
     """
 
     def __init__(
@@ -30,6 +31,7 @@ class VirtualBuses:
         obey: Callable[[str, bool], None],
         clock: Callable[[], int],
         active: Mapping[str, bool],
+        models: Models,
     ) -> None:
         self._description, self._clock = description, clock
         self.devices: dict[str, BusDevices] = {}
@@ -37,7 +39,9 @@ class VirtualBuses:
         if description.buses:  # a tool without one needs no pymodbus
             from ._bus import BusDevices
 
-            self.devices = {name: BusDevices(description, name, bench, obey) for name in description.buses}
+            self.devices = {
+                name: BusDevices(description, name, bench, obey, models) for name in description.buses
+            }
         for each in self.devices.values():
             each.start(active, clock())
         self.masters: list[VirtualBus] = []

@@ -18,7 +18,7 @@ from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import stays
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
-from end_effector_lab.testbench import Bench
+from end_effector_lab.testbench import Bench, Models
 
 from ._arbiter_lives import ArbiterLives
 from ._buses import VirtualBuses
@@ -57,6 +57,7 @@ class VirtualTool:
         watch: follows the automata, for example with a `Monitor`.
         on_frame: called with each frame before the program receives it; default: frames that would change nothing are
             left out.
+        models: units of a bus that have a model (of `chosen_models`); the others are played from the description.
 
     Attributes:
         at: time since the start, µs.
@@ -78,6 +79,7 @@ class VirtualTool:
         levels: Mapping[str, bool] | None = None,
         watch: Watch | None = None,
         on_frame: Callable[[Frame], None] | None = None,
+        models: Models | None = None,
     ) -> None:
         self.description, self.at = description, 0
         self.statuses: list[Status] = []
@@ -88,7 +90,7 @@ class VirtualTool:
         self.bench = Bench(description, scenario, seed, levels=levels)
         self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
-        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus)
+        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus, models or {})
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         reads = self._own is not None

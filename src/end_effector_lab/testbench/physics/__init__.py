@@ -19,7 +19,7 @@ from ._device import (
     SolvedDevice,
     physics_of,
 )
-from ._grippers import Fingers, HoldingMagnet
+from ._grippers import Fingers, HoldingMagnet, Leg
 from ._parts import STEP_S, STEP_US, Course, Model, Sensor, SolvedModel, Supply, Valve
 from ._vacuum import VacuumCircuit
 
@@ -37,6 +37,7 @@ __all__ = [
     "Device",
     "Fingers",
     "HoldingMagnet",
+    "Leg",
     "Model",
     "Plant",
     "Sensor",

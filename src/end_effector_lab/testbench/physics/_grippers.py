@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from ._device import ACTUATOR, PARTS, STICKS, Device
 from ._parts import STEP_S, Valve
@@ -17,8 +17,18 @@ _SWITCH = 0.02  # an end switch is made over the last 2 % of the way
 _TRAVEL = STEP_S / TRAVEL_S
 
 
+class Leg(NamedTuple):
+    """A part of a motion: to a position, 0 open to 1 closed, at a speed in strokes per second."""
+
+    to: float
+    speed: float
+
+
 class Fingers(Device):
     """Fingers that close on the part between them, or fully if there is none.
+
+    A controller of their own may `drive` them: then they follow its motor, and only while its command to close or to
+    open has an effect; the faults of a scenario decide that.
 
     Args:
         valve: closes them when open.
@@ -34,6 +44,8 @@ class Fingers(Device):
         self.position = 0.0  # 0 open, 1 closed on nothing
         self._part = True
         self._lost = False
+        self._legs: tuple[Leg, ...] | None = None  # None: no motor
+        self._closes = False
 
     @property
     def pressure_kpa(self) -> None:
@@ -49,7 +61,26 @@ class Fingers(Device):
 
     @property
     def settled(self) -> bool:
-        return self.valve.settled and self.position == self._end
+        return self.valve.settled and self.has_stopped
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether they are where they go, or cannot move."""
+        return self.position == self._end and (self._is_blocked or not (self._legs or ())[1:])
+
+    @property
+    def moves(self) -> bool:
+        """Whether their motor runs, or is about to."""
+        return not self.settled
+
+    def drive(self, *legs: Leg, closes: bool) -> None:
+        """Let a motor move them from now on, one leg after the other; without a leg it holds them where they are.
+
+        Args:
+            legs: the motion; the last one lasts, so that they go on when a part is lost.
+            closes: whether they are commanded to close, which a scenario may prevent.
+        """
+        self._legs, self._closes = legs, closes
 
     def command(self, active: bool, at: int) -> None:
         self._lost = self._lost and active
@@ -65,23 +96,39 @@ class Fingers(Device):
     def settle(self, active: bool) -> None:
         self.valve.is_open = active
         self.position = self._end
+        while self._legs and self._legs[1:]:
+            self._legs = self._legs[1:]
+            self.position = self._end
 
     def step(self) -> None:
         self.valve.advance(self.now)
+        travel = self._legs[0].speed * STEP_S if self._legs else _TRAVEL
         if self.position < self._end:
-            self.position = min(self.position + _TRAVEL, self._end)
+            self.position = min(self.position + travel, self._end)
         else:
-            self.position = max(self.position - _TRAVEL, self._end)
+            self.position = max(self.position - travel, self._end)
+        if self._legs and self._legs[1:] and self.position == self._end and not self._is_blocked:
+            self._legs = self._legs[1:]
 
     @property
     def _on_part(self) -> bool:
         return self._part and not self._lost
 
     @property
+    def _is_blocked(self) -> bool:
+        """Whether a motor has no effect: a scenario does not let it follow its command."""
+        return self._legs is not None and self.valve.is_open != self._closes
+
+    @property
     def _end(self) -> float:
-        if not self.valve.is_open:
-            return 0.0
-        return PART_AT if self._on_part else 1.0
+        if self._legs is None:
+            to = 1.0 if self.valve.is_open else 0.0
+        elif self._legs and not self._is_blocked:
+            to = self._legs[0].to
+        else:
+            return self.position
+        stops = self._on_part and to > PART_AT and (self._legs is None or self.position <= PART_AT)
+        return PART_AT if stops else to
 
 
 FIELD_S = 0.06

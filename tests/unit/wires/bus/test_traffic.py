@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from end_effector_hal.codecs.modbus import RelayedBus
-from end_effector_lab.testbench._modbus import sealed
+from end_effector_lab.testbench.devices import sealed
 from tests.support.robotiq import Gripper2F85
 from tests.support.rtu_server import RtuServer
 from tests.unit.wires.bus.played_bus import (

@@ -1,0 +1,180 @@
+"""The units of one bus that have a model by their maker's manual: their requests, physics and power."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+
+from end_effector_hal.codecs import codec_of, line_of
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+
+from ._bench import Bench
+from ._scenario import TOOL_CHANGER, did_you_mean
+from .devices import MODELS, FrameReader, UnitModel, model_for
+
+BROADCAST = 0
+Models = Mapping[str, Mapping[int, str]]
+"""Names of models by link and unit."""
+
+
+def chosen_models(text: str | None, description: Description) -> Models:
+    """Return the models that a text chooses, such as ``9=robotiq-2f85``, with several ``9=NAME,arm:9=NAME``.
+
+    Raises:
+        UsageError: there is no such model, or the bus commands nothing at that unit.
+    """
+    found: dict[str, dict[int, str]] = {}
+    for part in filter(None, (text or "").split(",")):
+        place, _, name = part.partition("=")
+        link, _, unit = place.rpartition(":")
+        if model_for(name) is None:
+            raise UsageError(f"--model {part}: no model is named {name!r}.", todo=did_you_mean(name, MODELS))
+        outputs = description.buses.get(link, {})
+        if unit not in (units := {str(each.unit) for each in outputs.values()}):
+            raise UsageError(
+                f"--model {part}: no output of the tool is at {place!r}.",
+                todo=f"Expected: UNIT=NAME or LINK:UNIT=NAME; there are the units {', '.join(sorted(units))}.",
+            )
+        found.setdefault(link, {})[int(unit)] = name
+    return found
+
+
+def played_units(description: Description, models: Models) -> Iterator[tuple[str, tuple[str, str | None]]]:
+    """Yield how each unit of the commanded buses is played, in words, and its place with the name of its model."""
+    for link, outputs in description.buses.items():
+        for unit in sorted({each.unit for each in outputs.values()}):
+            place, name = f"{link and f'{link}:'}{unit}", models.get(link, {}).get(unit)
+            how = f"plays {name} by its manual" if name else "plays the description, not the device"
+            yield f"unit {place} {how}", (place, name)
+
+
+class ModelledUnits:
+    """Answers for the units of one bus that have a model.
+
+    Args:
+        description: says which actuator hangs on which unit.
+        link: name of the bus.
+        models: names of the models by unit.
+        bench: the physics, and the power and the faults of the link.
+        obey: called with name and level of an output that a unit begins to drive.
+
+    Raises:
+        UsageError: a model cannot drive the kind of its actuator.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        link: str,
+        models: Mapping[int, str],
+        bench: Bench,
+        obey: Callable[[str, bool], None],
+    ) -> None:
+        self._bench, self._link, self._obey = bench, link or None, obey
+        self._outputs = {name: each for name, each in description.buses[link].items() if each.unit in models}
+        actuator = {part.line: name for name, part in description.ordered}
+        devices = {
+            (each.unit, _model(models[each.unit]).channel_of(each.address)): (
+                name,
+                bench.devices[actuator.get(name, TOOL_CHANGER)],
+            )
+            for name, each in self._outputs.items()
+        }
+        self._names = {place: name for place, (name, _) in devices.items()}
+        self.models: dict[int, UnitModel] = {}
+        """The models by unit."""
+        for unit, name in models.items():
+            own = {channel: device for (at, channel), (_, device) in devices.items() if at == unit}
+            model = _model(name)
+            if not all(isinstance(device, model.physics) for device in own.values()):
+                raise UsageError(
+                    f"--model {unit}={name}: it cannot drive an actuator of this kind.",
+                    todo="Leave it out, and the description is played.",
+                )
+            self.models[unit] = model(own, self._teller(unit))
+        self._alarms = {
+            channel: declared.modbus.unit
+            for channel, declared in description.channels.items()
+            if declared.alarm
+            and declared.modbus
+            and declared.modbus.unit in models
+            and (declared.link or "") == link
+        }
+        self._frames = FrameReader(line_of(description.links[link], codec_of(description, link))[0])
+        self._booted = 0
+
+    def start(self, levels: Mapping[str, bool], at: int) -> None:
+        """Switch the units on at ``at`` (µs); what is active was commanded long ago, by the rows of the description."""
+        self._booted = self._bench.booted(at, self._link)
+        for model in self.models.values():
+            model.power_up(at)
+        for name in self._outputs:
+            if levels.get(name):
+                self._replay(name, at)
+
+    def _replay(self, name: str, at: int) -> None:
+        output = self._outputs[name]
+        model, activation = self.models[output.unit], output.activation
+        rows = [(output.address, output.command_on)]
+        if activation:
+            start = output.address if activation.address is None else activation.address
+            rows = [*((start, row) for row in activation.write), *rows]
+        for address, row in rows:
+            model.write(address, row, at, coils=output.register_type == "coil")
+        self._obey(name, True)
+        model.settle()
+
+    @property
+    def due(self) -> int | None:
+        """Time at which `advance` must be called, µs; None: nothing happens without a message."""
+        dues = [due for each in self.models.values() if (due := each.due) is not None]
+        restarts = self._bench.restarts_at(self._link)
+        if restarts is not None and self._bench.booted(restarts, self._link) != self._booted:
+            dues.append(restarts)
+        return min(dues, default=None)
+
+    def advance(self, at: int) -> None:
+        """Process what the units do without a message by ``at`` (µs): a restart, a watchdog, the end of a motion."""
+        if (booted := self._bench.booted(at, self._link)) != self._booted:
+            self._booted = booted
+            self.power_up(at)
+        for model in self.models.values():
+            model.advance(at)
+
+    def power_up(self, at: int) -> None:
+        """Switch all units off and on again."""
+        for model in self.models.values():
+            model.power_up(at)
+
+    def owns(self, data: bytes) -> bool:
+        """Return whether bytes that a master sent are for one of these units only."""
+        return data[0] in self.models
+
+    def answer(self, data: bytes, at: int) -> bytes:
+        """Return the answers to the requests that end in ``data``; the physics has reached ``at`` (µs)."""
+        for channel, unit in self._alarms.items():
+            self.models[unit].alarm = self._bench.scenario.alarms.get(channel, 0)
+        return b"".join(
+            model.answer(frame[0], frame[1:-2], at)
+            for frame in self._frames.feed(data, at)
+            for model in self._addressed(frame[0])
+        )
+
+    def _addressed(self, unit: int) -> Iterator[UnitModel]:
+        if unit == BROADCAST:
+            yield from self.models.values()
+        elif unit in self.models:
+            yield self.models[unit]
+
+    def _teller(self, unit: int) -> Callable[[int, bool], None]:
+        def tell(channel: int, level: bool) -> None:
+            if (unit, channel) in self._names:
+                self._obey(self._names[unit, channel], level)
+
+        return tell
+
+
+def _model(name: str) -> type[UnitModel]:
+    model = model_for(name)
+    assert model is not None
+    return model

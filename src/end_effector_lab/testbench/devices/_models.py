@@ -1,0 +1,15 @@
+"""The models by the names of their devices."""
+
+from __future__ import annotations
+
+from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
+from ._unit import UnitModel
+
+MODELS: dict[str, type[UnitModel]] = {
+    model.name: model for model in (Robotiq2F85, Robotiq2F140, RobotiqHandE)
+}
+
+
+def model_for(name: str) -> type[UnitModel] | None:
+    """Return the model of a device by its name in a library of devices; None: there is none."""
+    return MODELS.get(name)

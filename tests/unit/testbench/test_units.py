@@ -1,0 +1,172 @@
+"""Units of a bus that have a model: who they are, their power, and a whole tool with one in virtual time."""
+
+from __future__ import annotations
+
+import pytest
+
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import Description
+from end_effector_hal.errors import UsageError
+from end_effector_hal.vocabulary import EndEffectorState
+from end_effector_lab.testbench import Bench, SensorBoard, chosen_models
+from end_effector_lab.testbench._units import played_units
+from end_effector_lab.testbench.devices import sealed
+from end_effector_lab.virtual import VirtualTool
+from tests.support.places import ROOT
+
+S = 1_000_000
+TOOLS = ROOT / "examples/tools"
+STATUS = sealed(bytes.fromhex("09 04 07D0 0003"))
+
+
+@pytest.fixture(scope="module")
+def gripper() -> Description:
+    return load_tool(TOOLS / "gripper_2f85/end_effector.yaml")
+
+
+def board(tool: Description, scenario: str = "nominal", levels: dict[str, bool] | None = None) -> SensorBoard:
+    bench = Bench(tool, scenario, levels=levels)
+    models = chosen_models("9=robotiq-2f85", tool)
+    made = SensorBoard.on_bus(tool, "", bench, 0, lambda name, level: bench.line(name, level, 0), models)
+    made.begin(levels or {}, 0)
+    return made
+
+
+def test_a_text_chooses_models(gripper: Description) -> None:
+    assert chosen_models(None, gripper) == {}
+    models = chosen_models("9=robotiq-2f85", gripper)
+    assert models == {"": {9: "robotiq-2f85"}}
+    assert [text for text, _ in played_units(gripper, models)] == ["unit 9 plays robotiq-2f85 by its manual"]
+    assert [text for text, _ in played_units(gripper, {})] == ["unit 9 plays the description, not the device"]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("9=robotiq-2f86", "no model is named 'robotiq-2f86'. Did you mean 'robotiq-2f85'?"),
+        (
+            "8=robotiq-2f85",
+            "no output of the tool is at '8'. Expected: UNIT=NAME or LINK:UNIT=NAME; there are the",
+        ),
+        ("robotiq-2f85", "no model is named ''"),
+    ],
+)
+def test_what_cannot_be_chosen(gripper: Description, text: str, why: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        chosen_models(text, gripper)
+    assert why in str(refused.value)
+
+
+def test_a_model_drives_only_what_it_is_made_for() -> None:
+    tool = load_tool(TOOLS / "epick_commanded/end_effector.yaml")
+    with pytest.raises(UsageError, match="cannot drive an actuator of this kind"):
+        board(tool)
+
+
+def test_frames_for_others_and_damaged_ones_get_no_answer(gripper: Description) -> None:
+    made = board(gripper)
+    assert made.answer(STATUS, 0) is not None
+    assert made.answer(STATUS[:-1] + b"\x00", S) is None
+    assert made.answer(sealed(b"\x08" + STATUS[1:-2]), 2 * S) is None
+
+
+def test_a_unit_that_is_active_at_the_start_holds_its_part(gripper: Description) -> None:
+    (output,) = gripper.register_outputs
+    sent = board(gripper, levels={output: True}).answer(STATUS, 0)
+    assert sent is not None
+    assert sent.data[:-2].hex(" ").upper() == "09 04 06 B9 00 00 FF 8B 00"
+
+
+def test_a_restart_forgets_all(gripper: Description) -> None:
+    (output,) = gripper.register_outputs
+    made = board(gripper, "reboot-after:1", {output: True})
+    assert made.due == S
+    made.advance(S)
+    assert made.due is None
+    assert made.answer(STATUS, S + 100_000) is None, "it starts"
+    sent = made.answer(STATUS, 2 * S)
+    assert sent is not None
+    assert sent.data[:-2].hex(" ").upper() == "09 04 06 00 00 00 00 8B 00", "the fingers stay where they are"
+
+
+class Played:
+    """The whole tool, at rest or holding a part; every status is looked at."""
+
+    def __init__(self, tool: Description) -> None:
+        self.tool = VirtualTool(tool, models=chosen_models("9=robotiq-2f85", tool))
+        self.fingers = self.tool.bench.devices["fingers"]
+        self.tool.run(1)
+
+    def command(self, name: str, state: EndEffectorState, limit_s: float = 30) -> None:
+        answer = self.tool.command(name)
+        assert answer.accepted, answer.reason
+        assert self.tool.run_until(self.tool.at + round(limit_s * S), lambda: self.tool.status.ee == state)
+
+    def holds_until_now(self, seconds: float) -> bool:
+        """Whether the part is held for so long; a lift is not allowed half a second after it is lost."""
+        held_at, held = self.tool.at, True
+
+        def look() -> bool:
+            nonlocal held_at, held
+            if self.fingers.grips:
+                held_at = self.tool.at
+            else:
+                held = False
+                assert self.tool.at < held_at + S // 2 or not self.tool.status.lift_allowed
+            return False
+
+        self.tool.run_until(self.tool.at + round(seconds * S), look)
+        return held
+
+
+@pytest.fixture
+def played(gripper: Description) -> Played:
+    return Played(gripper)
+
+
+def test_the_product_grips_and_drops(played: Played) -> None:
+    played.command("grip", EndEffectorState.GRIPPED)
+    assert played.holds_until_now(5)
+    played.command("drop", EndEffectorState.STAND_BY)
+    assert not played.tool.status.alarm_texts
+    played.command("grip", EndEffectorState.GRIPPED)
+    assert [each.level for each in played.tool.edges] == [True, False, True], "one activation only"
+
+
+def test_closing_on_nothing_is_no_grip(played: Played) -> None:
+    played.tool.choose("no-part:fingers")
+    states = []
+    assert played.tool.command("grip").accepted
+    played.tool.run_until(played.tool.at + 40 * S, lambda: bool(states.append(played.tool.status.ee)))
+    assert EndEffectorState.GRIPPED not in states
+    assert states[-1] == EndEffectorState.STAND_BY
+
+
+def test_a_lost_part_is_told_and_nothing_opens(played: Played) -> None:
+    played.command("grip", EndEffectorState.GRIPPED)
+    played.tool.choose("lost-after:fingers:0.1")
+    assert not played.holds_until_now(3)
+    assert played.tool.status.ee == EndEffectorState.GRIP_ERROR
+    assert played.tool.levels == {"modbus:9/0x03E8": True}
+
+
+def test_power_that_is_lost_while_held_drops_nothing_before_the_drop(played: Played) -> None:
+    played.command("grip", EndEffectorState.GRIPPED)
+    played.tool.choose("reboot-after:0")
+    assert played.holds_until_now(10), "nothing activates it by itself"
+    assert played.tool.status.ee == EndEffectorState.GRIP_ERROR
+    assert any("is not activated any more" in text for text in played.tool.status.alarm_texts)
+    played.tool.choose("nominal")
+    played.command("drop", EndEffectorState.STAND_BY)
+    assert not played.fingers.grips
+    played.command("grip", EndEffectorState.GRIPPED)
+
+
+def test_a_unit_that_falls_silent_keeps_its_part(played: Played) -> None:
+    played.command("grip", EndEffectorState.GRIPPED)
+    played.tool.choose("silent-after:0")
+    assert played.holds_until_now(5)
+    assert not played.tool.status.lift_allowed
+    played.tool.choose("nominal")
+    assert played.holds_until_now(2)
+    played.command("drop", EndEffectorState.STAND_BY)
