@@ -184,7 +184,7 @@ class GpioSimInputs:
 
     def _found(self) -> dict[str, Path]:
         """Return line -> file with its level, for all active chips: by name, else by the chip's name and label."""
-        found = {}
+        found = dict[str, Path]()
         for bank in sorted(self._config.glob("*/*/chip_name")):
             device, chip, label = bank.parent.parent / "dev_name", _text(bank), _text(bank.with_name("label"))
             for level in (self._devices / _text(device) / chip).glob("sim_gpio*/value"):
