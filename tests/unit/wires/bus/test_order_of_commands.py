@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.wires.bus import BusOutputs
-from end_effector_lab.testbench._modbus import sealed
+from end_effector_lab.testbench.devices import sealed
 from tests.support.rtu_server import RtuServer
 from tests.unit.wires.bus.played_bus import MS, TWO_UNITS, VG10, Bus, Registers, S, described, writes
 
