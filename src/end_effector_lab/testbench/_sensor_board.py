@@ -156,7 +156,7 @@ class SensorBoard:
         sample = self._bench.sample(at)
         answers = b""
         if self._units and not self._bench.silent(at, self._link):
-            answers = self._units.answer(request, at)
+            answers = self._units.answer(request, self._carried(sample), at)
         if self._units and self._units.owns(request):
             return self._answered(answers, sample, at)
         if self._registers:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import cast
 
 from end_effector_hal.codecs import codec_of, line_of
+from end_effector_hal.codecs.modbus import BusCodec
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.signals import Value
 
 from ._bench import Bench
 from ._scenario import TOOL_CHANGER, did_you_mean
 from .devices import MODELS, FrameReader, UnitModel, model_for
 
 BROADCAST = 0
+TERMINALS = (2, 4)
+"""Functions that read inputs, to which the sensors of a description are wired."""
 Models = Mapping[str, Mapping[int, str]]
 """Names of models by link and unit."""
 
@@ -72,26 +77,29 @@ class ModelledUnits:
     ) -> None:
         self._bench, self._link, self._obey = bench, link or None, obey
         self._outputs = {name: each for name, each in description.buses[link].items() if each.unit in models}
-        actuator = {part.line: name for name, part in description.ordered}
-        devices = {
-            (each.unit, _model(models[each.unit]).channel_of(each.address)): (
-                name,
-                bench.devices[actuator.get(name, TOOL_CHANGER)],
-            )
+        self._names = {
+            (each.unit, _model(models[each.unit]).channel_of(each.address)): name
             for name, each in self._outputs.items()
         }
-        self._names = {place: name for place, (name, _) in devices.items()}
+        changer = description.tool_changer
+        parts = {part.line: name for name, part in description.ordered}
+        parts |= {changer.line: TOOL_CHANGER} if changer else {}
         self.models: dict[int, UnitModel] = {}
         """The models by unit."""
         for unit, name in models.items():
-            own = {channel: device for (at, channel), (_, device) in devices.items() if at == unit}
-            model = _model(name)
+            model, own = _model(name), {}
+            for (at, channel), output in self._names.items():
+                if at == unit and output in parts:
+                    own[channel] = bench.devices[parts[output]]
             if not all(isinstance(device, model.physics) for device in own.values()):
                 raise UsageError(
                     f"--model {unit}={name}: it cannot drive an actuator of this kind.",
                     todo="Leave it out, and the description is played.",
                 )
             self.models[unit] = model(own, self._teller(unit))
+        codec = codec_of(description, link)
+        reads = cast(BusCodec, codec).reads
+        self._wired = [each for each in reads if each.unit in models and each.function in TERMINALS]
         self._alarms = {
             channel: declared.modbus.unit
             for channel, declared in description.channels.items()
@@ -100,17 +108,17 @@ class ModelledUnits:
             and declared.modbus.unit in models
             and (declared.link or "") == link
         }
-        self._frames = FrameReader(line_of(description.links[link], codec_of(description, link))[0])
-        self._booted = 0
+        self._frames = FrameReader(line_of(description.links[link], codec)[0])
+        self._booted, self._starting = 0, False
 
     def start(self, levels: Mapping[str, bool], at: int) -> None:
         """Switch the units on at ``at`` (µs); what is active was commanded long ago, by the rows of the description."""
-        self._booted = self._bench.booted(at, self._link)
-        for model in self.models.values():
-            model.power_up(at)
+        self._booted, self._starting = self._bench.booted(at, self._link), True
+        self.power_up(at)
         for name in self._outputs:
             if levels.get(name):
                 self._replay(name, at)
+        self._starting = False
 
     def _replay(self, name: str, at: int) -> None:
         output = self._outputs[name]
@@ -121,7 +129,6 @@ class ModelledUnits:
             rows = [*((start, row) for row in activation.write), *rows]
         for address, row in rows:
             model.write(address, row, at, coils=output.register_type == "coil")
-        self._obey(name, True)
         model.settle()
 
     @property
@@ -150,8 +157,16 @@ class ModelledUnits:
         """Return whether bytes that a master sent are for one of these units only."""
         return data[0] in self.models
 
-    def answer(self, data: bytes, at: int) -> bytes:
-        """Return the answers to the requests that end in ``data``; the physics has reached ``at`` (µs)."""
+    def answer(self, data: bytes, values: Mapping[str, Value], at: int) -> bytes:
+        """Return the answers to the requests that end in ``data``; the physics has reached ``at`` (µs).
+
+        Args:
+            values: readings of the sensors that are wired to inputs of the units.
+        """
+        for read in self._wired:
+            words = [0] * read.count
+            if all(each.put(words, values) for each in read.registers):
+                self.models[read.unit].wire(read.function, read.address, words)
         for channel, unit in self._alarms.items():
             self.models[unit].alarm = self._bench.scenario.alarms.get(channel, 0)
         return b"".join(
@@ -168,7 +183,7 @@ class ModelledUnits:
 
     def _teller(self, unit: int) -> Callable[[int, bool], None]:
         def tell(channel: int, level: bool) -> None:
-            if (unit, channel) in self._names:
+            if (unit, channel) in self._names and not self._starting:
                 self._obey(self._names[unit, channel], level)
 
         return tell

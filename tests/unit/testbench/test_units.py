@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from end_effector_hal.codecs import load_tool
@@ -92,9 +94,10 @@ def test_a_restart_forgets_all(gripper: Description) -> None:
 class Played:
     """The whole tool, at rest or holding a part; every status is looked at."""
 
-    def __init__(self, tool: Description) -> None:
-        self.tool = VirtualTool(tool, models=chosen_models("9=robotiq-2f85", tool))
-        self.fingers = self.tool.bench.devices["fingers"]
+    def __init__(self, tool: Description, model: str = "9=robotiq-2f85") -> None:
+        self.tool = VirtualTool(tool, models=chosen_models(model, tool))
+        (name,) = tool.sequence
+        self.fingers = self.tool.bench.devices[name]
         self.tool.run(1)
 
     def command(self, name: str, state: EndEffectorState, limit_s: float = 30) -> None:
@@ -169,4 +172,54 @@ def test_a_unit_that_falls_silent_keeps_its_part(played: Played) -> None:
     assert not played.tool.status.lift_allowed
     played.tool.choose("nominal")
     assert played.holds_until_now(2)
+    played.command("drop", EndEffectorState.STAND_BY)
+
+
+def test_a_cup_is_gripped_and_lets_go_when_it_hears_nothing() -> None:
+    played = Played(load_tool(TOOLS / "epick_commanded/end_effector.yaml"), "9=robotiq-epick")
+    played.command("grip", EndEffectorState.GRIPPED)
+    assert played.holds_until_now(5)
+    played.command("drop", EndEffectorState.STAND_BY)
+    played.command("grip", EndEffectorState.GRIPPED)
+    played.tool.choose("silent-after:0")
+    assert played.holds_until_now(1.4)
+    assert not played.holds_until_now(2)
+    played.tool.choose("nominal")
+    played.tool.run(2)
+    assert played.tool.status.ee == EndEffectorState.GRIP_ERROR
+    played.command("drop", EndEffectorState.STAND_BY)
+    played.command("grip", EndEffectorState.GRIPPED)
+
+
+STATION = """
+schema: 2
+name: jaw_on_a_station
+lines: {backend: gpiod}
+link: {port: /dev/ttyUSB0, baudrate: 115200, frame: {modbus: {}}}
+channels:
+  told: {modbus: {unit: 3, address: 5, register_type: coil}}
+  part: {modbus: {unit: 3, address: 0, register_type: discrete_input}}
+  opened: {modbus: {unit: 3, address: 1, register_type: discrete_input}}
+  closed: {modbus: {unit: 3, address: 0, register_type: input, bitmask: 0x0004}}
+sequence: [jaw]
+actuators:
+  jaw:
+    kind: gripper
+    modbus: {unit: 3, address: 5, register_type: coil, command_on: [1], command_off: [0], verify: told}
+    part_bit: part
+    open_bit: opened
+    closed_bit: closed
+supply: {channel: none}
+"""
+
+
+def test_sensors_are_wired_to_the_inputs_of_a_station(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(STATION)
+    played = Played(load_tool(path), "3=remote-io")
+    played.command("grip", EndEffectorState.GRIPPED)
+    assert played.holds_until_now(2)
+    played.tool.choose("lost-after:jaw:0.1")
+    played.tool.run(1)
+    assert any("closed on nothing" in text for text in played.tool.status.alarm_texts)
     played.command("drop", EndEffectorState.STAND_BY)

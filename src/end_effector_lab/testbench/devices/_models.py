@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from ._onrobot_vg import OnRobotVG10
+from ._remote_io import RemoteIo
 from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
+from ._robotiq_epick import RobotiqEPick
 from ._unit import UnitModel
 
 MODELS: dict[str, type[UnitModel]] = {
-    model.name: model for model in (Robotiq2F85, Robotiq2F140, RobotiqHandE)
+    model.name: model
+    for model in (Robotiq2F85, Robotiq2F140, RobotiqHandE, RobotiqEPick, OnRobotVG10, RemoteIo)
 }
 
 

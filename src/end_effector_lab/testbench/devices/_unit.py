@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
 from end_effector_lab.testbench.physics import Device
@@ -71,6 +71,9 @@ class UnitModel(ABC):
 
     def settle(self) -> None:  # noqa: B027 - most devices need no time
         """Complete what takes time, such as an activation, at once; for the state before the start of the testbench."""
+
+    def wire(self, table: int, address: int, values: Sequence[int]) -> None:  # noqa: B027 - most have no terminals
+        """Set inputs to which sensors are wired; ``table``: 2 for discrete inputs, 4 for input registers."""
 
     @property
     def due(self) -> int | None:

@@ -22,7 +22,8 @@ class PlayedUnit:
 
     def _tell(self, channel: int, level: bool) -> None:
         self.told.append((channel, level))
-        self.devices[channel].command(level, self.at)
+        if channel in self.devices:
+            self.devices[channel].command(level, self.at)
 
     def run(self, seconds: float) -> None:
         """Let time go on without a message."""
