@@ -75,13 +75,16 @@ class FaultOffer:
 
 @dataclass(frozen=True, slots=True)
 class TestbenchHeader:
-    """The simulated tool: its name, the hash of its description, and its possible faults."""
+    """The simulated tool: its name, the hash of its description, its possible faults, and how each unit of a bus is
+    played.
+    """
 
     __test__ = False  # no test class for pytest
 
     tool: str
     hash: str
     faults: tuple[FaultOffer, ...]
+    units: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,13 @@ from typing import Self
 from end_effector_hal.description import Description, load
 from end_effector_hal.errors import ArbiterError, LinkError
 from end_effector_lab.processes import EEHAL, Children
-from end_effector_lab.testbench import parse_scenario, possible_faults, write_description
+from end_effector_lab.testbench import (
+    chosen_models,
+    parse_scenario,
+    possible_faults,
+    text_of,
+    write_description,
+)
 
 DESCRIPTION = "end_effector.yaml"
 LINES = "lines.log"
@@ -30,7 +36,8 @@ class World:
         events: file in the folder for the edges and frames of the testbench; empty: none.
         outlives_us: whether the line arbiter survives a kill of this process.
         seed: seed of the noise and the dead times of the testbench.
-        models: devices that the testbench plays by their makers' manuals, as for its option ``--model``.
+        models: devices that the testbench plays by their makers' manuals, as for its option ``--model``, beside those
+            that the description names.
 
     Raises:
         UsageError: the tool cannot have this scenario.
@@ -58,7 +65,8 @@ class World:
     ) -> None:
         parse_scenario(bench, description)
         self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
-        self._outlives_us, self._seed, self._models = outlives_us, seed, models
+        self._outlives_us, self._seed = outlives_us, seed
+        self._models = text_of(chosen_models(models, description))  # a written copy names no device
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
         self.chip = self.place / "chip"

@@ -10,7 +10,7 @@ from ._records import edges_of
 from ._scenario import FAULTS, TOOL_CHANGER, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import BoardSensors, SensorBoard, Sent, carried
 from ._testbench import Testbench
-from ._units import Models, chosen_models
+from ._units import Models, chosen_models, text_of
 
 __all__ = [
     "FAULTS",
@@ -37,6 +37,7 @@ __all__ = [
     "plain_number",
     "possible_faults",
     "run_testbench",
+    "text_of",
     "write_description",
     "write_virtual_copy",
 ]

@@ -22,6 +22,7 @@ from end_effector_hal.wires.rpc import ClientLimits, Reply, Server, record_line
 
 from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
 from ._testbench import Testbench
+from ._units import played_units
 
 
 def possible_faults(description: Description) -> Iterator[str]:
@@ -91,7 +92,8 @@ class FaultServer:
         tool = self._description
         try:
             faults = tuple(offered_faults(tool))
-            header = TestbenchHeader(tool.name, content_hash(tool), faults)
+            units = tuple(text for text, _ in played_units(tool, self._bench.models))
+            header = TestbenchHeader(tool.name, content_hash(tool), faults, units)
             self._header = record_line("header", now_us(), header)
             arbiter = socket_path(tool)
             group = str(arbiter.stat().st_gid) if arbiter.exists() else None

@@ -16,6 +16,7 @@ from ._bench import Bench
 from ._ports import Port, PtyPort, SerialPort
 from ._scenario import TOOL_CHANGER
 from ._sensor_board import BoardSensors
+from ._units import chosen_models, text_of
 from .inputs import (
     GpioInputs,
     GpioSimInputs,
@@ -201,7 +202,10 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
     with os_errors("Cannot be made", folder):
         owned_folder(folder)
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
-    write_description(virtual, folder / NAME, "the same tool on virtual lines and a pty")
+    what, models = "the same tool on virtual lines and a pty", text_of(chosen_models(None, description))
+    write_description(
+        virtual, folder / NAME, what + (f" (eehal testbench --model {models})" if models else "")
+    )
     chip = open_inputs(None, virtual)
     assert isinstance(chip, VirtualInputs)
     chip.make_chip()

@@ -14,7 +14,7 @@ from ._bench import Bench
 from ._ports import Port
 from ._scenario import parse_scenario
 from ._sensor_board import BoardSensors, SensorBoard, Sent
-from ._units import Models
+from ._units import Models, chosen_models
 from .inputs import Clock, LineInputs, VirtualInputs, clock_of
 
 RECEIVE_S = 0.1
@@ -52,7 +52,7 @@ class Testbench:
         seed: seed of random events.
         watcher: observer that is called for every event.
         clock: clock of the machine at the other end; default: the result of `clock_of`.
-        models: units that have a model (of `chosen_models`); the others are played from the description.
+        models: units that have a model; the others are played from the description; default: those of `chosen_models`.
 
     Raises:
         UsageError: scenario or codec cannot be used.
@@ -76,7 +76,8 @@ class Testbench:
         self._description, self._inputs, self._sensors = description, inputs, sensors
         self._ports = by_link(port, description)
         self._clock = clock or clock_of(inputs)
-        self._models = models or {}
+        self.models = chosen_models(None, description) if models is None else models
+        """Units that have a model, by link."""
         self._scenario, self._seed = parse_scenario(scenario, description), seed
         self._watcher = watcher or Watcher()
         self.codecs = {name: codec_of(description, name) for name in self._ports}
@@ -108,7 +109,7 @@ class Testbench:
             codec = self.codecs[name]
             if name in self._description.buses:
                 board = SensorBoard.on_bus(
-                    self._description, name, self._bench, self._start, self._obey, self._models
+                    self._description, name, self._bench, self._start, self._obey, self.models
                 )
                 board.begin(levels, self._start)
             else:

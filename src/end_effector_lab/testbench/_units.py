@@ -23,25 +23,43 @@ Models = Mapping[str, Mapping[int, str]]
 
 
 def chosen_models(text: str | None, description: Description) -> Models:
-    """Return the models that a text chooses, such as ``9=robotiq-2f85``, with several ``9=NAME,arm:9=NAME``.
+    """Return the models of the devices that a description names, and those that a text chooses instead.
+
+    Args:
+        text: such as ``9=robotiq-2f85``, several with commas, of several links ``arm:9=NAME``; ``9=`` plays the
+            description; None: nothing is chosen.
 
     Raises:
         UsageError: there is no such model, or the bus commands nothing at that unit.
     """
     found: dict[str, dict[int, str]] = {}
+    parts = {part.line: part for _, part in description.ordered}
+    for link, outputs in description.buses.items():
+        for line, output in outputs.items():
+            device = getattr(parts.get(line), "device", None)  # the name of a device in a library
+            if device and (model := model_for(device)):
+                found.setdefault(link, {})[output.unit] = model.name
     for part in filter(None, (text or "").split(",")):
         place, _, name = part.partition("=")
         link, _, unit = place.rpartition(":")
-        if model_for(name) is None:
+        if name and model_for(name) is None:
             raise UsageError(f"--model {part}: no model is named {name!r}.", todo=did_you_mean(name, MODELS))
-        outputs = description.buses.get(link, {})
-        if unit not in (units := {str(each.unit) for each in outputs.values()}):
+        units = {str(each.unit) for each in description.buses.get(link, {}).values()}
+        if unit not in units:
             raise UsageError(
                 f"--model {part}: no output of the tool is at {place!r}.",
                 todo=f"Expected: UNIT=NAME or LINK:UNIT=NAME; there are the units {', '.join(sorted(units))}.",
             )
-        found.setdefault(link, {})[int(unit)] = name
+        found.setdefault(link, {}).pop(int(unit), None)
+        found[link] |= {int(unit): name} if name else {}
     return found
+
+
+def text_of(models: Models) -> str:
+    """Return the text that chooses these models."""
+    return ",".join(
+        f"{link and f'{link}:'}{unit}={name}" for link, own in models.items() for unit, name in own.items()
+    )
 
 
 def played_units(description: Description, models: Models) -> Iterator[tuple[str, tuple[str, str | None]]]:

@@ -18,7 +18,7 @@ from end_effector_hal.runtime.boundary import NULL_RECORDER
 from end_effector_hal.sensing import stays
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
-from end_effector_lab.testbench import Bench, Models
+from end_effector_lab.testbench import Bench, Models, chosen_models
 
 from ._arbiter_lives import ArbiterLives
 from ._buses import VirtualBuses
@@ -57,7 +57,7 @@ class VirtualTool:
         watch: follows the automata, for example with a `Monitor`.
         on_frame: called with each frame before the program receives it; default: frames that would change nothing are
             left out.
-        models: units of a bus that have a model (of `chosen_models`); the others are played from the description.
+        models: units that have a model; the others are played from the description; default: those of `chosen_models`.
 
     Attributes:
         at: time since the start, µs.
@@ -90,7 +90,8 @@ class VirtualTool:
         self.bench = Bench(description, scenario, seed, levels=levels)
         self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
-        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus, models or {})
+        chosen = chosen_models(None, description) if models is None else models
+        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus, chosen)
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         reads = self._own is not None

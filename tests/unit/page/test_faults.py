@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable
+from dataclasses import replace
 
 import pytest
 
@@ -127,6 +128,17 @@ def test_without_a_testbench_it_says_nothing(view: FaultsView) -> None:
     for _ in range(3):
         view.lose("", S)
     assert (view.there, view.now(S), view.version, texts(view)) == (False, None, 0, [])
+
+
+def test_a_device_that_is_played_from_its_description_is_no_device(
+    view: FaultsView, verdin: Description
+) -> None:
+    units = ("unit 9 plays the description, not the device", "unit 8 plays robotiq-2f85 by its manual")
+    view.begin(replace(header(verdin), units=units), S)
+    (said,) = texts(view)
+    assert said.endswith(
+        "moves. Unit 9 plays the description, not the device. Unit 8 plays robotiq-2f85 by its manual."
+    )
 
 
 def test_a_testbench_that_comes_changes_and_goes(view: FaultsView, verdin: Description) -> None:

@@ -10,7 +10,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.testbench import Bench, SensorBoard, chosen_models
+from end_effector_lab.testbench import Bench, SensorBoard, chosen_models, text_of
 from end_effector_lab.testbench._units import played_units
 from end_effector_lab.testbench.devices import sealed
 from end_effector_lab.virtual import VirtualTool
@@ -35,11 +35,36 @@ def board(tool: Description, scenario: str = "nominal", levels: dict[str, bool] 
 
 
 def test_a_text_chooses_models(gripper: Description) -> None:
-    assert chosen_models(None, gripper) == {}
     models = chosen_models("9=robotiq-2f85", gripper)
     assert models == {"": {9: "robotiq-2f85"}}
     assert [text for text, _ in played_units(gripper, models)] == ["unit 9 plays robotiq-2f85 by its manual"]
+    assert text_of(models) == "9=robotiq-2f85"
     assert [text for text, _ in played_units(gripper, {})] == ["unit 9 plays the description, not the device"]
+
+
+def naming(tool: Description, device: str) -> Description:
+    """The tool, with the name of a device of a library."""
+    ((name, part),) = tool.actuators.items()
+    named = part.model_copy()
+    object.__setattr__(named, "device", device)
+    return tool.model_copy(update={"actuators": {name: named}})
+
+
+def test_the_name_of_a_device_chooses_its_model_and_a_text_another_one_or_none(gripper: Description) -> None:
+    named = naming(gripper, "robotiq-hand-e")
+    assert chosen_models(None, named) == {"": {9: "robotiq-hand-e"}}
+    assert chosen_models("9=robotiq-2f85", named) == {"": {9: "robotiq-2f85"}}
+    assert chosen_models("9=", named) == {"": {}}
+    assert chosen_models(None, naming(gripper, "a gripper of my own")) == {}
+
+
+def test_a_tool_that_names_a_device_is_played_with_its_model(gripper: Description) -> None:
+    tool = VirtualTool(naming(gripper, "robotiq-2f85"))
+    tool.run(1)
+    assert tool.command("grip").accepted
+    fingers = tool.bench.devices["fingers"]
+    strokes = tool.run_until(5 * S, lambda: not fingers.bits["open"] and not any(tool.levels.values()))
+    assert strokes, "an activation moves the fingers"
 
 
 @pytest.mark.parametrize(
@@ -50,7 +75,7 @@ def test_a_text_chooses_models(gripper: Description) -> None:
             "8=robotiq-2f85",
             "no output of the tool is at '8'. Expected: UNIT=NAME or LINK:UNIT=NAME; there are the",
         ),
-        ("robotiq-2f85", "no model is named ''"),
+        ("robotiq-2f85", "no output of the tool is at 'robotiq-2f85'."),
     ],
 )
 def test_what_cannot_be_chosen(gripper: Description, text: str, why: str) -> None:

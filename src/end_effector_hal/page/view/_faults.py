@@ -44,7 +44,9 @@ class FaultsView:
             raise ReportedError(f"{what} than that of this page ({self._hash}).", todo=todo)
         self._faults, self._heard_at, self._scenario, self._why = header.faults, now, "", ""
         self.version += 1
-        self._log.add(now, "page", "A testbench is at the other end of the wires: nothing real moves.")
+        what = "A testbench is at the other end of the wires: nothing real moves."
+        played = [f"{each[:1].upper()}{each[1:]}." for each in header.units]
+        self._log.add(now, "page", " ".join([what, *played]))
 
     def scenario(self, text: str, now: int) -> None:
         """Set the active faults; this message is also a sign of life."""
