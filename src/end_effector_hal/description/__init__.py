@@ -8,12 +8,14 @@ from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
 from .model._channels import (
+    NUMBER,
     PASCAL,
     QUANTITIES,
     Channel,
     DeviceAlarm,
     DigitalInput,
     Inputs,
+    JsonValue,
     ModbusFrame,
     RecordFrame,
     RecordValue,
@@ -21,6 +23,7 @@ from .model._channels import (
     TextFrame,
     TextValue,
     mask_shift,
+    part_of,
     raw_limits,
     type_bits,
 )
@@ -35,6 +38,7 @@ from .rules.evidence._evidence import BIT, Spans, SpanSearch, Wanted, measures_o
 __all__ = [
     "BIT",
     "CODES",
+    "NUMBER",
     "PASCAL",
     "QUANTITIES",
     "Channel",
@@ -46,6 +50,7 @@ __all__ = [
     "Fault",
     "Freshness",
     "Inputs",
+    "JsonValue",
     "Link",
     "ModbusFrame",
     "RecordFrame",
@@ -67,6 +72,7 @@ __all__ = [
     "mask_shift",
     "measures_of",
     "not_fitted",
+    "part_of",
     "profile_names",
     "profile_path",
     "range_kpa",

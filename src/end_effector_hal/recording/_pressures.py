@@ -18,7 +18,8 @@ UNIT = "_gauge_kpa"
 """Ending of a pressure's column name, after the name of the channel."""
 KPA = "kPa"
 OF_QUANTITIES = {
-    "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "N": "_n", "degC": "_degc"
+    "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "A": "_a", "N": "_n", "g": "_g", "kg": "_kg",
+    "degC": "_degc",
 }  # fmt: skip
 """Endings of the column names of other quantities, by their unit."""
 _UNITS = {UNIT: KPA} | {ending: unit for unit, ending in OF_QUANTITIES.items()}

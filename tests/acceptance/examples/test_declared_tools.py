@@ -24,6 +24,7 @@ from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.nightly import first_of
 from tests.support.patience import PATIENCE_S
+from tests.unit.virtual.test_asked_tool import ASKED
 
 from .conftest import ROOT
 
@@ -55,11 +56,15 @@ def test_it_grips_and_its_recording_decides_the_same(name: str, tmp_path: Path) 
 
 
 def on_virtual_wires(name: str, folder: Path) -> tuple[Description, VirtualInputs]:
-    tool = load_tool(TOOLS / name / "end_effector.yaml").with_virtual(folder / "chip", f"{folder}/uart")
+    path = TOOLS / name / "end_effector.yaml"
+    if name == "asked":
+        path = folder / "tool.yaml"
+        path.write_text(ASKED)
+    tool = load_tool(path).with_virtual(folder / "chip", f"{folder}/uart")
     return tool, VirtualInputs(folder / "chip", [each.line for _, each in tool.ordered])
 
 
-@pytest.mark.parametrize("name", DECLARED)
+@pytest.mark.parametrize("name", [*DECLARED, "asked"])
 def test_the_doctor_listens_and_the_testbench_shows_what_the_lines_do(name: str, tmp_path: Path) -> None:
     tool, inputs = on_virtual_wires(name, tmp_path)
     frames: Queue[Frame] = Queue()

@@ -29,6 +29,7 @@ TOOLS = [
     ("cup:vacuum", ()),
     ("cups:vacuum,rod:cylinder", ()),
     ("a:vacuum,rod:cylinder,b:vacuum", ("--link", "binary", "--no-tool-changer")),
+    ("a:vacuum,rod:cylinder,jaw:gripper", ("--link", "json")),
     ("cups:vacuum,rod:cylinder,jaw:gripper", ("--link", "front:text", "--link", "arm:modbus")),
     ("jaw:gripper,m:magnet,cup:vacuum", ("--link", "none", "--no-tool-changer")),
     ("a:vacuum,rod:cylinder", ("--link", "modbus", "--virtual")),
@@ -59,7 +60,7 @@ def written(actuators: str, options: tuple[str, ...]) -> Description:
     return load(Path("My 2nd Tool/end_effector.yaml"))
 
 
-@pytest.mark.parametrize("link", ["text", "binary", "modbus", "modbus-rtu-epick", "legacy-nibble"])
+@pytest.mark.parametrize("link", ["text", "json", "binary", "modbus", "modbus-rtu-epick", "legacy-nibble"])
 def test_the_baud_rate_that_it_writes_is_the_one_without_the_key(link: str) -> None:
     tool = written("cup:vacuum", ("--link", link, "--no-tool-changer"))
     assert tool.link is not None
@@ -228,7 +229,7 @@ def test_on_a_terminal_it_asks_for_what_is_missing() -> None:
         _, asked = process.communicate(timeout=60)
     assert process.returncode == 0
     assert asked.startswith(
-        b"Link (text, binary, modbus, none, or a codec) [text]: Is a tool changer fitted? [Y/n]: "
+        b"Link (text, json, binary, modbus, none, or a codec) [text]: Is a tool changer fitted? [Y/n]: "
     )
     tool = load(Path("tool/end_effector.yaml"))
     assert (tool.link.frame.format, tool.tool_changer) == ("record", None)

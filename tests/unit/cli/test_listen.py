@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from end_effector_hal.cli.listen import _listen
+from end_effector_hal.cli.listen import _listen, why_no_frame
 from end_effector_hal.errors import LinkBusyError, LinkError, UsageError
 from end_effector_hal.sensing import SENT_INVALID
 from end_effector_hal.wires.link import PtyPair, open_port
@@ -139,6 +139,17 @@ def test_silence_and_another_codec_are_one_sentence(machine: Machine) -> None:
     assert str(silent).startswith(f"{machine.port}, ees1-ascii, 115200 baud: silent. Is the device powered")
     assert isinstance(noise, LinkError)
     assert str(noise).endswith("they look like legacy-nibble. Set link.codec: legacy-nibble.")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b'1}\n{"p":-62.4,"part":true}\r\n{"p":', "lines of JSON. Write frame: {json: {}} for the link"),
+        (b"{not json\n", "Baud rate, parity, link.frame and voltage levels: do they fit?"),
+    ],
+)
+def test_lines_of_json_are_recognised(data: bytes, said: str) -> None:
+    assert said in ". ".join(why_no_frame(data, ""))
 
 
 def test_a_link_that_somebody_reads_is_left_alone(machine: Machine) -> None:

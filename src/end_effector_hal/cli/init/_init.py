@@ -39,7 +39,7 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
     metavar="[NAME:]LINK",
     multiple=True,
     shell_complete=completed(links_known, separator=",", after_colon=True),
-    help="text, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
+    help="text, json, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
     "front:text: the actuators are distributed among them in turn, or as their LINK says.  [default: text]",
 )
 @click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
@@ -131,7 +131,7 @@ def _refuse(what: str) -> str:
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _OTHER_WORDS = ("null", "true", "false", NO_CHANNEL)
 BOARD = "none"
-LINKS = ("text", "binary", "modbus", BOARD)
+LINKS = ("text", "json", "binary", "modbus", BOARD)
 """Links without a codec: a frame that is declared, or inputs of the board; the name of a codec is allowed as well."""
 
 

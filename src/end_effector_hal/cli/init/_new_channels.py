@@ -88,10 +88,12 @@ def _own_name(actuator: str, meaning: str, carries: Kind) -> str:
 
 
 def frame_lines(link: str, channels: NewChannels) -> Iterator[str]:
-    """Yield the lines of the declared frame that carries the channels of a link: text, binary or modbus."""
+    """Yield the lines of the declared frame that carries the channels of a link: text, json, binary or modbus."""
     match link:
         case "text":
             yield '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
+        case "json":
+            yield '  frame: {json: {}}                  # {"cup": -62.4, "part": true}, a line each'
         case "binary":
             length = 2 * _count(channels, Kind.PRESSURE) + -(-_count(channels, Kind.BIT) // 8)
             yield f"  frame: {{record: {{framing: cobs, length: {length}, checksum: crc16-modbus}}}}"
@@ -111,7 +113,13 @@ def channel_lines(link: str, name_of_link: str, channels: NewChannels) -> Iterat
         yield f"  {name}: {{link: {name_of_link}, codec: {{channel: {channel}}}}}"
     if channels.of_codec:
         return
-    place = {"text": _text, "binary": _binary(channels), "modbus": _modbus(), "none": _board()}[link]
+    place = {
+        "text": _text,
+        "json": _json(channels),
+        "binary": _binary(channels),
+        "modbus": _modbus(),
+        "none": _board(),
+    }[link]
     over = f"link: {name_of_link}, " if name_of_link and link != "none" else ""
     for number, (name, kind) in enumerate(channels.carried.items(), start=1):
         more = "" if kind is Kind.BIT else ", unit: kPa, scale: 0.1"
@@ -128,6 +136,11 @@ Place = Callable[[int, Kind], str]
 def _text(number: int, kind: Kind) -> str:
     decimals = "" if kind is Kind.BIT else ", decimals: 0"
     return f"text: {{field: {number}{decimals}}}"
+
+
+def _json(channels: NewChannels) -> Place:
+    keys = [*channels.carried]
+    return lambda number, _: f"json: {{key: {keys[number - 1]}}}"
 
 
 def _binary(channels: NewChannels) -> Place:

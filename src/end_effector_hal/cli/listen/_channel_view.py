@@ -167,13 +167,15 @@ class ChannelView:
         """Return how the values of a channel are shown."""
         return self.sensors.now.readings.measures.get(channel, GAUGE_PRESSURE)
 
-    def raw(self, channel: str) -> float | None:
-        """Return the value that the source sent, before scale and offset; for a channel of a codec, the value from the
-        codec.
+    def raw(self, channel: str) -> float | str | None:
+        """Return the value that the source sent, or a word with its meaning, before scale and offset; for a channel of
+        a codec, the value from the codec.
         """
         value, declared = self.values.get(channel), self.tool.channels.get(channel)
         if value is None or declared is None or declared.codec is not None:
             return value
+        if word := declared.word(value):
+            return word
         raw = round(declared.raw(value), 3)
         return int(raw) if raw.is_integer() else raw
 

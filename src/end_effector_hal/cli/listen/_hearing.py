@@ -113,7 +113,13 @@ def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
     if not data:
         return "silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
     others = ", ".join(fitting(data, but=codec))
-    what = f"{len(data)} bytes and no frame" + (f"; they look like {others}" if others else "")
+    json = not others and any(
+        line.startswith(b"{") and line.rstrip().endswith(b"}") for line in data.split(b"\n")
+    )
+    looks = "lines of JSON" if json else others
+    what = f"{len(data)} bytes and no frame" + (f"; they look like {looks}" if looks else "")
+    if json:
+        return what, "Write frame: {json: {}} for the link, and json: {key: …} with the path of each channel."
     if others:
         return what, f"Set link.codec: {others}."
     return what, f"Baud rate, parity, {'codec' if codec else 'link.frame'} and voltage levels: do they fit?"

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from end_effector_hal.codecs._codec import Decoder
 from end_effector_hal.codecs.described._field import Field
-from end_effector_hal.description import Channel
+from end_effector_hal.description import Channel, part_of
 from end_effector_hal.signals import Frame, Kind, Value
 
 
@@ -60,7 +60,7 @@ def by_place(channels: Mapping[str, Channel], source: str) -> dict[Any, dict[str
     """Return the channels of one source, by their places on the wire."""
     found: dict[Any, dict[str, Channel]] = {}
     for name, each in channels.items():
-        found.setdefault(getattr(each, source), {})[name] = each
+        found.setdefault(part_of(each, source), {})[name] = each
     return found
 
 
@@ -114,7 +114,7 @@ class DescribedDecoder:
         self._rest = b""
         return True
 
-    def _frame(self, at: int, fields: Sequence[Field], raws: Sequence[float | None]) -> Frame:
+    def _frame(self, at: int, fields: Sequence[Field], raws: Sequence[float | str | None]) -> Frame:
         """Return the frame of these raw values."""
         values: dict[str, Value] = {}
         for field, raw in zip(fields, raws, strict=True):

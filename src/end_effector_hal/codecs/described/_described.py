@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from end_effector_hal._extras import missing_extra
+from end_effector_hal.codecs.described._asked import AskedLines
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
+from end_effector_hal.codecs.described._json import DescribedJson
 from end_effector_hal.codecs.described._record import DescribedRecord
 from end_effector_hal.codecs.described._text import DescribedText
 
@@ -31,8 +33,10 @@ def described_codec(link: Link, over: Mapping[str, Channel]) -> DescribedCodec:
         link.period_ms and 1000 * link.period_ms,
         link.stopbits or 1,
     )
-    if frame.text is not None:
-        return DescribedText(frame.text, channels, line)
+    asked = frame.text or frame.json_
+    if asked is not None:
+        lines = DescribedText(frame.text, channels, line) if frame.text else DescribedJson(channels, line)
+        return lines if asked.ask is None else AskedLines(lines, asked.ask, line)
     if frame.modbus is not None:
         try:
             from end_effector_hal.codecs.described._modbus import DescribedModbus

@@ -16,7 +16,7 @@ from operator import xor
 from typing import NamedTuple
 
 from end_effector_hal.description import Channel, mask_shift, raw_limits, type_bits
-from end_effector_hal.signals import Value
+from end_effector_hal.signals import Kind, Value
 
 HIGHEST_FLOAT = 3.4e38
 
@@ -124,17 +124,31 @@ class Field:
     def __init__(self, channels: Mapping[str, Channel], limits: Limits = None) -> None:
         self.channels = dict(channels)
         self._limits = limits
+        self.words = frozenset(word for each in channels.values() for word in each.words)
 
-    def values(self, raw: float | None) -> dict[str, Value]:
+    @property
+    def bits(self) -> bool:
+        """Whether all channels are bits."""
+        return all(each.kind is Kind.BIT for each in self.channels.values())
+
+    def values(self, raw: float | str | None) -> dict[str, Value]:
         """Return the values of a raw value; None: there is no raw value."""
         return {name: None if raw is None else each.value(raw) for name, each in self.channels.items()}
 
-    def implausible(self, raw: float | None) -> bool:
+    def implausible(self, raw: float | str | None) -> bool:
         """Return whether no sensor can send this raw value; False if it is a declared invalid value."""
         return raw is not None and any(
             raw == raw and raw not in each.invalid and each.value(raw) is None
             for each in self.channels.values()
         )
+
+    def sent(self, values: Mapping[str, Value]) -> float | str | None:
+        """Return the raw value or word that a device sends for these values; see `raw`."""
+        wanted = {name: values[name] for name in self.channels if name in values}
+        if not self.words or not wanted or None in wanted.values():
+            return None if self.words else self.raw(values)
+        meant = [raw for each in self.channels.values() for raw in (*(each.on or ()), *each.offs)]
+        return max(meant, key=lambda raw: self._agreement(raw, wanted))
 
     def raw(self, values: Mapping[str, Value]) -> float | None:
         """Return the raw value that a device sends for these values; None: the format cannot encode a missing value.
@@ -150,14 +164,15 @@ class Field:
         if len(self.channels) == 1:
             (value,) = wanted.values()
             return self._nearest(first, value or 0)
-        candidates = [0, 1, *(raw for each in self.channels.values() for raw in each.on or ())]
+        meant = [raw for each in self.channels.values() for raw in (*(each.on or ()), *(each.off or ()))]
+        candidates = [0, 1, *(raw for raw in meant if not isinstance(raw, str))]
         candidates += [value for value in wanted.values() if type(value) is int]  # a code
         candidates += range(len(candidates))
+        return float(max(filter(self._fits, candidates), key=lambda raw: self._agreement(raw, wanted)))
 
-        def agree(raw: float) -> int:
-            return sum(self.channels[name].value(raw) == value for name, value in wanted.items())
-
-        return float(max(filter(self._fits, candidates), key=agree))
+    def _agreement(self, raw: float | str, wanted: Mapping[str, Value]) -> int:
+        """Return how many channels get their value by a raw value."""
+        return sum(self.channels[name].value(raw) == value for name, value in wanted.items())
 
     def _fits(self, raw: float) -> bool:
         return self._limits is None or self._limits[0] <= raw <= self._limits[1]

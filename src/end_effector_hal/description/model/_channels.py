@@ -6,16 +6,19 @@ The keys are those that users of ESPHome, Home Assistant and Telegraf know: ``ad
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic_core import PydanticKnownError
 
 from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word, stanza_fault
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import MOST_CHANNELS
 
 Unit = Literal[
-    "Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg", "mm", "deg", "%", "V", "mA", "N", "degC"
+    "Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi", "inHg", "Torr", "mmHg",
+    "mm", "deg", "%", "V", "mA", "A", "N", "g", "kg", "degC",
 ]  # fmt: skip
 PASCAL: dict[str, float] = {
     "Pa": 1.0,
@@ -26,6 +29,8 @@ PASCAL: dict[str, float] = {
     "bar": 100_000.0,
     "psi": 6_894.757,
     "inHg": 3_386.389,
+    "Torr": 133.3224,
+    "mmHg": 133.3224,
 }
 """Pa per unit of pressure."""
 
@@ -41,11 +46,48 @@ TINY = 1e-9
 A smaller one is invalid: the words are in the wrong order.
 """
 
+NUMBER = re.compile(r"[+-]?([0-9]{1,20}(\.[0-9]{0,20})?|\.[0-9]{1,20})([eE][+-]?[0-9]{1,2})?")
+"""A number in a text."""
 ValueType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32", "float32"]
 ByteOrder = Literal["big", "little"]
 Factor = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
 Raw = Annotated[int, Field(ge=-(2**31), le=2**32 - 1)]
 Raws = Annotated[tuple[Raw, ...], Field(strict=False, max_length=64)]
+_WORD_LENGTH, _OPPOSITES = (
+    40,
+    (("on", "off"), ("true", "false"), ("yes", "no"), ("high", "low"), ("open", "closed")),
+)
+OPPOSITE: dict[str, str] = {
+    cased(one): cased(other)
+    for pair in _OPPOSITES
+    for one, other in (pair, pair[::-1])
+    for cased in (str.lower, str.upper, str.capitalize)
+}
+"""Words that mean off if these mean on, and the reverse, in the same case."""
+
+
+def _raw_or_word(given: Any) -> int | str:
+    """Return a raw value that means on or off; true and false are the words of JSON."""
+    if isinstance(given, bool):
+        return str(given).lower()
+    if isinstance(given, str):
+        if not 0 < len(given) <= _WORD_LENGTH or given != given.strip() or not given.isprintable():
+            expected = f"1 to {_WORD_LENGTH} printed characters without blanks around them"
+            raise stanza_fault("EE-211", "this word is never received", expected)
+        if NUMBER.fullmatch(given):
+            raise stanza_fault("EE-207", "this is a number", "the number without quotes", f"write {given}")
+        return given
+    if not isinstance(given, int):
+        raise PydanticKnownError("int_type")
+    if given < -(2**31):
+        raise PydanticKnownError("greater_than_equal", {"ge": -(2**31)})
+    if given > 2**32 - 1:
+        raise PydanticKnownError("less_than_equal", {"le": 2**32 - 1})
+    return given
+
+
+RawOrWord = Annotated[int | str, PlainValidator(_raw_or_word, json_schema_input_type=int | str | bool)]
+RawsOrWords = Annotated[tuple[RawOrWord, ...], Field(strict=False, max_length=64)]
 Span = Annotated[tuple[Factor, Factor], Field(strict=False)]
 Bitmask = Annotated[int | None, Field(ge=1, le=2**32 - 1)]
 Bytes = Annotated[int, Field(ge=0, le=255)]
@@ -85,6 +127,18 @@ class TextValue(Part):
     )
     key: Annotated[str | None, Field(min_length=1, max_length=40)] = Field(
         default=None, description="key in front of the value, such as P1 in P1=-52.3"
+    )
+    decimals: Annotated[int | None, Field(ge=0, le=9)] = Field(
+        default=None,
+        description="digits after the point that the device sends; a coarse value is never called frozen",
+    )
+
+
+class JsonValue(Part):
+    """A value in a line of JSON."""
+
+    key: Annotated[str, Field(min_length=1, max_length=80)] = Field(
+        description="its path: keys and places in lists, from 0 on, with points between them: sensors.0.pressure"
     )
     decimals: Annotated[int | None, Field(ge=0, le=9)] = Field(
         default=None,
@@ -157,6 +211,11 @@ class AnalogInput(Part):
     )
 
 
+def part_of(stanza: Part, key: str) -> Any:
+    """Return the value of a key; the field of `json` has another name, because pydantic has a method of that name."""
+    return getattr(stanza, "json_" if key == "json" else key)
+
+
 class CodecValue(Part):
     """A channel of the codec that a link names; the codec defines its meaning."""
 
@@ -200,12 +259,15 @@ DeviceAlarms = Annotated[
 
 
 class Channel(Part):
-    """One signal: its source (one of text, record, modbus, codec, digital, analog) and its meaning."""
+    """One signal: its source (one of text, json, record, modbus, codec, digital, analog) and its meaning."""
 
     link: Name | None = Field(
         default=None, description="name under `links` of its link, if there are several"
     )
     text: TextValue | None = Field(default=None, description="in a line of text that comes over the link")
+    json_: JsonValue | None = Field(
+        default=None, alias="json", description="in a line of JSON that comes over the link"
+    )
     record: RecordValue | None = Field(
         default=None, description="in a binary record that comes over the link"
     )
@@ -227,20 +289,42 @@ class Channel(Part):
         default=None, description="unit: [lowest, highest] possible value; a value beyond is invalid"
     )
     invalid: Raws = Field(default=(), description="raw values that mean: there is no valid value")
-    on: Raws | None = Field(default=None, description="of a bit: raw values that are on; default: all but 0")
+    on: RawsOrWords | None = Field(
+        default=None,
+        description="of a bit: raw values that are on, of text and JSON also words; default: all but 0",
+    )
+    off: RawsOrWords | None = Field(
+        default=None,
+        description="of a bit: raw values that are off; any other is invalid then. Default: all but those of `on`; of "
+        "words only their opposite, such as OFF of ON",
+    )
     invert: bool = Field(default=False, description="of a bit: on is off (active low, normally closed)")
     alarm: DeviceAlarms = Field(
         default=(),
         description="a fault that the device reports: a text for a bit that is on, or a list with a text for each code",
     )
 
-    OVER_LINK: ClassVar = ("text", "record", "modbus", "codec")
+    OVER_LINK: ClassVar = ("text", "json", "record", "modbus", "codec")
     SOURCES: ClassVar = (*OVER_LINK, "digital", "analog")
 
     @property
     def source(self) -> str:
         """Source of the channel, one of `SOURCES`: the first that is written; empty if none is."""
-        return next((name for name in self.SOURCES if getattr(self, name) is not None), "")
+        return next((name for name in self.SOURCES if part_of(self, name) is not None), "")
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Words that are on or off."""
+        return tuple([each for each in (*(self.on or ()), *self.offs) if isinstance(each, str)])
+
+    @property
+    def offs(self) -> tuple[int | str, ...]:
+        """Raw values that are off where all others are invalid; empty: all that are not on are off."""
+        on = self.on or ()
+        if self.off is not None or not any(isinstance(each, str) for each in on):
+            return self.off or ()
+        zero = any(not isinstance(each, str) for each in on) and 0 not in on
+        return (*(OPPOSITE[each] for each in on if each in OPPOSITE), *((0,) if zero else ()))
 
     @property
     def on_board(self) -> bool:
@@ -267,14 +351,22 @@ class Channel(Part):
     def step_pa(self) -> float:
         """Smallest step of a value as far as known, Pa or thousandths; 1 for a float, which has none."""
         step = abs(self.scale) * COUNTS[self.unit or "Pa"]
-        if self.text is not None:
-            return step * 10.0 ** -(self.text.decimals or 0)
+        if line := self.text or self.json_:
+            return step * 10.0 ** -(line.decimals or 0)
         place = self.record or self.modbus
         return 1.0 if place is not None and place.value_type == "float32" else step
 
-    def value(self, raw: float) -> Value:
-        """Return the meaning of a raw value: Pa, thousandths, a bit or a code; None: it is invalid."""
-        if raw != raw or raw in self.invalid or (0 < abs(raw) < 1 and abs(raw * self.scale) < TINY):
+    def value(self, raw: float | str) -> Value:
+        """Return the meaning of a raw value or word: Pa, thousandths, a bit or a code; None: it is invalid."""
+        if self.unit is None and (offs := self.offs):
+            on = raw in (self.on or ())
+            return on is not self.invert if (on or raw in offs) and raw not in self.invalid else None
+        if (
+            isinstance(raw, str)
+            or raw != raw
+            or raw in self.invalid
+            or (0 < abs(raw) < 1 and abs(raw * self.scale) < TINY)
+        ):
             return None
         if self.kind is Kind.CODE:
             code = int(raw) if abs(raw) <= HIGHEST_PA and raw == int(raw) else None
@@ -286,6 +378,11 @@ class Channel(Part):
             return None
         counts = scaled * COUNTS[self.unit]
         return round(counts) if abs(counts) <= HIGHEST_PA else None
+
+    def word(self, value: Value) -> str:
+        """Return the word with this meaning; empty: it is said with a number."""
+        among = (self.on or ()) if bool(value) is not self.invert else self.offs
+        return next((each for each in among if isinstance(each, str)), "") if self.unit is None else ""
 
     def raw(self, value: int | bool) -> float:
         """Return a raw value with this meaning, for a simulated sensor to send.
@@ -299,9 +396,23 @@ class Channel(Part):
             if self.on is None:
                 return float(on)
             others = {*self.on, *self.invalid}
-            return float(self.on[0] if on else next(n for n in range(len(others) + 1) if n not in others))
+            numbers = [each for each in (self.on if on else self.offs) if not isinstance(each, str)]
+            return float(
+                numbers[0] if numbers else next(n for n in range(len(others) + 1) if n not in others)
+            )
         raw = (value / COUNTS[self.unit] - self.offset) / self.scale
         return raw if abs(raw * self.scale) >= TINY else 0.0
+
+
+Ask = Annotated[
+    str | None,
+    Field(
+        min_length=1,
+        max_length=64,
+        description="request that the HAL sends every period_ms of the link, with the end of its line; the device "
+        "answers with a line. null: it sends by itself",
+    ),
+]
 
 
 class TextFrame(Part):
@@ -320,6 +431,13 @@ class TextFrame(Part):
     checksum_mark: Annotated[str, Field(min_length=1, max_length=1)] = Field(
         default="*", description="in front of the checksum"
     )
+    ask: Ask = None
+
+
+class JsonFrame(Part):
+    """Lines of JSON, one object and one frame per line."""
+
+    ask: Ask = None
 
 
 class RecordFrame(Part):
@@ -351,24 +469,25 @@ class ModbusFrame(Part):
 
 
 class LinkFrame(Part):
-    """The frame format of a link, declared here instead of by a codec's name: one of text, record, modbus."""
+    """The frame format of a link, declared here instead of by a codec's name: one of text, json, record, modbus."""
 
     text: TextFrame | None = Field(default=None, description="lines of text")
+    json_: JsonFrame | None = Field(default=None, alias="json", description="lines of JSON")
     record: RecordFrame | None = Field(default=None, description="binary records")
     modbus: ModbusFrame | None = Field(default=None, description="registers and coils that are asked for")
 
-    FORMATS: ClassVar = ("text", "record", "modbus")
+    FORMATS: ClassVar = ("text", "json", "record", "modbus")
 
     @property
     def format(self) -> str:
         """Format of the frame, one of `FORMATS`: the first that is written; empty if none is."""
-        return next((name for name in self.FORMATS if getattr(self, name) is not None), "")
+        return next((name for name in self.FORMATS if part_of(self, name) is not None), "")
 
     @property
     def checked(self) -> bool:
         """Whether a byte that was changed or lost in transmission is detected."""
         declared = self.text or self.record
-        return declared is None or declared.checksum != "none"
+        return self.json_ is None and (declared is None or declared.checksum != "none")
 
 
 class Inputs(Part):

@@ -33,13 +33,33 @@ _KEYS = {
     "stop_bits": "stopbits",
     "swap": "word_order",
     "unit_of_measurement": "unit",
+    "data_type": "value_type",
+    "type": "value_type",
+    "device_address": "unit",
+    "path": "key",
+    "json_path": "key",
+    "nan_value": "invalid",
+    "payload_on": "on",
+    "payload_off": "off",
+    "serial_port": "port",
+    "controller": "port",
 }
 _ELSEWHERE = {
     "timeout": "write timeout_ms under frame.modbus of the link, in milliseconds",
     "scan_interval": "write period_ms under the link, in milliseconds",
+    "bytesize": "leave it out: a byte has 8 bits",
+    "data_bits": "leave it out: a byte has 8 bits",
+    "method": "leave it out: frame: {modbus: {}} is RTU",
+    "retries": "leave it out: the next period asks again",
 }
-"""Keys of Home Assistant that belong to another stanza of the link here."""
-_OF_THE_CHANNEL = ("invert", "on")
+"""Keys of Home Assistant and Telegraf that belong to another stanza of the link here, or to none."""
+_CHANNELS_HAVE = {
+    "min_value": "write range: [lowest, highest]",
+    "max_value": "write range: [lowest, highest]",
+    "value_template": "write json: {key: …} with the path behind value_json, and frame: {json: {}} for the link",
+}
+"""Keys of a sensor in Home Assistant, by what a channel has instead."""
+_OF_THE_CHANNEL = ("invert", "on", "off", "invalid")
 _WORDS = {
     "even": "E",
     "odd": "O",
@@ -59,6 +79,8 @@ def key_hint(key: str, path: Keys, known: list[str]) -> str:
         return f"write {other}"
     if key in _ELSEWHERE and (path[0] in ("link", "links") or "modbus" in path):
         return _ELSEWHERE[key]
+    if key in _CHANNELS_HAVE and path[0] == "channels":
+        return _CHANNELS_HAVE[key]
     in_a_source = len(path) == 4 and path[0] == "channels"
     return f"write {other}, beside {path[2]}" if other in _OF_THE_CHANNEL and in_a_source else ""
 

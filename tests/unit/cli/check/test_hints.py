@@ -107,7 +107,7 @@ schema: 2
 name: pasted
 link: {port: /dev/ttyUSB0, LINK, frame: {modbus: {FRAME}}}
 channels:
-  v: {modbus: {unit: 1, address: 0x9005}, unit: kPa}
+  v: {modbus: {unit: 1, address: 0x9005, REGISTER}, CHANNEL, unit: kPa}
 supply: {channel: none}
 actuators:
   cup:
@@ -116,6 +116,15 @@ actuators:
     modbus: {address: 5, command_on: [1], command_off: [0], COMMAND, on_link_loss: hold}
 sequence: [cup]
 """
+
+
+def pasted(**keys: str) -> str:
+    """PASTED with these keys at their places, and none at the others."""
+    text = PASTED
+    for place in ("LINK, ", "COMMAND, ", "FRAME", ", REGISTER", "CHANNEL, "):
+        name = place.strip(", ")
+        text = text.replace(name, keys[name]) if name in keys else text.replace(place, "")
+    return text
 
 
 @pytest.mark.parametrize(
@@ -127,6 +136,20 @@ sequence: [cup]
         ("LINK", "scan_interval: 1", "; write period_ms under the link, in milliseconds"),
         ("LINK", "delay: 2", ""),
         ("FRAME", "message_wait_milliseconds: 30", ""),
+        ("LINK", "method: rtu", "; leave it out: frame: {modbus: {}} is RTU"),
+        ("LINK", "bytesize: 8", "; leave it out: a byte has 8 bits"),
+        ("FRAME", "retries: 3", "; leave it out: the next period asks again"),
+        ("LINK", "serial_port: /dev/ttyS0", "; write port"),
+        ("REGISTER", "data_type: int16", "; write value_type"),
+        ("REGISTER", "device_address: 3", "; write unit"),
+        ("REGISTER", "nan_value: 0x8000", "; write invalid, beside modbus"),
+        ("CHANNEL", "min_value: -100", "; write range: [lowest, highest]"),
+        ("CHANNEL", "payload_on: ON", "; write on"),
+        (
+            "CHANNEL",
+            'value_template: "{{ value_json.p }}"',
+            "; write json: {key: …} with the path behind value_json, and frame: {json: {}} for the link",
+        ),
         ("COMMAND", "on_power_loss: hold", "; it belongs to actuators.cup"),
         ("FRAME", "on_power_loss: hold", "; it belongs to actuators.<name>"),
     ],
@@ -134,9 +157,7 @@ sequence: [cup]
 def test_a_pasted_key_is_sent_to_its_place_or_nowhere(
     where: str, key: str, hint: str, tmp_path: Path
 ) -> None:
-    text = PASTED.replace(where, key)
-    for other in ("LINK, ", "COMMAND, ", "FRAME"):
-        text = text.replace(other, "")
+    text = pasted(**{where: key})
     path = tmp_path / "tool.yaml"
     path.write_text(text, "utf-8")
     faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
@@ -146,7 +167,7 @@ def test_a_pasted_key_is_sent_to_its_place_or_nowhere(
 
 def test_a_hexadecimal_address_is_no_number_of_a_manual(tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
-    text = PASTED.replace("LINK, ", "").replace("COMMAND, ", "").replace("FRAME", "")
+    text = pasted()
     for written, told in (("0x9005", False), ("0x9C41", False), ("40001", True)):
         path.write_text(text.replace("0x9005", written), "utf-8")
         hints = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["hints"]
@@ -199,7 +220,7 @@ def test_an_e_stop_whose_cut_wire_reads_as_closed_is_warned_of(
 )
 def test_an_address_is_no_port(port: str, refused: bool, tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
-    text = PASTED.replace("LINK, ", "").replace("COMMAND, ", "").replace("FRAME", "")
+    text = pasted()
     path.write_text(text.replace("/dev/ttyUSB0", f'"{port}"'), "utf-8")
     faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
     assert len(faults) is int(refused), faults
@@ -208,13 +229,12 @@ def test_an_address_is_no_port(port: str, refused: bool, tmp_path: Path) -> None
 
 def test_a_period_with_which_a_silence_is_seen_late_is_warned_of(tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
-    text = PASTED.replace("COMMAND, ", "").replace("FRAME", "")
     for period, told in (
-        ("", ""),
-        ("period_ms: 150, ", ""),
-        ("period_ms: 2000, ", "only after 6 s, and the link is down after 14 s"),
+        ({}, ""),
+        ({"LINK": "period_ms: 150"}, ""),
+        ({"LINK": "period_ms: 2000"}, "only after 6 s, and the link is down after 14 s"),
     ):
-        path.write_text(text.replace("LINK, ", period), "utf-8")
+        path.write_text(pasted(**period), "utf-8")
         warned = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["warnings"]
         late = [each for each in warned if "may be detected only after" in each]
         assert [told in each for each in late] == [True] * bool(told), warned

@@ -197,3 +197,48 @@ def test_what_the_line_is_by_default_and_what_the_link_says() -> None:
 def test_how_finely_it_counts(decimals: str, pa: float) -> None:
     codec = declared("{text: {}}", f"cup: {{text: {{field: 1{decimals}}}, unit: kPa}}")
     assert codec.resolution_pa == pytest.approx(pa)
+
+
+WORDS = declared(
+    "{text: {equals: ':'}}",
+    'part: {text: {key: Part}, on: ["ON", true]}',
+    "door: {text: {key: Door}, on: [OPEN], off: [SHUT, 0], invalid: [9]}",
+    "shut: {text: {key: Door}, on: [SHUT], off: [OPEN]}",
+    "code: {text: {key: Code}, on: [1], off: [2]}",
+    "plain: {text: {key: Plain}}",
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "values"),
+    [
+        (b"Part: ON, Door: OPEN, Code: 1, Plain: true\n", (True, True, False, True, True)),
+        (b"Part: false, Door: SHUT, Code: 2, Plain: false\n", (False, False, True, False, False)),
+        (b"Part: OFF, Door: 0, Code: 3, Plain: 2\n", (False, False, None, None, True)),
+        (b"Part: on, Door: 9, Code: 1, Plain: ON\n", (None, None, None, True, None)),
+        (b"Part: 0N, Door: OPEN SHUT, Code: ON, Plain: 1\n", (None, None, None, None, True)),
+        (b"Part: 1, Door: SHUT, Plain: 0\n", (None, False, True, None, False)),
+    ],
+)
+def test_a_word_is_on_or_off_and_any_other_has_no_value(line: bytes, values: tuple[Value, ...]) -> None:
+    expected = dict(zip(("part", "door", "shut", "code", "plain"), values, strict=True))
+    assert read(WORDS, b"\n", line) == [expected]
+
+
+def test_a_device_says_words() -> None:
+    values: dict[str, Value] = {"part": False, "door": False, "shut": True, "code": False, "plain": True}
+    line = WORDS.encode(Frame(0, None, None, values))
+    assert line == b"Part:OFF,Door:SHUT,Code:2,Plain:1\r\n"
+    assert read(WORDS, b"\n", line) == [values]
+
+
+@pytest.mark.parametrize(
+    ("unit", "value"),
+    [("Torr", 133_322), ("mmHg", 133_322), ("kg", 1_000_000), ("g", 1_000_000), ("A", 1_000_000)],
+)
+def test_units_of_text(unit: str, value: int) -> None:
+    codec = declared(
+        "{text: {}}", "cup: {text: {field: 1}, unit: kPa}", f"more: {{text: {{field: 2}}, unit: {unit}}}"
+    )
+    (values,) = read(codec, b"\n1,1000\n")
+    assert values["more"] == value

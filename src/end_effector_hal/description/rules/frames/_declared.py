@@ -8,13 +8,13 @@ from typing import Any
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model._channels import Channel
+from end_effector_hal.description.model._channels import OPPOSITE, Channel
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 
-from ._frames import CODE, OVER_LINK, declared_format, key_fault, link_of, link_paths
+from ._frames import CODE, ENDS, OVER_LINK, declared_format, key_fault, link_of, link_paths
 from ._places import limits_of_source, place_faults, shared_places
 
-OF_BITS, OF_PRESSURES = ("on", "invert"), ("scale", "offset", "range")
+OF_BITS, OF_PRESSURES = ("on", "off", "invert"), ("scale", "offset", "range")
 MEANING = ("unit", *OF_PRESSURES, "invalid", *OF_BITS)
 
 
@@ -52,6 +52,7 @@ def _channel(facts: Facts, name: str) -> Iterator[Fault]:
         yield key_fault(facts, (*path, "link"), what, "no link")
     if isinstance(facts.get(*path, source), dict):
         yield from place_faults(facts, name, source)
+        yield from _words(facts, name, source)
         yield from _raws(facts, name, source)
         yield from _alarms(facts, name, source)
 
@@ -184,13 +185,53 @@ def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
         )
 
 
+def _words(facts: Facts, name: str, source: str) -> Iterator[Fault]:
+    """Yield faults of words that are never received, or that have no opposite."""
+    path = ("channels", name)
+    frame = (*(link_of(facts, name) or ("link",)), "frame", source)
+    signs = set("".join(facts.get(*frame, key) or "" for key in ("separator", "equals"))) | ENDS
+    for key in ("on", "off"):
+        for index, word in enumerate(_meant(facts, name, key)):
+            if isinstance(word, str) and source not in ("text", "json"):
+                what = "a word comes only in text or JSON"
+                place = facts.places.value(*path, key, index)
+                yield Fault.at(place, CODE, what, expected="a number")
+            elif isinstance(word, str) and source == "text" and set(word) & signs:
+                what, expected = "this word is never received", "a word without separator and equals"
+                yield Fault.at(facts.places.value(*path, key, index), CODE, what, expected=expected)
+            elif (
+                isinstance(word, str)
+                and key == "on"
+                and word not in OPPOSITE
+                and not facts.says(*path, "off")
+            ):
+                what, expected = (
+                    f"nothing says what is off where {word!r} is on",
+                    "off: the words that are off",
+                )
+                yield Fault.at(facts.places.value(*path, key, index), "EE-206", what, expected=expected)
+
+
+def _meant(facts: Facts, name: str, key: str) -> list[Any]:
+    """Return the raw values and words of a key; true and false are words."""
+    given = facts.unbroken("channels", name, key) or ()
+    return [str(each).lower() if isinstance(each, bool) else each for each in given]
+
+
 def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     """Yield faults of raw values that the type does not have, or that have two meanings."""
     path = ("channels", name)
     limits = limits_of_source(facts, (*path, source))
     invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")
-    for key, raws in (("invalid", invalid), ("on", on or ())):
+    off = facts.unbroken(*path, "off")
+    for key, raws in (
+        ("invalid", invalid),
+        ("on", _meant(facts, name, "on")),
+        ("off", _meant(facts, name, "off")),
+    ):
         for index, raw in enumerate(raws):
+            if isinstance(raw, str):
+                continue
             if limits is not None and not limits[0] <= raw <= limits[1]:
                 place = facts.places.value(*path, key, index)
                 width = limits[1] - limits[0] + 1
@@ -199,12 +240,18 @@ def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
                 )
                 expected = f"{limits[0]} to {limits[1]}"
                 yield Fault.at(place, "EE-208", "this raw value is never sent", expected=expected, hint=hint)
-            elif key == "on" and raw in invalid:
+            elif key != "invalid" and raw in invalid:
                 place = facts.places.value(*path, key, index)
                 yield Fault.at(place, CODE, "this raw value is invalid, too", expected="one of the two")
-    if on is not None and not on:
-        place, expected = facts.places.value(*path, "on"), "the raw values that are on"
-        yield Fault.at(place, "EE-211", "'on' is empty", found="[]", expected=expected)
+    for key, given in (("on", on), ("off", off)):
+        if given is not None and not given:
+            place, expected = facts.places.value(*path, key), f"the raw values that are {key}"
+            yield Fault.at(place, "EE-211", f"{key!r} is empty", found="[]", expected=expected)
+    if off and on is None and facts.get(*path, "unit") is None:
+        yield key_fault(facts, (*path, "off"), "'off' goes with 'on'", "on: the raw values that are on")
+    if both := set(_meant(facts, name, "on")) & set(_meant(facts, name, "off")):
+        what = f"{', '.join(map(str, both))} is on and off"
+        yield key_fault(facts, (*path, "off"), what, "one of the two")
     if (
         on
         and limits is not None

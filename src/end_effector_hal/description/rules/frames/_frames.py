@@ -26,6 +26,7 @@ def frame_faults(facts: Facts) -> Iterator[Fault]:
     for link in link_paths(facts):
         yield from _link(facts, link)
         yield from _text_frame(facts, (*link, "frame", "text"))
+        yield from _asked(facts, link)
         yield from _record_frame(facts, (*link, "frame", "record"))
 
 
@@ -153,6 +154,15 @@ def _text_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
         elif not set(start) - _NUMERIC - set("".join(signs.values())):
             what = "'start' may stand within a line"
             yield value_fault(facts, (*path, "start"), what, "a character that no value has, such as $")
+
+
+def _asked(facts: Facts, link: Keys) -> Iterator[Fault]:
+    """Check the request of a link: a backslash in it is an escape that YAML did not read."""
+    for path in ((*link, "frame", each, "ask") for each in ("text", "json")):
+        ask = facts.get(*path) if facts.says(*path) else None
+        if isinstance(ask, str) and re.search(r"\\[rntx]", ask):
+            what, expected = "this would be sent with a backslash", f'double quotes: ask: "{ask}"'
+            yield value_fault(facts, path, what, expected)
 
 
 def _record_frame(facts: Facts, path: Keys) -> Iterator[Fault]:

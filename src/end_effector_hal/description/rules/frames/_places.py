@@ -12,6 +12,8 @@ from end_effector_hal.description.model._channels import Channel, raw_limits, ty
 
 from ._frames import ENDS, key_fault, link_of, value_fault
 
+DEEPEST = 8
+"""Most keys in the path of a value in JSON."""
 _IIO_FILE = re.compile(r"in_([a-z]+[0-9]*)_(?:raw|scale|offset)")
 
 
@@ -21,6 +23,8 @@ def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     frame = (*(link_of(facts, name) or ("link",)), "frame")
     if source == "text":
         yield from _text_place(facts, path, (*frame, source))
+    elif source == "json":
+        yield from _json_place(facts, name)
     elif source == "record":
         yield from _record_place(facts, path, (*frame, source))
     elif source == "modbus":
@@ -45,6 +49,24 @@ def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
                 "a key without separator, equals and blanks around it",
             )
             yield value_fault(facts, (*path, "key"), what, expected)
+
+
+def _json_place(facts: Facts, name: str) -> Iterator[Fault]:
+    """Check the path of a value, and that no other value is inside or around it."""
+    path = ("channels", name, "json", "key")
+    if (key := facts.get(*path)) is None:
+        return
+    keys = key.split(".")
+    if not all(each.strip() == each != "" for each in keys) or len(keys) > DEEPEST:
+        expected = f"at most {DEEPEST} keys with points between them, such as sensors.0.pressure"
+        yield value_fault(facts, path, "this is no path", expected)
+    for other in facts.names("channels"):
+        outer = facts.get("channels", other, "json", "key") if other != name else None
+        if outer and key.startswith(f"{outer}.") and link_of(facts, other) == link_of(facts, name):
+            yield value_fault(
+                facts, path, f"{outer!r} of {other!r} is a value, not an object", "another path"
+            )
+            return
 
 
 def _mask(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -147,7 +169,7 @@ def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:
     source = path[-1]
     if source == "codec":
         yield source, facts.get(*path, "channel")
-    if source == "text":
+    if source in ("text", "json"):
         for key in ("field", "key"):
             if facts.says(*path, key):
                 yield key, facts.get(*path, key)
