@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ._alarms import alarms
 from ._commands import commands
+from ._devices import devices
 from ._errors import errors
 from ._interlocks import interlocks
 from ._markdown import ROOT
@@ -15,6 +16,7 @@ from ._ros import entries
 COMMITTED: dict[str, Callable[[], str]] = {
     "alarms": alarms,
     "commands": commands,
+    "devices": devices,
     "errors": errors,
     "interlocks": interlocks,
     "mutants": mutants,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from end_effector_hal.description import (
+    CONFIRMED,
     Description,
     Fault,
     examine,
@@ -126,6 +127,7 @@ class Checked:
             "not_fitted": list(self.not_fitted),
             "warnings": list(self.slow),
             "hints": list(self.hints),
+            "devices": [] if self.description is None else _devices(self.description),
             "computed_bounds": computed_bounds(self.description) if self.description is not None else {},
         }
 
@@ -134,6 +136,22 @@ def computed_bounds(description: Description) -> dict[str, float]:
     """Return the bounds that the description does not contain and that are computed, in seconds by their key."""
     durations = description.durations
     return {key: durations.seconds(key) for key in durations.computed}
+
+
+def _devices(description: Description) -> list[dict[str, object]]:
+    """Return the devices that the actuators use, with the keys that the description writes itself."""
+    return [
+        {
+            "actuator": name,
+            "device": each.name,
+            "title": each.title,
+            "file": str(each.file),
+            "confirmed": each.confirmed,
+            "channels": list(each.channels),
+            "written_here": list(each.overridden),
+        }
+        for name, each in description.used_devices.items()
+    ]
 
 
 def check(path: Path) -> Checked:
@@ -287,4 +305,8 @@ def _rest(description: Description) -> Iterator[str]:
         yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
     if inputs := board_inputs(description):
         yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
+    for name, device in description.used_devices.items():
+        own = f"; written here: {', '.join(device.overridden)}" if device.overridden else ""
+        confirmed = CONFIRMED[device.confirmed]
+        yield f"device    {name}: {device.name}, {device.title} ({device.file}), confirmed {confirmed}{own}"
     yield f"automata  {description.automata_path}"

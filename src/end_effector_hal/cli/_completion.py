@@ -83,6 +83,18 @@ def kinds(_: click.Context) -> Iterable[str]:
     return kind_names()
 
 
+def device_names(_: click.Context) -> Iterable[str]:
+    """Propose the devices of the library."""
+    from end_effector_hal.description import DeviceLibrary
+
+    return DeviceLibrary().names()
+
+
+def kinds_and_devices(context: click.Context) -> Iterable[str]:
+    """Propose the kinds of actuators, and the devices of the library."""
+    return (*kinds(context), *device_names(context))
+
+
 def links(_: click.Context) -> Iterable[str]:
     """Propose the values of `eehal init --link`."""
     from end_effector_hal.codecs import codec_names

@@ -47,6 +47,8 @@ class MarkedFault:
 
 def marked(fault: Fault, name: str, text: str) -> MarkedFault:
     """Return a fault of a text that was read from the file of that name, with its line."""
+    if fault.file:
+        return MarkedFault(fault.diagnostic(name), None, fault.length)
     lines = text.split("\n")
     line = lines[fault.line - 1] if 0 < fault.line <= len(lines) else None
     return MarkedFault(fault.diagnostic(name), line, fault.length)

@@ -24,6 +24,7 @@ GROUP = "end_effector_hal.commands"
 _COMMANDS = {
     "completion": "shell completion of commands and values",
     "check": "say everything that is wrong with a description",
+    "devices": "the devices of the library, for `device: NAME` in a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
     "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
     "init": "a folder with a description to start from, and its schema",
@@ -47,7 +48,7 @@ _AUDIENCES = {
         "run", "serve", "do", "status", "stop", "reset", "reload", "page", "arbiter", "doctor",
     ),
     "To describe a tool and connect it (integrators)": (
-        "init", "check", "schema", "listen", "tune", "testbench", "export", "completion",
+        "init", "check", "devices", "schema", "listen", "tune", "testbench", "export", "completion",
     ),
     "To prove, try out and judge it (researchers)": (
         "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",

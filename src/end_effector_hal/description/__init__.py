@@ -7,6 +7,8 @@ together.
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
+from .devices._device import CONFIRMED, LibraryDevice
+from .devices._library import DeviceLibrary
 from .model._channels import (
     NUMBER,
     PASCAL,
@@ -38,6 +40,7 @@ from .rules.evidence._evidence import BIT, Spans, SpanSearch, Wanted, measures_o
 __all__ = [
     "BIT",
     "CODES",
+    "CONFIRMED",
     "NUMBER",
     "PASCAL",
     "QUANTITIES",
@@ -45,12 +48,14 @@ __all__ = [
     "CodecChannels",
     "Description",
     "DeviceAlarm",
+    "DeviceLibrary",
     "DigitalInput",
     "EStop",
     "Fault",
     "Freshness",
     "Inputs",
     "JsonValue",
+    "LibraryDevice",
     "Link",
     "ModbusFrame",
     "RecordFrame",

@@ -23,6 +23,7 @@ class Place:
     """A position in a file: line and column from 1, the short text there, its length in its first line.
 
     ``path`` holds the keys that were looked up: a default that is not written has the place of the stanza around it.
+    A place in the file of a device has the name of that ``file``, and the place in the description that ``uses`` it.
     """
 
     line: int = 1
@@ -30,6 +31,8 @@ class Place:
     text: str = ""
     length: int = 1
     path: Keys = ()
+    file: str = ""
+    uses: str = ""
 
     @property
     def order(self) -> tuple[int, int]:
@@ -38,13 +41,37 @@ class Place:
 
 
 @dataclass(frozen=True)
+class UsedDevice:
+    """A device of the library that an actuator uses.
+
+    Attributes:
+        name, title: its name in the library, and the words of its file.
+        file: path of its file.
+        confirmed: how its registers are confirmed: maker, drivers or no.
+        channels: names of its channels in the description.
+        overridden: keys that the description writes instead of the device's, such as ``actuators.fingers.timeout_s``.
+    """
+
+    name: str
+    title: str
+    file: Path
+    confirmed: str
+    channels: tuple[str, ...] = ()
+    overridden: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Places:
-    """Positions of keys and values by their path, e.g. ``("actuators", "cylinder", "line")``."""
+    """Positions of keys and values by their path, e.g. ``("actuators", "cylinder", "line")``.
+
+    ``devices`` holds the devices of the library by the actuator that uses them.
+    """
 
     file: Path
     name: str = ""
     keys: dict[Keys, Place] = field(default_factory=dict)
     values: dict[Keys, Place] = field(default_factory=dict)
+    devices: dict[str, UsedDevice] = field(default_factory=dict)
 
     def key(self, *path: str | int) -> Place:
         """Return the place of a key; for an element of a list, which has no key, that of its value."""
@@ -63,7 +90,7 @@ class Places:
     def where(self, *path: str | int) -> str:
         """Return the place of a value as ``file:line:column``."""
         place = self.value(*path)
-        return f"{self.name or self.file}:{place.line}:{place.column}"
+        return f"{place.file or self.name or self.file}:{place.line}:{place.column}"
 
 
 #: Stable codes; ``docs/reference/description.md`` lists them.
@@ -89,6 +116,7 @@ CODES = {
     "EE-227": "a condition that makes no sense",
     "EE-228": "channels and the frame of the link do not go together",
     "EE-229": "an output on the bus that makes no sense",
+    "EE-230": "a device of the library that is unknown, or cannot be used",
 }
 
 
@@ -110,6 +138,10 @@ class Fault:
     """Length of the offending text in its line."""
     path: Keys = field(default=(), compare=False)
     """Keys that lead to the offending value; () if the fault belongs to no key or value."""
+    file: str = ""
+    """Name of the file if it is not the description: that of a device."""
+    uses: str = ""
+    """Place in the description that uses this device."""
 
     @classmethod
     def at(
@@ -124,7 +156,19 @@ class Fault:
     ) -> Fault:
         """Return a fault at a place; the offending text is that of the place unless ``found`` is given."""
         found = place.text if found is None else found
-        return cls(place.line, place.column, code, what, found, expected, hint, place.length, place.path)
+        return cls(
+            place.line,
+            place.column,
+            code,
+            what,
+            found,
+            expected,
+            hint,
+            place.length,
+            place.path,
+            place.file,
+            place.uses,
+        )
 
     @property
     def message(self) -> str:
@@ -132,11 +176,12 @@ class Fault:
         found = f" ({self.found})" if self.found else ""
         expected = f", expected {self.expected}" if self.expected else ""
         hint = f"; {self.hint}" if self.hint else ""
-        return escaped(f"{self.what}{found}{expected}{hint}")
+        uses = f"; used at {self.uses}" if self.uses else ""
+        return escaped(f"{self.what}{found}{expected}{hint}{uses}")
 
     def diagnostic(self, name: str) -> Diagnostic:
         """Return the fault as a diagnostic of this file; as text ``file:line:column: message [code]``."""
-        return Diagnostic(self.code, name, self.line, self.column, self.message)
+        return Diagnostic(self.code, self.file or name, self.line, self.column, self.message)
 
 
 def closest(word: object, candidates: Iterable[str]) -> str | None:

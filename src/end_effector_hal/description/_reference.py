@@ -35,6 +35,9 @@ def schema() -> dict[str, Any]:
     for each in actuators["patternProperties"].values():
         # A word of OpenAPI's that JSON Schema does not know; oneOf says the same.
         each.pop("discriminator")
+        kinds = dict(each)
+        each.clear()
+        each |= {"if": {"required": ["device"]}, "then": {"type": "object"}, "else": kinds}
     for stanza in actuator_stanzas().values():
         # the output is one of the two; of one on the bus the name follows from its place
         defined = found["$defs"][stanza.__name__]

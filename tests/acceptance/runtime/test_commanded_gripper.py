@@ -202,7 +202,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         assert tool.status.ee == EndEffectorState.GRIPPED
         wait_until("its sensors prove nothing", lambda: tool.status.evidence[0] is Evidence.UNKNOWN)
         wait_until(
-            "the arbiter has latched it", lambda: "gripper_fault has shown a fault" in gripper.faults()
+            "the arbiter has latched it", lambda: "fingers_fault has shown a fault" in gripper.faults()
         )
         assert not tool.reset().accepted
         assert len(gripper.device.written) == told
@@ -222,17 +222,17 @@ def test_a_latched_fault_of_the_gripper_outlives_the_program_and_the_arbiter(gri
         tool.wait_ready(READY_S)
         gripper.device.fault = 0xC
         wait_until(
-            "the arbiter has latched it", lambda: "gripper_fault has shown a fault" in gripper.faults()
+            "the arbiter has latched it", lambda: "fingers_fault has shown a fault" in gripper.faults()
         )
         gripper.device.fault = 0
     gripper.kill_arbiter()
     gripper.arbiter_again()
     with EndEffector.open(gripper.world.description) as tool:
-        with pytest.raises(NotReadyError, match="latched: IL-07: gripper_fault has shown a fault"):
+        with pytest.raises(NotReadyError, match="latched: IL-07: fingers_fault has shown a fault"):
             tool.wait_ready(READY_S)
         failed = tool.grip()
         assert not failed.succeeded
-        assert "gripper_fault has shown a fault; reset the faults first" in failed.reason
+        assert "fingers_fault has shown a fault; reset the faults first" in failed.reason
         assert CLOSE not in gripper.device.written
         assert tool.reset().accepted
         wait_until("a grip", lambda: tool.grip().succeeded)

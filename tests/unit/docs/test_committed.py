@@ -35,6 +35,7 @@ def test_a_page_says_what_the_program_says(name: str) -> None:
     [
         ("alarms", "`grip.leak`"),
         ("commands", "## `eehal arbiter`"),
+        ("devices", "## robotiq-2f85"),
         ("errors", "### EE-205"),
         ("interlocks", "## IL-09"),
         ("mutants", "## The edges of Gripper"),

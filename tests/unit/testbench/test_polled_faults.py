@@ -175,7 +175,7 @@ def test_a_release_whose_activation_bit_rises_activates_a_device_that_lost_its_p
     registers, obeyed = commanded()
     registers.start({}, 0)
     registers.answer(write_request(RegisterWrite(OUTPUT.unit, OUTPUT.address, OUTPUT.command_off)))
-    assert registers.values["activated"] is True
+    assert registers.values["cup_activated"] is True
     assert obeyed == [(NAME, False)] * 2
 
 
@@ -191,7 +191,7 @@ def test_what_is_heard_keeps_it_alive() -> None:
     registers.advance(registers.due)
     assert obeyed == [(NAME, False)]
     assert registers.due is None
-    assert registers.values["told_to_grip"] is False
+    assert registers.values["cup_told_to_grip"] is False
 
 
 def test_a_request_to_another_unit_is_not_heard() -> None:

@@ -424,9 +424,9 @@ def test_power_up_release_counts_for_a_start_of_a_program_alone_not_for_one_of_t
 ) -> None:
     """`power_up: release` with `held.process_death: hold`; the arbiter is back before the device lets go."""
     text = (ROOT / "examples/tools/epick_commanded/end_effector.yaml").read_text()
-    before = "    on_power_loss: release\n"
+    before = "device: robotiq-epick"
     assert before in text
-    declared = text.replace(before, f"{before}    endings: {{power_up: release}}\n")
+    declared = text.replace(before, f"{before}, endings: {{power_up: release}}")
     path = tmp_path / "end_effector.yaml"
     path.write_text(f"{declared}\ninterlocks: {{IL-09: false}}\n")
     tool = ready(load_tool(path))
@@ -446,7 +446,10 @@ def test_without_power_a_device_lets_go_or_keeps_what_it_holds(keeps: bool, tmp_
     text = (ROOT / "examples/tools/epick_commanded/end_effector.yaml").read_text()
     path = tmp_path / "tool.yaml"
     path.write_text(
-        text.replace("on_power_loss: release", f"on_power_loss: {'keep' if keeps else 'release'}")
+        text.replace(
+            "device: robotiq-epick",
+            f"device: robotiq-epick, on_power_loss: {'keep' if keeps else 'release'}",
+        )
     )
     tool = ready(load_tool(path))
     assert tool.command("grip").accepted

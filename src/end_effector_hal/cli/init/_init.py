@@ -13,14 +13,20 @@ from typing import Any
 
 import click
 
-from end_effector_hal.cli._completion import completed, kinds
+from end_effector_hal.cli._completion import completed, kinds_and_devices
 from end_effector_hal.cli._completion import links as links_known
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._output import print_document
 from end_effector_hal.codecs import codec_names
-from end_effector_hal.description import did_you_mean, profile_path, schema_path
+from end_effector_hal.description import (
+    DeviceLibrary,
+    LibraryDevice,
+    did_you_mean,
+    profile_path,
+    schema_path,
+)
 from end_effector_hal.errors import UsageError
-from end_effector_hal.kinds import DeviceKind, get_kind
+from end_effector_hal.kinds import DeviceKind, get_kind, kind_names
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 
 
@@ -29,9 +35,10 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 @click.option(
     "--actuators",
     metavar="NAME:KIND[:LINK],...",
-    shell_complete=completed(kinds, separator=",", after_colon=True),
+    shell_complete=completed(kinds_and_devices, separator=",", after_colon=True),
     help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for "
-    "inputs of the board, such as cups:vacuum,jaw:gripper:none.",
+    "inputs of the board, such as cups:vacuum,jaw:gripper:none. In place of KIND a device of the library, such as "
+    "fingers:robotiq-2f85: then all are devices, which have their registers and the keys of their link.",
 )
 @click.option(
     "--link",
@@ -86,7 +93,10 @@ def command(
         click.echo(str(path))
     file = shlex.quote(str(files[0]))
     click.echo(f"Next: edit {file}, then `eehal check {file}`.", err=True)
-    if "frame: {modbus:" in description.decode() and find_spec("pymodbus") is None:
+    if (
+        any(each in description.decode() for each in ("frame: {modbus:", "{device: "))
+        and find_spec("pymodbus") is None
+    ):
         click.echo("A Modbus link needs the extra modbus: pip install '.[modbus]' in a checkout.", err=True)
     if actuators is not None:
         click.echo(f"To try it without hardware: `eehal run --simulate {file}`.", err=True)
@@ -103,6 +113,15 @@ def _described(
     from ._new_tool import new_description
 
     wanted = wanted_actuators(actuators)
+    if any(each.device for each in wanted):
+        from ._with_devices import description_with_devices
+
+        if links or tool_changer:
+            raise UsageError(
+                "A device of the library has its own link.",
+                todo="Leave out --link and --tool-changer; add a tool changer to the file.",
+            )
+        return description_with_devices(folder, wanted, virtual=virtual)
     if not links and all(each.link == BOARD for each in wanted):
         links = (BOARD,)
     if not links:
@@ -137,11 +156,15 @@ LINKS = ("text", "json", "binary", "modbus", BOARD)
 
 @dataclass(frozen=True)
 class WantedActuator:
-    """One actuator of the new tool; ``link`` is the name or kind of the link that confirms it, "" for any link."""
+    """One actuator of the new tool; ``link`` is the name or kind of the link that confirms it, "" for any link.
+
+    ``device`` is the device of the library that it is; "": it has only a kind.
+    """
 
     name: str
     kind: DeviceKind[Any]
     link: str = ""
+    device: str = ""
 
 
 @dataclass(frozen=True)
@@ -160,7 +183,11 @@ class WantedLink:
 
 
 def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
-    """Parse ``cups:vacuum,jaw:gripper``, or with the link of each actuator ``cups:vacuum:front``; raises UsageError."""
+    """Parse ``cups:vacuum,jaw:gripper``, or with the link of each actuator ``cups:vacuum:front``; raises UsageError.
+
+    In the place of a kind there may be a device of the library.
+    """
+    library = DeviceLibrary()
     found: dict[str, WantedActuator] = {}
     for each in text.split(","):
         name, colon, rest = each.strip().partition(":")
@@ -182,7 +209,12 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
             )
         if name in found:
             raise UsageError(f"Two actuators are named {name!r}.", todo="Give each a name of its own.")
-        found[name] = WantedActuator(name, get_kind(kind), link)
+        if isinstance(device := library.get(kind), LibraryDevice):
+            found[name] = WantedActuator(name, get_kind(device.kind), link, kind)
+        elif near := "" if kind in kind_names() else library.meant(kind):
+            raise UsageError(f"There is no kind and no device {kind!r}.", todo=f"{near[0].upper()}{near[1:]}")
+        else:
+            found[name] = WantedActuator(name, get_kind(kind), link)
     return tuple(found.values())
 
 

@@ -98,7 +98,7 @@ def new_description(
             "",
         ]
     )
-    _refuse_faulty(text, folder)
+    refuse_faulty(text, folder)
     return text
 
 
@@ -152,7 +152,7 @@ def _fits(link: WantedLink, share: Sequence[WantedActuator], *, tool_changer: bo
     return True
 
 
-def _refuse_faulty(text: str, folder: Path) -> None:
+def refuse_faulty(text: str, folder: Path) -> None:
     """Raise UsageError if the new description has a fault, as a third-party kind may cause: no faulty file
     is written.
     """
@@ -230,7 +230,7 @@ def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
     yield f"# yaml-language-server: $schema={schema_path().name}"
     yield "# Every key that is not written here has a default: docs/reference/description.md, or `eehal schema`."
     yield "schema: 2"
-    yield f"name: {_tool_name(place.name)}"
+    yield f"name: {tool_name(place.name)}"
     yield ""
     yield "lines:"
     if virtual:
@@ -313,7 +313,7 @@ def _key(key: str, value: str, what: str, *, indent: int = 2) -> str:
     return f"{line.ljust(_WHAT - 1)} # {what}" if what else line
 
 
-def _tool_name(folder: str) -> str:
+def tool_name(folder: str) -> str:
     """Return a valid tool name made from the name of a folder."""
     name = re.sub(r"[^a-z0-9]+", "_", folder.lower()).strip("_")[:34]
     return name if NAME.fullmatch(name) else f"tool_{name}".rstrip("_")

@@ -277,6 +277,12 @@ class Channel(Part):
     )
     digital: DigitalInput | None = Field(default=None, description="an input line of the board")
     analog: AnalogInput | None = Field(default=None, description="an analog input of the board (Linux IIO)")
+    device: Word | None = Field(
+        default=None,
+        exclude=True,
+        description="a device of the library, and beside it `input`, one of its inputs; its address on the bus is "
+        "`modbus: {unit: …}`",
+    )
     unit: Unit | None = Field(
         default=None,
         description="of raw * scale + offset: a gauge pressure (vacuum negative), or another quantity; absent: a bit",

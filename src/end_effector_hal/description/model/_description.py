@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, PrivateAttr, TypeAdapter
 from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
 
-from end_effector_hal.description._fault import Place, Places
+from end_effector_hal.description._fault import Place, Places, UsedDevice
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_names, kind_of, usable_kinds
@@ -82,6 +82,12 @@ class Description(Part):
     )
     name: Name = Field(description="of the tool; names its socket and its recordings")
     summary: Word = Field(default="", description="one sentence, for people")
+    devices: Word | None = Field(
+        default=None,
+        exclude=True,
+        description="folder with devices of your own, `NAME.yaml` each, relative to this file; they precede the "
+        "shipped ones",
+    )
     lines: Lines = Field(default=Lines(), description="how the output lines are reached")
     link: Link | None = Field(
         default=None, description="the sensor link; absent: `links`, or `channels` are inputs"
@@ -120,6 +126,11 @@ class Description(Part):
     def source(self) -> Path:
         """Absolute path of the file; ``<description>`` if the description was made in code."""
         return self._places.file
+
+    @property
+    def used_devices(self) -> Mapping[str, UsedDevice]:
+        """The devices of the library by the actuator that uses them."""
+        return self._places.devices
 
     def where(self, *keys: str | int) -> str:
         """Return ``file:line:column`` of a value, or of the nearest written stanza, for an error message."""
@@ -278,9 +289,9 @@ class Description(Part):
         )
 
     @property
-    def files(self) -> tuple[Path, Path]:
-        """Files that the description was read from: its own, and the UPPAAL file."""
-        return self.source, self.automata_path
+    def files(self) -> tuple[Path, ...]:
+        """Files that the description was read from: its own, the UPPAAL file, and those of its devices."""
+        return self.source, self.automata_path, *(each.file for each in self.used_devices.values())
 
     def with_virtual(
         self, lines_path: str | Path, port: str, socket: str | Path | None = None

@@ -8,10 +8,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from end_effector_hal.description._fault import Fault, Keys, Places, did_you_mean
+from end_effector_hal.description._fault import Fault, Keys, Places
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
+from end_effector_hal.description.devices._expand import expand
 from end_effector_hal.description.model._description import Description
-from end_effector_hal.description.reading._yaml import position
 from end_effector_hal.description.rules._order import order_faults
 from end_effector_hal.description.rules._outputs import output_faults
 from end_effector_hal.description.rules._shared import shared_faults
@@ -22,6 +22,7 @@ from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
 from ._likely import likely, read_as_meant
+from ._text import read_text
 from ._yaml import Reader
 
 
@@ -88,13 +89,16 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         what = Fault.at(places.value(), "EE-203", "this is not a description", expected="keys with values")
         return None, [*faults, what], set()
     faults += read_as_meant(tree, places)
-    broken = set(reader.refused)
-    plain = _plain_outputs(tree)
-    kinds, guessed = _kinds(tree, places, broken)
+    expansion = expand(tree, places)
+    faults += expansion.faults
+    refused = reader.refused | expansion.refused
+    broken = set(refused)
+    plain = _plain_outputs(tree) | expansion.unusable
+    kinds, guessed = _kinds(tree, places, broken, expansion.unusable)
     description, found = _validate(tree, places, broken)
     faults += [
         *kinds,
-        *(fault for path, fault in found if not _follows(path, fault, reader.refused, guessed, plain)),
+        *(fault for path, fault in found if not _follows(path, fault, refused, guessed, plain)),
     ]
     facts = Facts(tree, places, broken)
     rules = (
@@ -111,20 +115,24 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     return likely(tree, places, broken) if faults else description, faults, broken
 
 
-def _kinds(tree: dict[str, Any], places: Places, broken: set[Keys]) -> tuple[list[Fault], set[str]]:
+def _kinds(
+    tree: dict[str, Any], places: Places, broken: set[Keys], unusable: set[str]
+) -> tuple[list[Fault], set[str]]:
     """Return faults in kinds of actuators, and the names of actuators whose kind is a guess.
 
-    The likely kind is inserted into the tree, so that the rest of the stanza is examined too.
+    The likely kind is inserted into the tree, so that the rest of the stanza is examined too. The kind of an actuator
+    whose device is unusable is not known either, and is no fault of its own.
     """
     faults: list[Fault] = []
     guessed: set[str] = set()
     actuators = tree.get("actuators")
     for name, stanza in actuators.items() if isinstance(actuators, dict) else ():
         if isinstance(stanza, dict) and why_not(stanza.get("kind")):
-            faults.append(no_kind(name, stanza, places))
+            if name not in unusable:
+                faults.append(no_kind(name, stanza, places))
             broken.add(("actuators", name, "kind"))
             stanza["kind"], sure = likely_kind(stanza)
-            guessed |= set() if sure else {name}
+            guessed |= set() if sure and name not in unusable else {name}
     return faults, guessed
 
 
@@ -193,53 +201,3 @@ def load(path: str | Path) -> Description:
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
     return examination.description
-
-
-LIMIT = 256 * 1024
-NAME = "end_effector.yaml"
-
-
-def read_text(path: Path) -> str | Fault:
-    """Return the text of a file, or a fault if it cannot be read."""
-    try:
-        if path.is_fifo() and not str(path).startswith(
-            ("/dev/", "/proc/")
-        ):  # there a shell has put it, with a writer
-            return _unread("this is a named pipe, not a file", "the path of a description")
-        with path.open("rb") as stream:
-            data = stream.read(LIMIT + 1)
-    except FileNotFoundError:
-        return _unread("there is no such file", "the path of a description", _neighbours(path))
-    except IsADirectoryError:
-        inside = f"write {path / NAME}" if (path / NAME).is_file() else ""
-        return _unread("this is a directory", "the path of a description", inside)
-    except PermissionError:
-        return _unread("the file may not be read", "read permission for this user")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        return _unread(f"the file cannot be read: {reason}", "the path of a description")
-    if len(data) > LIMIT:
-        return _unread("the file is too large", f"a description of at most {LIMIT // 1024} KiB")
-    return _decode(data)
-
-
-def _decode(data: bytes) -> str | Fault:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = data[: error.start].decode("utf-8-sig", "replace")
-        line, column = position(before, len(before))
-        found = f"byte 0x{data[error.start]:02X}"
-        return Fault(line, column, "EE-201", "this is not text", found, "YAML in UTF-8")
-    return text
-
-
-def _unread(what: str, expected: str, hint: str = "") -> Fault:
-    return Fault(0, 0, "EE-201", what, "", expected, hint)
-
-
-def _neighbours(path: Path) -> str:
-    try:
-        return did_you_mean(path.name, [each.name for each in path.parent.iterdir() if each.is_file()])
-    except OSError:
-        return ""

@@ -12,10 +12,10 @@ MODELS: dict[str, type[UnitModel]] = {
     model.name: model
     for model in (Robotiq2F85, Robotiq2F140, RobotiqHandE, RobotiqEPick, OnRobotVG10, RemoteIo)
 }
-_PARTS = {"onrobot-vg10-a": OnRobotVG10.name, "onrobot-vg10-b": OnRobotVG10.name}
-"""Devices that a library describes in parts, and the models of the whole."""
+_BOARDS = ("advantech-adam-4056so", "lc-relay-8", "waveshare-io-8", "waveshare-relay-8")
+"""I/O boards of the library whose outputs and inputs are coils and discrete inputs, as the standard has them."""
 
 
 def model_for(name: str) -> type[UnitModel] | None:
     """Return the model of a device by its name in a library of devices; None: there is none."""
-    return MODELS.get(_PARTS.get(name, name))
+    return MODELS.get(RemoteIo.name if name in _BOARDS else name)

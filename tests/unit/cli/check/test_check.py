@@ -53,6 +53,7 @@ def test_without_a_file_it_is_the_shipped_one() -> None:
         "not_fitted": [NO_E_STOP],
         "warnings": [],
         "hints": [],
+        "devices": [],
         "computed_bounds": {},
     }
 
@@ -94,6 +95,7 @@ def test_faults_as_json(check: Check) -> None:
         "not_fitted": [],
         "warnings": [],
         "hints": [],
+        "devices": [],
         "computed_bounds": {},
     }
 

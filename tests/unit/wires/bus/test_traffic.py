@@ -48,7 +48,7 @@ def test_it_is_activated_when_it_is_commanded_then_released_and_only_then_it_gri
     assert gripper.holds
     assert bus.outputs.known(bus.at) == {FINGERS: True}
     values = bus.frames[-1].values
-    assert (values["part"], values["opened"], values["closed"]) == (True, False, False)
+    assert tuple(values[f"fingers_{each}"] for each in ("part", "opened", "closed")) == (True, False, False)
 
 
 def test_the_request_that_closes_it_is_that_of_the_manual(bus: Bus, gripper: Gripper2F85) -> None:

@@ -1,0 +1,128 @@
+"""One device of the library: its file, read as a fragment of a description and as what documents it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from end_effector_hal.description._fault import Fault, Places
+from end_effector_hal.description.reading._text import read_text
+from end_effector_hal.description.reading._yaml import Reader
+from end_effector_hal.kinds.stanza import Name, Part, Word
+
+Confirmed = Literal["maker", "drivers", "no"]
+CONFIRMED = {
+    "maker": "by a document of the maker",
+    "drivers": "by public drivers only, not by a document of the maker",
+    "no": "by nothing that was read",
+}
+"""What a word under ``confirmed`` means."""
+Text = Annotated[Word, Field(min_length=1, max_length=400)]
+Stanza = dict[str, Any]
+
+
+class SourceDocument(Part):
+    """A document, or the code of a public driver, that the facts of a device come from."""
+
+    title: Text
+    url: Word = ""
+
+
+class DocumentedRegister(Part):
+    """A register, or a row of them, and the place where it is documented."""
+
+    address: Annotated[int, Field(ge=0, le=0xFFFF)]
+    count: Annotated[int, Field(ge=1, le=125)] = 1
+    what: Text
+    document: Annotated[int, Field(ge=1)] = 1
+    page: Word = ""
+    confirmed: Confirmed | None = None
+
+
+class DeviceOutput(Part):
+    """One of several outputs of a device: the channels and the keys of an actuator that uses it."""
+
+    channels: dict[Name, Stanza] = Field(default={}, max_length=64)
+    actuator: Stanza = Field(default={})
+
+
+class DeviceFile(Part):
+    """The keys of a device's file.
+
+    ``link``, ``channels``, ``actuator`` and ``inputs`` are stanzas of a description; they are judged where they are
+    used. A device with several actuators has ``outputs``, and what all of them have in common under ``actuator``.
+    """
+
+    title: Text
+    maker: Text
+    summary: Word = ""
+    confirmed: Confirmed
+    documents: Annotated[tuple[SourceDocument, ...], Field(strict=False, min_length=1, max_length=16)]
+    registers: Annotated[tuple[DocumentedRegister, ...], Field(strict=False, max_length=64)]
+    not_confirmed: Annotated[tuple[Text, ...], Field(strict=False, max_length=32)] = ()
+    unit: Annotated[int, Field(ge=0, le=255)] | None = None
+    link: Stanza = Field(default={})
+    channels: dict[Name, Stanza] = Field(default={}, max_length=64)
+    actuator: Stanza = Field(default={})
+    outputs: dict[Name, DeviceOutput] = Field(default={}, max_length=64)
+    inputs: dict[Name, Stanza] = Field(default={}, max_length=64)
+
+    def confirmation(self, register: DocumentedRegister) -> Confirmed:
+        """Return how a register is confirmed: by its own word, else by that of the device."""
+        return register.confirmed or self.confirmed
+
+
+@dataclass(frozen=True)
+class LibraryDevice:
+    """A device of the library.
+
+    Attributes:
+        name: its name, which is that of its file.
+        path: absolute path of its file.
+        shown: the path as messages show it.
+        origin: where it was found: ``shipped``, a folder, or the package that provides it.
+        about: the keys of its file.
+        places: the places of all keys and values in its file.
+    """
+
+    name: str
+    path: Path
+    shown: str
+    origin: str
+    about: DeviceFile
+    places: Places
+
+    @property
+    def kind(self) -> str:
+        """Kind of the actuator that it is; ``any`` for an output of an I/O board, ``inputs`` if it has no output."""
+        return str(self.about.actuator.get("kind") or ("any" if self.about.outputs else "inputs"))
+
+
+def read_device(path: Path, shown: str, origin: str) -> LibraryDevice | list[Fault]:
+    """Read the file of a device, or return its faults, which have the name of that file."""
+    text = read_text(path)
+    if isinstance(text, Fault):
+        return [_in_file(text, shown)]
+    places = Places(path, shown)
+    reader = Reader(text, places)
+    tree = reader.read()
+    faults = [_in_file(each, shown) for each in reader.faults]
+    if faults:
+        return faults
+    try:
+        return LibraryDevice(path.stem, path, shown, origin, DeviceFile.model_validate(tree), places)
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False)
+        return [_in_file(_fault(each["loc"], each["msg"], places), shown) for each in found]
+
+
+def _fault(path: tuple[int | str, ...], why: str, places: Places) -> Fault:
+    what = f"{'.'.join(map(str, path)) or 'the file'}: {why[:1].lower()}{why[1:]}"
+    return Fault.at(places.value(*path), "EE-230", what, found="", expected="the keys of a device")
+
+
+def _in_file(fault: Fault, shown: str) -> Fault:
+    return replace(fault, path=(), file=shown)
