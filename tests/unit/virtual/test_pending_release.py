@@ -9,7 +9,7 @@ import pytest
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.testbench import Sent
-from end_effector_lab.testbench._modbus import read_request
+from end_effector_lab.testbench.devices import read_request
 from end_effector_lab.virtual import VirtualTool
 from tests.unit.virtual.test_unread_outputs import TOOL, until
 
