@@ -82,6 +82,9 @@ class LoneTool:
     def arm(self) -> Answer:
         return self.command("arm")
 
+    def resume(self) -> Answer:
+        return self.command("resume")
+
     def begin(self, command: Command) -> Any:
         self.asked.append(command)
         return SimpleNamespace(wait=self._wait)

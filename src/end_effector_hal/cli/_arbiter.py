@@ -84,7 +84,7 @@ def reset(description: Path, as_json: bool) -> None:
 
     A fault whose cause persists stays latched. Faults that a program latches itself (a sensor fault of the tool
     changer, an alarm about a held part) are cleared by `eehal do DESCRIPTION reset`, at the prompt, through ROS or on
-    the page; GRIP_ERROR and RELEASE_ERROR need a Drop. A reset activates nothing.
+    the page; GRIP_ERROR and RELEASE_ERROR need a Drop, or after a loss a resume. A reset activates nothing.
 
     Exit codes: 0 the line arbiter has no latched fault left, 1 a fault stays, 3 the arbiter cannot be reached.
     """

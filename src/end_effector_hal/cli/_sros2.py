@@ -21,6 +21,7 @@ from end_effector_hal.nodes.interface import (
     HAL_NODES,
     MANAGER,
     RESET_FAULTS,
+    RESUME_GRIP,
     STOP_TOOL,
     SUPERVISOR,
     load_for_nodes,
@@ -60,7 +61,7 @@ OF_LIFECYCLE = tuple(
     )
 )
 """Services that a managed node offers in addition."""
-CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)}
+CALLED = {SUPERVISOR: (ARM_TOOL_CHANGER, RESUME_GRIP, STOP_TOOL, RESET_FAULTS)}
 """Services that a node of this package calls."""
 _NAME = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/")
 

@@ -16,6 +16,7 @@ from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, re
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
+from ._events import COMMANDS
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
 from .words import blocking, no_maintenance, refusal
@@ -44,7 +45,7 @@ FIRST_FRAME_US = 5_000_000
 
 It is long because the reader of the link may start later.
 """
-_COMMANDS = tuple(Event(name) for name in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"))
+_COMMANDS = tuple(map(Event, COMMANDS))
 
 
 class Controller:

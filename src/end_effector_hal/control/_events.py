@@ -59,7 +59,7 @@ class ToolEvent:
 
 
 _K = EventKind
-COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
+COMMANDS = ("grip", "drop", "cancel", "resume", "lock", "unlock", "arm", "reset")
 """The channels of the commands."""
 _STATES = {"ee": _K.STATE_CHANGED, "changer": _K.CHANGER_CHANGED}
 EDGES: Mapping[tuple[str, str, str], tuple[EventKind, ...]] = {

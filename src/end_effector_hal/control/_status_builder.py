@@ -155,6 +155,8 @@ class StatusBuilder:
         self.know(changes)
         if self.values["cause"]:
             self.blame(self.values["cause"], self.values["cause_at"], at)
+        elif self.values["ee"] == EndEffectorState.GRIPPED:  # a resume ends the loss
+            self.blame(Cause.NONE, -1, at)
         events = self._events.of(step, at)
         self._steps.take(events, step.at, gripping=self.values["ee"] == EndEffectorState.GRIPPING)
         return self.status(at, events)

@@ -26,6 +26,7 @@ from ._parts import (
 )
 from ._registry import (
     SwitchMeaning,
+    confirmed_words,
     detector_of,
     get_kind,
     kind_names,
@@ -53,6 +54,7 @@ __all__ = [
     "SwitchMeaning",
     "Travel",
     "below_ambient_kpa",
+    "confirmed_words",
     "detector_of",
     "fault_of",
     "get_kind",

@@ -118,6 +118,26 @@ def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
     return kind_of(part).lost(part, readings, at)
 
 
+def confirmed_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
+    """Return the readings that do not confirm an actuator, and the values that would."""
+    kind = kind_of(part)
+    if conditions := kind.conditions(part):
+        channels, wanted = list(conditions.confirmed.channels), asked(conditions.confirmed)
+    else:
+        channels, least = _carried(part, readings), kind.limits(part, supply).get("confirmed_kpa")
+        wanted = "" if least is None else f"at least {least:g} kPa{_below(part)}"
+    now = shown(channels, readings, at)
+    return "; ".join(filter(None, (now, wanted and f"confirmed means {wanted}")))
+
+
+def _carried(part: Actuator, readings: ChannelReadings) -> list[str]:
+    return [each for each in kind_of(part).channel_names(part) if each in readings.carried]
+
+
+def _below(part: Actuator) -> str:
+    return " below ambient" if kind_of(part).below_ambient else ""
+
+
 def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
     """Return the readings that contradict a release, the values that would prove it, and the remedy."""
     kind = kind_of(part)
@@ -126,10 +146,8 @@ def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at:
         channels = list(conditions.gone.channels)
         gone = f"gone means {asked(conditions.gone)}"
     else:
-        channels = [each for each in kind.channel_names(part) if each in readings.carried]
-        least = kind.limits(part, supply).get("gone_kpa")
-        below = " below ambient" if kind.below_ambient else ""
-        gone = f"gone means less than {least:g} kPa{below}" if least is not None else ""
+        channels, least = _carried(part, readings), kind.limits(part, supply).get("gone_kpa")
+        gone = f"gone means less than {least:g} kPa{_below(part)}" if least is not None else ""
     now = shown(channels, readings, at)
     # without a value it is no question of its zero
     read = any(readings.get(channel, at) is not None for channel in channels)

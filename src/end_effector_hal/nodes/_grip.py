@@ -1,4 +1,4 @@
-"""Node Grip: the services for the actuators, the plain outputs, stop and reset."""
+"""Node Grip: the services for the actuators, the plain outputs, resume, stop and reset."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from end_effector_hal.control import Answer
 
-from .interface import RESET_FAULTS, STOP_TOOL, output_services, set_services
+from .interface import RESET_FAULTS, RESUME_GRIP, STOP_TOOL, output_services, set_services
 from .report import Health, level_of, logged, publish_health, silence
 from .transport import NodeTransport
 
@@ -22,6 +22,7 @@ class GripNode:
             node.serve(service, self._setter(name, self._tool.set_actuator))
         for name, service in output_services(description).items():
             node.serve(service, self._setter(name, self._tool.set_output))
+        node.serve(RESUME_GRIP, lambda _request: logged(node.log, "resume", self._tool.resume()))
         node.serve(STOP_TOOL, lambda _request: logged(node.log, "stop", self._tool.stop()))
         node.serve(RESET_FAULTS, lambda _request: logged(node.log, "reset", self._tool.reset()))
         publish_health(node, description.name, self._health)

@@ -28,14 +28,14 @@ def verdict_of(log: StatesLog, story: Story) -> str:
     if len(story.grips) > 1:
         return _of_many(story)
     grip = story.grips[0]
-    parts = [_of_grip(grip, story), *_aftermath(story)]
+    parts = [_of_grip(grip, story), *_aftermath(log, story)]
     return ", ".join(part for part in parts if part)
 
 
 def _without_grip(log: StatesLog, story: Story) -> str:
     assert story.final is not None
     if story.adopted is not None:
-        return ", ".join([f"Adopted as {story.adopted.label}", *_aftermath(story)])
+        return ", ".join([f"Adopted as {story.adopted.label}", *_aftermath(log, story)])
     commands = [
         command for command, _ in groupby(each.command.upper() for each in log.events or () if each.command)
     ]
@@ -89,11 +89,12 @@ def _gripped(grip: Grip, story: Story) -> str:
     return "GRIPPED" if failed else "Nominal: GRIPPED"
 
 
-def _aftermath(story: Story) -> list[str]:
+def _aftermath(log: StatesLog, story: Story) -> list[str]:
     """Return the events after the grip was decided, in order of time."""
     causes = [release.cause for release in story.releases]
     held = "" if ReleaseCause.LOSS in causes else ": outputs held"
     parts = [(loss.time_s, f"then {loss.who} LOST{held}".replace("  ", " ")) for loss in story.losses]
+    parts += [(each.time_s, "then resumed") for each in log.events or () if each.command == "resume"]
     kept = [grip for grip in story.grips if _HELD.get(grip.decision) not in (None, *causes)]
     parts += [(grip.decided_s or 0.0, "outputs held") for grip in kept]
     parts += [(release.start_s, _of_release(release, story)) for release in story.releases]

@@ -22,6 +22,8 @@ VERBS: Mapping[str, Command] = {
 }
 ARM = "arm"
 """Word that arms an unlock (IL-02); Table II has no command for it."""
+RESUME = "resume"
+"""Word that ends a GRIP_ERROR after a loss; Table II has no command for it."""
 RESET = "reset"
 """Word that clears latched faults; Table II has no command for it."""
 STOP = "stop"
@@ -36,7 +38,7 @@ SET = "set"
 LEVELS = {"on": True, "off": False}
 SCENARIO = "scenario"
 """Word that selects the scenario of a simulated tool from now on: ``scenario leak:top_vacuum``."""
-WORDS = (*VERBS, ARM, STOP, RESET, RELOAD, *SHOWN, SET, WAIT, SCENARIO)
+WORDS = (*VERBS, RESUME, ARM, STOP, RESET, RELOAD, *SHOWN, SET, WAIT, SCENARIO)
 LONGEST_WAIT_S = 86_400.0
 
 
@@ -44,8 +46,8 @@ LONGEST_WAIT_S = 86_400.0
 class ScriptCommand:
     """One step of a script.
 
-    If ``command`` is None, the step is a stop, a reset, a reload, an arming, an output, something to show, a scenario,
-    or else a wait.
+    If ``command`` is None, the step is a resume, a stop, a reset, a reload, an arming, an output, something to show,
+    a scenario, or else a wait.
 
     Attributes:
         background: whether the next step starts without waiting for the outcome, as after ``&`` in a shell.
@@ -58,6 +60,7 @@ class ScriptCommand:
     command: Command | None = None
     wait_s: float = 0.0
     background: bool = False
+    resume: bool = False
     stop: bool = False
     reset: bool = False
     reload: bool = False
@@ -103,6 +106,8 @@ def read_command(text: str) -> ScriptCommand:
             "Separate commands by ';', also behind an '&'." if "&" in text else "Separate commands by ';'."
         )
         raise UsageError(f"{text!r}: nothing may follow {verb!r}.", todo=between)
+    if verb == RESUME:
+        return ScriptCommand(resume=True)
     if verb == ARM:
         return ScriptCommand(arm=True)
     if verb == STOP:

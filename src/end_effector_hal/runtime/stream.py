@@ -68,7 +68,7 @@ URGENT = (PUBLISHED, READINGS)
 """Kinds that are sent at once: a client waits for the statuses after its command, and publishes readings itself."""
 OF_CHANGER = ("lock", "unlock", "arm", "reset")
 """Commands for the tool changer."""
-WORDS = ("grip", "drop", "cancel", "acknowledge", *MAINTENANCE_WORDS, *OF_CHANGER)
+WORDS = ("grip", "drop", "cancel", "resume", "acknowledge", *MAINTENANCE_WORDS, *OF_CHANGER)
 """Commands of a tool; ``acknowledge``: a person has seen the alarms that are over."""
 
 

@@ -86,7 +86,7 @@ def test_a_drop_without_the_line_arbiter_is_unreachable_and_the_part_stays_held(
         run.gives("lock", "SUCCEEDED")
         run.gives("grip", "SUCCEEDED")
         kill_arbiter(world)
-        for word in ("drop", "cancel", "lock", "unlock", "arm", "reset", "stop"):
+        for word in ("drop", "cancel", "resume", "lock", "unlock", "arm", "reset", "stop"):
             run.gives(word, "UNREACHABLE")
         status = run.give("status")
         assert (status["state_name"], status["held"], status["arbiter_lost"]) == ("GRIPPED", True, True)

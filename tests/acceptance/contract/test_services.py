@@ -69,8 +69,24 @@ def test_arming_is_refused_where_a_sensor_shows_the_stand(resting: Hal) -> None:
 def test_a_reset_says_that_nothing_is_latched(resting: Hal) -> None:
     assert resting.call("ResetFaults") == (
         True,
-        "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay until a Drop.",
+        "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay.",
     )
+
+
+def test_a_lost_grip_is_resumed_once_it_is_confirmed_again(holding: Hal) -> None:
+    edges = holding.edges()
+    assert holding.call("ResumeGrip") == (
+        False,
+        "Nothing was lost: a resume is accepted in GRIP_ERROR only; the end-effector is GRIPPED.",
+    )
+    holding.choose("shows:top_vacuum:-30")
+    holding.sees("the loss", lambda state: state["state_name"] == "GRIP_ERROR")
+    accepted, why = holding.call("ResumeGrip")
+    assert (accepted, why.startswith("Top vacuum is not confirmed again: ")) == (False, True), why
+    holding.choose("nominal")
+    holding.until("a resume", lambda: holding.call("ResumeGrip")[0])
+    holding.sees("GRIPPED", lambda state: state["state_name"] == "GRIPPED" and state["held"])
+    assert holding.edges() == edges, "no line has moved"
 
 
 def test_a_stop_is_latched_until_a_reset_and_drops_nothing(holding: Hal) -> None:

@@ -56,6 +56,7 @@ SERVICES = {
     "SetToolChanger": ("std_srvs/SetBool", "ToolChange"),
     "ArmToolChanger": ("std_srvs/Trigger", "ToolChange"),
     "ResetFaults": ("std_srvs/Trigger", "Grip"),
+    "ResumeGrip": ("std_srvs/Trigger", "Grip"),
     "StopTool": ("std_srvs/Trigger", "Grip"),
 }
 ACTIONS = ("LockToolChanger", "UnlockToolChanger", "TriggerGrip", "Drop")

@@ -122,7 +122,7 @@ def test_a_forbidden_button_shows_the_sentence_of_the_hal(chromium: Any, nominal
     shows(page, "state-word", "STAND-BY")
     page.click("#control-take")
     shows(page, "control-who", "This page has the control.")
-    forbidden = {"drop", "cancel", "arm", "unlock"}
+    forbidden = {"drop", "resume", "cancel", "arm", "unlock"}
     for state, words in (("STAND-BY", forbidden - {"unlock"}), ("GRIPPED", forbidden - {"drop"} | {"grip"})):
         shows(page, "state-word", state)
         for word in words:
@@ -329,7 +329,7 @@ def test_the_keyboard_reaches_everything(chromium: Any, nominal: Live) -> None:
     for _ in range(30):
         page.keyboard.press("Tab")
         reached.add(page.evaluate("() => document.activeElement.id"))
-    words = ("grip", "drop", "cancel", "stop", "lock", "arm", "unlock", "reset")
+    words = ("grip", "drop", "resume", "cancel", "stop", "lock", "arm", "unlock", "reset")
     assert {"control-take", "log-kind", *(f"command-{word}" for word in words)} <= reached
     page.focus("#control-take")
     page.keyboard.press("Enter")

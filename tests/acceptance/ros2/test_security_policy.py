@@ -17,7 +17,7 @@ def seen(system: Any, program: str) -> Any:
     """What a program does on the graph."""
     found = on_graph(system.node, PROGRAMS[program])
     if program == "supervisor":  # it makes a client when it calls
-        found["request"] |= {"/ArmToolChanger", "/StopTool", "/ResetFaults"}
+        found["request"] |= {"/ArmToolChanger", "/ResumeGrip", "/StopTool", "/ResetFaults"}
     return found
 
 

@@ -20,12 +20,13 @@ def test_each_service_asks_the_tool_and_passes_its_answer_on(caplog: pytest.LogC
         answers = [
             transport.services["SetBottomVacuum"](SimpleNamespace(data=True)),
             transport.services["SetCylinder"](SimpleNamespace(data=False)),
+            transport.services["ResumeGrip"](None),
             transport.services["StopTool"](None),
             transport.services["ResetFaults"](None),
         ]
-    assert answers == [refused] * 4
-    assert transport.hal.asked == [("bottom_vacuum", True), ("cylinder", False), "stop", "reset"]
+    assert answers == [refused] * 5
+    assert transport.hal.asked == [("bottom_vacuum", True), ("cylinder", False), "resume", "stop", "reset"]
     assert [each.getMessage() for each in caplog.records] == [
         f"refused: {what}. IL-12: a grip runs."
-        for what in ("bottom_vacuum on", "cylinder off", "stop", "reset")
+        for what in ("bottom_vacuum on", "cylinder off", "resume", "stop", "reset")
     ]

@@ -33,6 +33,7 @@ def test_the_services_and_topics_of_table_i(tool: Description) -> None:
         "SetTopVacuum",
         "SetToolChanger",
         "ArmToolChanger",
+        "ResumeGrip",
         "StopTool",
         "ResetFaults",
     ]

@@ -30,7 +30,7 @@ WRITTEN = (
     *("changer", "changer_command", "changer_fault", "unlock_valve", "armed"),
 )
 """What the executed automata write."""
-GRIPPING = ("grip", "drop", "cancel")
+GRIPPING = ("grip", "drop", "cancel", "resume")
 """The commands that the Gripper takes; the others are for the Changer and Arming."""
 TOOL = ("changer", "changer_fault", "unlock_valve", "armed", "ee")
 """What the Changer, Arming and their sentences go by beside the sensors."""
@@ -92,7 +92,7 @@ class Reached:
         loose = values["unlock_valve"] or values["changer"] == ChangerState.FAULT
         asks_for_air = values["ee"] == EndEffectorState.STAND_BY
         shown = self.shown if asks_for_air else replace(self.shown, supply_ok=True)
-        return dict(self.locations)["Gripper"], values["ee"], values["command"], loose, shown
+        return dict(self.locations)["Gripper"], values["ee"], values["command"], values["cause"], loose, shown
 
     @property
     def of_tool(self) -> Hashable:

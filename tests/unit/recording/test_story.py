@@ -227,6 +227,9 @@ def test_a_grip_that_is_lost_says_by_whom():
     assert [(loss.time_s, loss.actuator) for loss in story.losses] == [(6.0, "top_vacuum")]
     assert moments(story)[-1] == (6.0, "grip lost: Top vacuum")
     assert told(*GRIPPED, lost, *DROP).verdict == f"{story.verdict}, then dropped"
+    resumed = told(*GRIPPED, lost, (7.0, "resume; GRIP_ERROR>GRIPPED"), end=3)
+    assert resumed.verdict == f"{story.verdict}, then resumed"
+    assert (moments(resumed)[-1], resumed.losses) == ((7.0, "RESUME"), story.losses)
     refused = told(*GRIPPED, (6.0, "GRIPPED>GRIP_ERROR REFUSED"), end=2)
     assert refused.verdict == "GRIPPED, then LOST: outputs held"
     assert moments(refused)[-1] == (6.0, "grip lost")

@@ -68,7 +68,8 @@ def test_a_scenario_is_for_the_testbench_as_it_was_typed() -> None:
     )
 
 
-def test_a_reset_is_no_command_of_table_ii() -> None:
+def test_a_resume_and_a_reset_are_no_commands_of_table_ii() -> None:
+    assert read_command("resume") == ScriptCommand(resume=True)
     assert read_command("reset") == ScriptCommand(reset=True)
     with pytest.raises(UsageError, match="Did you mean 'reset'"):
         read_command("rest")

@@ -253,7 +253,7 @@ def test_a_command_before_the_lines_are_adopted_is_refused_and_not_executed_late
     assert (tool.status.ee, tool.status.adopted) == (OFF, False)
     program = tool._program
     assert program
-    for word in ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset"):
+    for word in ("grip", "drop", "cancel", "resume", "lock", "unlock", "arm", "reset"):
         answer = program.command(word)
         assert (answer.accepted, bool(answer.reason)) == (False, True), word
     for active in (True, False):

@@ -21,9 +21,9 @@ def do(description: Path, commands: str, as_json: bool) -> None:
     """Give COMMANDS, such as 'lock; grip', to the tool of a DESCRIPTION, which another program runs.
 
     `eehal serve`, `eehal run` or the ROS nodes must run the tool. The commands are those of `eehal run --script`:
-    lock, unlock, grip, drop, cancel, stop, arm, reset, set OUTPUT on|off, wait SECONDS, status. A command begins when
-    the one before it has ended; a command followed by `&` continues in the background. The end or the death of this
-    program does not affect the tool: a running command continues.
+    lock, unlock, grip, drop, cancel, resume, stop, arm, reset, set OUTPUT on|off, wait SECONDS, status. A command
+    begins when the one before it has ended; a command followed by `&` continues in the background. The end or the
+    death of this program does not affect the tool: a running command continues.
 
     Exit codes: 0 all commands succeeded, 1 a command did not succeed, 2 the description or a command has a fault, 3 no
     HAL runs the tool.

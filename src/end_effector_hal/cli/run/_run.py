@@ -36,8 +36,8 @@ LOOK_S = 0.5
     "--json", "as_json", is_flag=True, help="Print JSON lines: states, transitions, alarms, results."
 )
 def run(script: str | None, as_json: bool, **options: Any) -> None:
-    """Give commands to one tool: lock, unlock, grip, drop, cancel, stop, arm, reset, reload, wait SECONDS, status,
-    help, quit.
+    """Give commands to one tool: lock, unlock, grip, drop, cancel, resume, stop, arm, reset, reload, wait SECONDS,
+    status, help, quit.
 
     The line arbiter of the tool (`eehal arbiter DESCRIPTION`) must run. With --simulate no other program is needed,
     and the command `scenario S` causes a fault: a leak, a stuck valve, a silent link (`scenario nominal` ends it). At

@@ -44,6 +44,7 @@ HELP = """\
 lock, unlock     the tool changer; arm: allows an unlock where no sensor shows the tool's stand
 grip, drop       the actuators, in their order and in the reverse order
 cancel           a running grip
+resume           after a loss: GRIPPED again, if all evidence is confirmed again
 stop             nothing is activated until a reset, a running grip is cancelled, what is held stays; no safety function
 reset            clears latched faults and alarms that are over
 status           the state of everything, with the times of the last grip
@@ -159,6 +160,8 @@ class RunSession:
             self._answered("SET", self._switched(order))
         elif order.scenario:
             self._answered(SCENARIO, self._chosen(order.scenario))
+        elif order.resume:
+            self._answered("RESUME", self._tool.resume())
         elif order.arm:
             self._answered("ARM", self._tool.arm())
         elif order.stop:

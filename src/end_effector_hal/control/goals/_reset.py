@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from .._status import Answer
 
-NOTHING_LATCHED = "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay until a Drop."
+NOTHING_LATCHED = "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay."
 
 
 def reset_answer(answers: Iterable[Answer]) -> Answer:

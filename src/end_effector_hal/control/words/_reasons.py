@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
-from end_effector_hal.kinds import kind_of, lost_words, present_words
+from end_effector_hal.kinds import confirmed_words, kind_of, lost_words, present_words
 from end_effector_hal.sensing import SensorState
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, display_name
 
@@ -105,9 +105,27 @@ def refusal(
         )
     if command == "cancel":
         return f"There is no running grip to cancel; the end-effector is {_name(state)}."
+    if command == "resume":
+        return _resume_refusal(description, status, senses, at, fault=fault)
     if command in ("lock", "unlock", "arm", "reset"):
         return changer_refusal(description, command, status, senses)
     return f"{command!r} is not accepted now; the end-effector is {_name(state)}."
+
+
+def _resume_refusal(
+    description: Description, status: Status, senses: SensorState, at: int, *, fault: bool
+) -> str:
+    if status.ee is not EndEffectorState.GRIP_ERROR:
+        return f"Nothing was lost: a resume is accepted in GRIP_ERROR only; the end-effector is {_name(status.ee)}."
+    if status.cause is not Cause.LOST or not all(status.outputs):
+        return f"A resume is accepted only after a loss that left every output active. {status.reason} Drop first."
+    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
+        if level is not Evidence.CONFIRMED:
+            shows = confirmed_words(part, description.supply, senses.readings, at)
+            return f"{display_name(name)} is not confirmed again: {shows}."
+    if why := loose(description, senses, unlocking=status.unlock_output, fault=fault):
+        return f"IL-05: {why}."
+    return "The part was never gripped completely. Drop first."
 
 
 def blocking(

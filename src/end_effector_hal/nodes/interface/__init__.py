@@ -36,6 +36,7 @@ from ._table import (
     PROVE,
     READY_S,
     RESET_FAULTS,
+    RESUME_GRIP,
     SCRIPT,
     SEGMENT_MB,
     STATE_HZ,

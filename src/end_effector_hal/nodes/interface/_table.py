@@ -63,8 +63,9 @@ FIXED_TOPICS = (
 
 ARM_TOOL_CHANGER = Service("ArmToolChanger", "std_srvs/Trigger", TOOL_CHANGE)
 RESET_FAULTS = Service("ResetFaults", "std_srvs/Trigger", GRIP)
+RESUME_GRIP = Service("ResumeGrip", "std_srvs/Trigger", GRIP)
 STOP_TOOL = Service("StopTool", "std_srvs/Trigger", GRIP)
-FIXED_SERVICES = (ARM_TOOL_CHANGER, STOP_TOOL, RESET_FAULTS)
+FIXED_SERVICES = (ARM_TOOL_CHANGER, RESUME_GRIP, STOP_TOOL, RESET_FAULTS)
 """Services with the same name for every tool."""
 
 

@@ -17,6 +17,7 @@ from ._table import (
     POSITION_TOOL_STAND,
     PRESSURE_SUPPLY,
     RESET_FAULTS,
+    RESUME_GRIP,
     STATE_HZ,
     STOP_TOOL,
     SUPERVISOR_COMMANDS,
@@ -78,7 +79,7 @@ def services(description: Description) -> tuple[Service, ...]:
     changer = set_tool_changer(description)
     plain = output_services(description).values()
     own = (*set_services(description).values(), *plain, *((changer, ARM_TOOL_CHANGER) if changer else ()))
-    return (*own, STOP_TOOL, RESET_FAULTS)
+    return (*own, RESUME_GRIP, STOP_TOOL, RESET_FAULTS)
 
 
 def _set(name: str, server: str) -> Service:

@@ -17,6 +17,7 @@ from end_effector_hal.nodes.interface import (
     PATIENCE,
     PATIENCE_S,
     RESET_FAULTS,
+    RESUME_GRIP,
     SCRIPT,
     STOP_TOOL,
     SUPERVISOR_COMMANDS,
@@ -30,7 +31,9 @@ from ._goals import GoalClients
 
 LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "
-HELP = "commands: lock, unlock, grip, drop (or release), cancel, stop, arm, reset, wait <seconds>, quit"
+HELP = (
+    "commands: lock, unlock, grip, drop (or release), cancel, resume, stop, arm, reset, wait <seconds>, quit"
+)
 
 
 class Supervisor:
@@ -88,6 +91,7 @@ class Supervisor:
     def give(self, order: ScriptCommand, *, wait: bool = True) -> bool:
         """Execute one order; return False when it was `quit`."""
         for asked, word, service in (
+            (order.resume, "resume", RESUME_GRIP),
             (order.arm, "arm", ARM_TOOL_CHANGER),
             (order.stop, "stop", STOP_TOOL),
             (order.reset, "reset", RESET_FAULTS),

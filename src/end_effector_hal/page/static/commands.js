@@ -1,8 +1,8 @@
 // Buttons. Each is forbidden or not as the HAL says, in its words; a page commands only with the control.
 import { byId, make, put } from "/static/dom.js";
 
-const LABELS = { grip: "Grip", drop: "Drop", cancel: "Cancel", stop: "Stop", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
-const STYLES = { drop: "danger", cancel: "cancel", stop: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
+const LABELS = { grip: "Grip", drop: "Drop", resume: "Resume", cancel: "Cancel", stop: "Stop", lock: "Lock", arm: "Arm unlock", unlock: "Unlock", reset: "Reset faults" };
+const STYLES = { drop: "danger", resume: "plain", cancel: "cancel", stop: "cancel", lock: "plain", arm: "plain", unlock: "plain", reset: "plain" };
 const ASKS = { drop: ["Drop what is held?", "All outputs of the grip are released now, in the declared order. A suspended part will fall."] };
 const ALWAYS = { cancel: "No emergency stop.", stop: "Not a safety function." };
 const GOALS = ["grip", "drop", "lock", "unlock"];

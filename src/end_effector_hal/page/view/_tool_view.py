@@ -27,7 +27,7 @@ STALE_US = 1_200_000
 """Silence after which nothing that is shown counts as present."""
 _RATE_US = 2_000_000
 _VERDICT_US = 2_000_000
-_BUTTONS = ("grip", "drop", "cancel", "stop", "lock", "arm", "unlock", "reset")
+_BUTTONS = ("grip", "drop", "resume", "cancel", "stop", "lock", "arm", "unlock", "reset")
 _CHANGER_WORDS = ("lock", "arm", "unlock")
 _GOING = {
     Command.GRIP: "Grip", Command.RELEASE: "Release", Command.LOCK: "Lock", Command.UNLOCK: "Unlock",

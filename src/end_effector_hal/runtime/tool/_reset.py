@@ -29,7 +29,8 @@ STOP_LATCHED = (
 def reset(description: Description, acknowledge: Callable[[], object], *others: Answer) -> Answer:
     """Clear the faults that the line arbiter has latched, and the alarms about a held part that are over.
 
-    GRIP_ERROR and RELEASE_ERROR stay: they need a Drop. A fault whose cause persists also stays.
+    GRIP_ERROR and RELEASE_ERROR stay: they need a Drop, or after a loss a resume. A fault whose cause persists stays
+    as well.
 
     Args:
         description: the tool.

@@ -150,6 +150,12 @@ class Tool(Closing):
         """Cancel a running grip; return when the cancel is accepted or refused."""
         return self._program.command("cancel")
 
+    def resume(self) -> Answer:
+        """Return from a GRIP_ERROR that a loss caused to GRIPPED, once all evidence is confirmed again and the tool is
+        locked (IL-05); nothing is written. For a person's decision only: never call it automatically.
+        """
+        return self._program.command("resume")
+
     def stop(self) -> Answer:
         """Latch a stop: nothing is activated until a :meth:`reset`, a running grip is cancelled, what is held stays.
 
