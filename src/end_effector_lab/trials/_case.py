@@ -13,7 +13,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import hint
 from end_effector_lab.testbench import parse_scenario, plain_number
 
-COMMANDS = ("grip", "drop", "cancel", "lock", "unlock", "arm", "reset")
+COMMANDS = ("grip", "drop", "cancel", "resume", "lock", "unlock", "arm", "reset")
 ARBITER, HAL, ALL = "arbiter", "hal", "all"
 PROCESSES = (HAL, ARBITER, ALL)
 SCENARIO, KILL, END, START, DISK, POWER = "scenario", "kill", "end", "start", "disk", "power"

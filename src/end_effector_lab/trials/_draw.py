@@ -11,7 +11,6 @@ from end_effector_lab.testbench import parse_scenario
 
 from ._case import (
     ARBITER,
-    COMMANDS,
     DISK,
     END,
     HAL,
@@ -32,6 +31,7 @@ NEAR_US = 1_000
 COMMANDS_SHARE = 3
 """Weight of commands; faults have one to three, deaths one or two."""
 WEIGHTS = {"grip": 8, "drop": 5, "cancel": 3, "lock": 2, "unlock": 3, "arm": 1, "reset": 2}
+"""The commands that are drawn; a resume stands in cases that were written by hand."""
 KILLED = (HAL, ARBITER, "all")
 Draw = Callable[[Random], list[tuple[int, str]]]
 """Returns events that belong together: the time after the previous one in µs, and the event."""
@@ -145,7 +145,7 @@ class CaseSource:
 
     def _swarm(self, random: Random) -> list[Draw]:
         """Return a few kinds of events."""
-        commands = [name for name in COMMANDS if name == "grip" or random.random() < 0.5]
+        commands = [name for name in WEIGHTS if name == "grip" or random.random() < 0.5]
         names = random.sample([*self._faults], min(len(self._faults), random.randint(1, 5)))
         faults = [random.choice(self._faults[name]) for name in names]
         killed = random.sample(KILLED, random.randint(1, 2))

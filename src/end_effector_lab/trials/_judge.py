@@ -15,10 +15,11 @@ Rule 4 (unlock): the unlock output is active only after an accepted unlock, with
 Rule 5 (switching): a line keeps its level for its least time (IL-10); only an arbiter that ends may cut a pulse
     short.
 Rule 6 (evidence): GRIPPED holds only while every device really grips; a lift is allowed only while a link can
-    report it and the tool is locked and present; a release ends in STAND_BY only when every device is gone. Changes
-    younger than the time of a reading may not be known yet.
+    report it and the tool is locked and present; GRIP_ERROR becomes GRIPPED only by an accepted resume; a release
+    ends in STAND_BY only when every device is gone. Changes younger than the time of a reading may not be known yet.
 Rule 7 (refusals): a grip is refused while a device still grips, the supply pressure is too low, the link is silent,
-    or the tool is not locked, or absent (IL-05 to IL-07); a refusal has a reason.
+    or the tool is not locked, or absent (IL-05 to IL-07), a resume while the link is silent or the tool is not locked
+    or absent; a refusal has a reason.
 Rule 8 (unwound): the actuators that the dead program had engaged are deactivated as declared, while the
     arbiter lives.
 Rule 9 (told): at rest, lines and state agree; a latched error, a loss and missing sensor data have been reported.
@@ -94,6 +95,7 @@ class Judge:
         self._reality = Reality(description, tool)
         self._seen = len(tool.edges), len(tool.statuses)
         self._held = False
+        self._resumed = False
         self._grip_runs = False
         self._attempts = dict.fromkeys(self._sequence, 0)
         self._unlock_accepted = False
@@ -130,6 +132,10 @@ class Judge:
             self._object("late", f"a {name} was accepted while there is no line arbiter")
         if name == "drop":
             self._held = False
+        elif name == "resume":
+            self._resumed = True
+            for why in self._reality.against_a_lift():
+                self._object("refusals", f"a resume was accepted while {why}", at)
         elif name == "unlock":
             self._unlock_accepted = True
         elif name == "grip":
@@ -414,6 +420,10 @@ class Judge:
         if ee == RELEASING:  # the attempts of a grip end with it
             self._released_at, self._ended = status.at, {}
             self._attempts = dict.fromkeys(self._sequence, 0)
+        if ee == GRIPPED:
+            if before is not None and before.ee == GRIP_ERROR and not self._resumed:
+                self._object("evidence", "GRIP_ERROR has become GRIPPED, and no resume was accepted")
+            self._resumed = False
         if latched and not self._held:
             self._held = True
             if ee == GRIPPED and status.at == tool.at and self._reality.is_known:

@@ -96,7 +96,7 @@ class _ProcessRun:
             hal = self._children[HAL]
             if hal is not None and hal.code is None:
                 with suppress(ReportedError):  # it has just died
-                    hal.tell(what if what in ("cancel", "arm") else f"{what} &")
+                    hal.tell(what if what in ("cancel", "resume", "arm") else f"{what} &")
         elif verb == SCENARIO:
             self._world.choose(rest)
         elif verb == START:

@@ -139,7 +139,7 @@ class VirtualTool:
         return dict(self._arbiters.now.rules.predicates.faults) if self._arbiters.now else {}
 
     def command(self, name: str, look: Callable[[], object] = lambda: None) -> Answer:
-        """Give ``grip``, ``drop``, ``cancel``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the tool changer).
+        """Give ``grip``, ``drop``, ``cancel``, ``resume``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the changer).
 
         An unlock waits for the proof that nothing is gripped, as in the product; meanwhile time advances, and ``look``
         is called at each instant.

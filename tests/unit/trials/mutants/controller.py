@@ -247,6 +247,16 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "grip; wait 2; scenario lost-after:top_vacuum:0.1", "held",
         cell="lost-after:top_vacuum:0.1 @ grip GRIPPED, between + none",
     ),
+    "automata that resume without evidence": WrongProduct(
+        _edited(b"firm() &amp;&amp; fastened()</label>", b"fastened()</label>"),
+        "the UPPAAL file: GripError → Resumed",
+        "grip; wait 2; scenario lost-after:top_vacuum:0.1; wait 1; resume", "evidence",
+    ),
+    "automata that resume by themselves": WrongProduct(
+        _edited(b"""<label kind="synchronisation" x="1275" y="224">resume?</label>""", b""),
+        "the UPPAAL file: GripError → Resumed",
+        "grip; wait 2; scenario shows:top_vacuum:-30; wait 0.5; scenario nominal", "evidence",
+    ),
     "automata that leave out the last step of a drop": WrongProduct(
         _edited(b"asked = true, k = next_engaged()</label>", b"asked = true, k = next_engaged() + 1</label>"),
         "the UPPAAL file: Gripped → Unwind", "", "order",
