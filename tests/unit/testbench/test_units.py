@@ -248,3 +248,44 @@ def test_sensors_are_wired_to_the_inputs_of_a_station(tmp_path: Path) -> None:
     played.tool.run(1)
     assert any("closed on nothing" in text for text in played.tool.status.alarm_texts)
     played.command("drop", EndEffectorState.STAND_BY)
+
+
+CUPS = """
+schema: 2
+name: cups
+lines: {backend: gpiod}
+link: {port: /dev/ttyUSB0, baudrate: 115200, parity: E, frame: {modbus: {}}}
+channels:
+  a_vacuum: {modbus: {unit: 65, address: 18}, unit: Pa, scale: -101.325}
+  b_vacuum: {modbus: {unit: 65, address: 19}, unit: Pa, scale: -101.325}
+  a_grips: {modbus: {unit: 65, address: 0}, on: [0x0150]}
+  b_grips: {modbus: {unit: 65, address: 1}, on: [0x0150]}
+sequence: [a, b]
+actuators:
+  a:
+    {kind: vacuum, channel: a_vacuum,
+     modbus: {unit: 65, address: 0, command_on: [0x0150], command_off: [0x0000], verify: a_grips}}
+  b:
+    {kind: vacuum, channel: b_vacuum,
+     modbus: {unit: 65, address: 1, command_on: [0x0150], command_off: [0x0000], verify: b_grips}}
+supply: {channel: none}
+"""
+
+
+def test_two_actuators_hang_on_one_unit(tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(CUPS)
+    tool = load_tool(path)
+    played = VirtualTool(tool, models=chosen_models("65=onrobot-vg10", tool))
+    played.run(1)
+    assert played.command("grip").accepted
+    assert played.run_until(10 * S, lambda: played.status.ee == EndEffectorState.GRIPPED)
+    assert [each.line for each in played.edges] == ["modbus:65/0x0000", "modbus:65/0x0001"]
+    played.choose("lost-after:b:0.1")
+    played.run(2)
+    assert [played.bench.devices[name].grips for name in "ab"] == [True, False]
+    assert played.status.ee == EndEffectorState.GRIP_ERROR
+    assert all(played.levels.values()), "only a Drop releases"
+    assert played.command("drop").accepted
+    played.run(8)
+    assert not any(played.levels.values())
