@@ -37,7 +37,7 @@ def until(tool: VirtualTool, state: EndEffectorState, seconds: float = 60.0) -> 
 
 
 def ready(description: Description = SHIPPED, scenario: str = "nominal", *, seed: int = 0) -> VirtualTool:
-    tool = VirtualTool(description, scenario, seed=seed)
+    tool = VirtualTool(description, scenario, seed=seed, models={})  # devices do what is declared of them
     until(tool, STAND_BY)
     tool.run(1.0)
     return tool
