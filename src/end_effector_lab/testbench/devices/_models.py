@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from ._onrobot_vg import OnRobotVG10
-from ._remote_io import RemoteIo
+from ._remote_io import Adam4056, RemoteIo, Wago750
 from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
 from ._robotiq_epick import RobotiqEPick
 from ._unit import UnitModel
 
 MODELS: dict[str, type[UnitModel]] = {
     model.name: model
-    for model in (Robotiq2F85, Robotiq2F140, RobotiqHandE, RobotiqEPick, OnRobotVG10, RemoteIo)
+    for model in (
+        Robotiq2F85,
+        Robotiq2F140,
+        RobotiqHandE,
+        RobotiqEPick,
+        OnRobotVG10,
+        RemoteIo,
+        Wago750,
+        Adam4056,
+    )
 }
-_BOARDS = ("advantech-adam-4056so", "lc-relay-8", "waveshare-io-8", "waveshare-relay-8")
+_BOARDS = ("lc-relay-8", "waveshare-io-8", "waveshare-relay-8")
 """I/O boards of the library whose outputs and inputs are coils and discrete inputs, as the standard has them."""
 
 

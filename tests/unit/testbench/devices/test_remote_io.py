@@ -9,11 +9,15 @@ from end_effector_lab.testbench.physics import Fingers
 from tests.unit.testbench.devices.played import PlayedUnit
 
 
-@pytest.fixture
-def station() -> PlayedUnit:
-    model = model_for("remote-io")
+def played(name: str) -> PlayedUnit:
+    model = model_for(name)
     assert model is not None
     return PlayedUnit(model, {3: Fingers()})
+
+
+@pytest.fixture
+def station() -> PlayedUnit:
+    return played("remote-io")
 
 
 def test_coils_drive_what_hangs_on_them_and_are_read_back(station: PlayedUnit) -> None:
@@ -63,3 +67,20 @@ def test_inputs_show_what_is_wired_to_them_and_outlive_a_restart(station: Played
 def test_exceptions(station: PlayedUnit, pdu: str, answer: str) -> None:
     assert station.ask(pdu) == answer
     assert station.told == []
+
+
+def test_a_wago_reads_its_outputs_at_another_place() -> None:
+    station = played("wago-750")
+    assert station.ask("05 0003 FF00") == "05 00 03 FF 00"
+    assert station.ask("01 0200 0010") == "01 02 08 00"
+    assert station.ask("05 0010 FF00") == "85 02"
+    assert station.ask("01 020F 0002") == "81 02"
+
+
+def test_an_adam_has_twelve_coils() -> None:
+    station = played("advantech-adam-4056so")
+    assert station.ask("0F 0010 000C 02 FF 0F") == "0F 00 10 00 0C"
+    assert station.ask("01 0010 000C") == "01 02 FF 0F"
+    assert station.ask("05 000F FF00") == "85 02"
+    assert station.ask("05 001C FF00") == "85 02"
+    assert station.ask("02 0000 0001") == "82 01"
