@@ -129,7 +129,7 @@ class Field:
     @property
     def bits(self) -> bool:
         """Whether all channels are bits."""
-        return all(each.kind is Kind.BIT for each in self.channels.values())
+        return all(channel.kind is Kind.BIT for channel in self.channels.values())
 
     def values(self, raw: float | str | None) -> dict[str, Value]:
         """Return the values of a raw value; None: there is no raw value."""

@@ -364,7 +364,7 @@ class Channel(Part):
 
     def value(self, raw: float | str) -> Value:
         """Return the meaning of a raw value or word: Pa, thousandths, a bit or a code; None: it is invalid."""
-        if self.unit is None and (offs := self.offs):
+        if self.kind is Kind.BIT and (offs := self.offs):
             on = raw in (self.on or ())
             return on is not self.invert if (on or raw in offs) and raw not in self.invalid else None
         if (

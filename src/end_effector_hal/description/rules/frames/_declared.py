@@ -112,10 +112,13 @@ def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[F
         what = f"{'an input line' if source == 'digital' else 'a channel of a codec'} has no codes"
         yield key_fault(facts, (*path, "alarm"), what, "one text, without code")
         return
-    if facts.says(*path, "invert"):
-        yield key_fault(
-            facts, (*path, "invert"), "'invert' is for a bit", "no invert, or an alarm without codes"
-        )
+    of_bits = [key for key in ("invert", "off") if facts.says(*path, key)]
+    for key in of_bits or (
+        ["on"] if any(isinstance(each, str) for each in _meant(facts, name, "on")) else []
+    ):
+        what = f"{key!r} is for a bit" if of_bits else "a word is no code"
+        expected = f"no {key}, or an alarm without codes" if of_bits else "numbers, or an alarm without codes"
+        yield key_fault(facts, (*path, key), what, expected)
     limits = limits_of_source(facts, (*path, source))
     invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")
     for index, code in enumerate(codes):
@@ -192,24 +195,17 @@ def _words(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     signs = set("".join(facts.get(*frame, key) or "" for key in ("separator", "equals"))) | ENDS
     for key in ("on", "off"):
         for index, word in enumerate(_meant(facts, name, key)):
-            if isinstance(word, str) and source not in ("text", "json"):
-                what = "a word comes only in text or JSON"
-                place = facts.places.value(*path, key, index)
-                yield Fault.at(place, CODE, what, expected="a number")
-            elif isinstance(word, str) and source == "text" and set(word) & signs:
-                what, expected = "this word is never received", "a word without separator and equals"
-                yield Fault.at(facts.places.value(*path, key, index), CODE, what, expected=expected)
-            elif (
-                isinstance(word, str)
-                and key == "on"
-                and word not in OPPOSITE
-                and not facts.says(*path, "off")
-            ):
-                what, expected = (
-                    f"nothing says what is off where {word!r} is on",
-                    "off: the words that are off",
-                )
-                yield Fault.at(facts.places.value(*path, key, index), "EE-206", what, expected=expected)
+            place = facts.places.value(*path, key, index)
+            if not isinstance(word, str):
+                continue
+            if source not in ("text", "json"):
+                yield Fault.at(place, CODE, "a word comes only in text or JSON", expected="a number")
+            elif source == "text" and set(word) & signs:
+                expected = "a word without separator and equals"
+                yield Fault.at(place, CODE, "this word is never received", expected=expected)
+            elif key == "on" and word not in OPPOSITE and not facts.says(*path, "off"):
+                what = f"nothing says what is off where {word!r} is on"
+                yield Fault.at(place, "EE-206", what, expected="off: the words that are off")
 
 
 def _meant(facts: Facts, name: str, key: str) -> list[Any]:
