@@ -17,9 +17,8 @@ from end_effector_hal.description import (
     examine_text,
     load,
 )
-from tests.support.places import DOCS, ROOT
+from tests.support.places import DOCS, ROOT, WRITTEN_OUT
 
-WRITTEN_OUT = Path(__file__).with_name("written_out")
 SHORT = """\
 name: tool
 link: {port: /dev/ttyUSB0}

@@ -31,7 +31,7 @@ from end_effector_lab.trials import (
     thinned,
 )
 from tests.support.nightly import NIGHTLY
-from tests.support.places import ROOT
+from tests.support.places import ROOT, WRITTEN_OUT
 
 SHIPPED = load(profile_path())
 
@@ -260,7 +260,7 @@ def test_an_fmea_has_a_row_for_each_fault_and_function() -> None:
 
 def test_a_part_that_its_device_lets_go_is_told_apart() -> None:
     """Nobody speaks to an EPick for a second: it releases, as its description says."""
-    tool = load_tool(ROOT / "examples/tools/epick_commanded/end_effector.yaml")
+    tool = load_tool(WRITTEN_OUT / "epick_commanded.yaml")
     cells = {cell.id: cell for cell in cells_of(tool, moments(tool))}
     fallen = play(tool, cells["nominal @ grip GRIPPED, between + kill arbiter"])
     assert (fallen.let_go, fallen.dropped, fallen.objections) == (True, False, ())
@@ -274,7 +274,7 @@ def test_a_part_that_its_device_lets_go_is_told_apart() -> None:
 
 
 def test_what_cannot_be_read_after_a_restart_may_hold_something() -> None:
-    tool = load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml")
+    tool = load_tool(WRITTEN_OUT / "gripper_2f85.yaml")
     cells = {cell.id: cell for cell in cells_of(tool, moments(tool))}
     played = play(tool, cells["no-answers:1 @ rest + kill both"])
     assert (played.outcome, played.objections) == (Outcome.HELD, ())
