@@ -128,6 +128,8 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
         case "array":
             if "prefixItems" in each:
                 return f"list of {len(each['prefixItems'])} numbers"
+            if "anyOf" in each["items"]:
+                return "list of whole numbers, words, `true` and `false`"
             nouns = {
                 "number": "number",
                 "integer": "whole number",

@@ -86,7 +86,7 @@ def _raw_or_word(given: Any) -> int | str:
     return given
 
 
-RawOrWord = Annotated[int | str, PlainValidator(_raw_or_word, json_schema_input_type=int | str | bool)]
+RawOrWord = Annotated[int | str, PlainValidator(_raw_or_word, json_schema_input_type=Raw | str | bool)]
 RawsOrWords = Annotated[tuple[RawOrWord, ...], Field(strict=False, max_length=64)]
 Span = Annotated[tuple[Factor, Factor], Field(strict=False)]
 Bitmask = Annotated[int | None, Field(ge=1, le=2**32 - 1)]

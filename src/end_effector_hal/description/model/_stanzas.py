@@ -134,7 +134,8 @@ class Link(Freshness):
     )
     period_ms: Annotated[int | None, Field(ge=1, le=10_000)] = Field(
         default=None,
-        description="nominal time between two frames of a declared `frame`; default: 20, or the time one frame takes",
+        description="nominal time between two frames of a declared `frame`; default: 20, of lines that are asked for "
+        "100, or the time one frame takes",
     )
 
 
