@@ -152,3 +152,5 @@ def test_a_polled_line_gives_an_edge_when_its_level_was_read(
     now_ns[0] += 1_000
     assert lines.edges() == ([LineEdge(6_000, "gpiochip1:1", True)], False)
     assert (lines.due(), lines.edges()) == (7_000, ([], False))
+    now_ns[0] += 1_000_000
+    assert (lines.edges(), lines.due()) == (([], False), 8_000)
