@@ -28,6 +28,7 @@ ELSEWHERE = {
 CALLS: dict[str, tuple[str, ...]] = {
     "check": (),
     "compare": ("nothing", "nothing"),
+    "devices": (),
     "doctor": ("--only", "python"),
     "init": ("new",),
     "model check": (),
