@@ -287,7 +287,7 @@ def _actuators(description: Description) -> Table:
 
 def _rest(description: Description) -> Iterator[str]:
     """Yield one line for the tool changer and one for every wire."""
-    from end_effector_hal.codecs import board_inputs, codec_of, line_of
+    from end_effector_hal.codecs import board_inputs, codec_of, line_words
 
     lines = description.lines
     if changer := description.tool_changer:
@@ -299,10 +299,8 @@ def _rest(description: Description) -> Iterator[str]:
     yield f"lines     {lines.backend}" + (f", {lines.path}" if lines.path else "")
     for name, link in description.links.items():
         codec = codec_of(description, name)
-        baudrate, parity, stopbits = line_of(link, codec)
-        own = f" 8{parity}{stopbits}" if link.frame or link.parity or link.stopbits else ""
-        called = f"{name}: " if name else ""
-        yield f"link      {called}{link.port}, {codec.name}, {baudrate} baud{own}"
+        called, line = f"{name}: " if name else "", line_words(link, codec)
+        yield f"link      {called}{link.port}, {codec.name}{line and f', {line}'}"
     if inputs := board_inputs(description):
         yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
     for name, device in description.used_devices.items():

@@ -6,7 +6,17 @@ group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` o
 """
 
 from ._answers import Counters, counters_of, frame_fault, weight
-from ._carrier import FrameSource, board_inputs, carrier_of, codec_of, line_of, period_of, sources_of
+from ._carrier import (
+    FrameSource,
+    board_inputs,
+    carrier_of,
+    codec_of,
+    has_line,
+    line_of,
+    line_words,
+    period_of,
+    sources_of,
+)
 from ._codec import (
     Carrier,
     Codec,
@@ -52,8 +62,10 @@ __all__ = [
     "declared",
     "frame_fault",
     "get_codec",
+    "has_line",
     "is_polled",
     "line_of",
+    "line_words",
     "load_tool",
     "match_codec",
     "parity_of",

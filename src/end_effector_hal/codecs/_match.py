@@ -11,13 +11,16 @@ from end_effector_hal.codecs._codec import shows_noise
 from end_effector_hal.codecs._registry import codec_names, get_codec
 from end_effector_hal.codecs.described._described import described_codec
 from end_effector_hal.description import (
+    MODBUS_SCHEMES,
     CodecChannels,
     Description,
     Fault,
     did_you_mean,
     examine,
     lost_by_silence,
+    network_address,
     not_fitted,
+    right_form,
     slow,
     unproven,
 )
@@ -103,8 +106,8 @@ def _unusable(description: Description, name: str) -> Fault | None:
     wanted = link.codec if link.frame is None else ""
     try:
         if wanted:
-            get_codec(wanted)
-            return _not_carried(description, name)
+            asks_modbus = hasattr(get_codec(wanted), "reads")
+            return _wrong_address(description, name, modbus=asks_modbus) or _not_carried(description, name)
         codec_of(description, name)
     except ReportedError as error:
         what, hint = error.what.rstrip("."), error.todo.rstrip(".")
@@ -117,6 +120,17 @@ def _unusable(description: Description, name: str) -> Fault | None:
         what, expected = "there is no such codec", f"one of {', '.join(known)}"
         return Fault.at(place, "EE-226", what, expected=expected, hint=did_you_mean(wanted, known))
     return None
+
+
+def _wrong_address(description: Description, name: str, *, modbus: bool) -> Fault | None:
+    """Return a fault if the codec of a link does not fit its address in a network."""
+    port = description.links[name].port
+    address = network_address(port)
+    if address is None or (address.scheme in MODBUS_SCHEMES) is modbus:
+        return None
+    place = description.place(*description.link_path(name), "port")
+    expected = right_form(port, modbus=modbus)
+    return Fault.at(place, "EE-211", "'port' is no address that this codec can use", expected=expected)
 
 
 def _not_carried(description: Description, name: str) -> Fault | None:

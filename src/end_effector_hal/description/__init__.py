@@ -4,6 +4,7 @@
 together.
 """
 
+from ._address import MODBUS_SCHEMES, NetworkAddress, network_address, right_form
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
@@ -41,6 +42,7 @@ __all__ = [
     "BIT",
     "CODES",
     "CONFIRMED",
+    "MODBUS_SCHEMES",
     "NUMBER",
     "PASCAL",
     "QUANTITIES",
@@ -58,6 +60,7 @@ __all__ = [
     "LibraryDevice",
     "Link",
     "ModbusFrame",
+    "NetworkAddress",
     "RecordFrame",
     "RecordValue",
     "RegisterValue",
@@ -76,12 +79,14 @@ __all__ = [
     "markdown",
     "mask_shift",
     "measures_of",
+    "network_address",
     "not_fitted",
     "part_of",
     "profile_names",
     "profile_path",
     "range_kpa",
     "raw_limits",
+    "right_form",
     "run_directory",
     "schema",
     "schema_path",

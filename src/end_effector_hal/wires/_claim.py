@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import glob
 import os
+import socket
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from end_effector_hal.errors import LineBusyError, WireError
+from end_effector_hal.errors import LineBusyError, LinkBusyError, WireError
 from end_effector_hal.owned import open_owned
 from end_effector_hal.vocabulary import printable
 
@@ -99,6 +100,53 @@ def program_name(pid: int | str = "self") -> str:
     if text[:1] == ["-c"]:  # its code says nothing to people
         text = ["python -c", *text[2:]]
     return printable(" ".join([Path(text[0]).name, *text[1:3]]), 80) if text else "?"
+
+
+def holders_of_address(place: str, *, own: bool = False) -> list[Holder]:
+    """Return the processes with an `AddressClaim` on this place, as far as this user may see them."""
+    try:
+        sockets = Path("/proc/net/unix").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return []
+    bound = f"@{_ADDRESS_CLAIM}{place}"
+    nodes = {
+        f"socket:[{words[6]}]"
+        for line in sockets
+        if len(words := line.split(None, 7)) == 8 and words[7] == bound
+    }
+    found = {pid for pid, _, target in _open_files() if target in nodes} if nodes else set()
+    return _called(found - (set() if own else {os.getpid()}))
+
+
+_ADDRESS_CLAIM = "eehal port "
+
+
+class AddressClaim:
+    """A claim on an address in a network: the name of a Unix socket, which ends with its process.
+
+    Args:
+        place: host and port.
+
+    Raises:
+        LinkBusyError: another link or program of this machine has the claim.
+    """
+
+    def __init__(self, place: str) -> None:
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind(f"\0{_ADDRESS_CLAIM}{place}")
+        except OSError as error:
+            self._socket.close()
+            who = " and ".join(map(str, holders_of_address(place, own=True))) or "another program"
+            raise LinkBusyError(
+                f"the address is used by {who}.",
+                where=place,
+                todo="Stop that program: two masters would write over each other.",
+            ) from error
+
+    def release(self) -> None:
+        """Release the claim; a second call has no effect."""
+        self._socket.close()
 
 
 class Claim:

@@ -7,7 +7,7 @@ from pathlib import Path
 from ruamel.yaml import YAML
 
 from end_effector_hal.codecs import board_inputs, codec_of, line_of
-from end_effector_hal.description import Description, Inputs
+from end_effector_hal.description import Description, Inputs, network_address
 from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires.inputs import input_lines, pulls_of
@@ -16,6 +16,7 @@ from ._bench import Bench
 from ._ports import Port, PtyPort, SerialPort
 from ._scenario import TOOL_CHANGER
 from ._sensor_board import BoardSensors
+from ._served_port import ServedPort
 from ._units import chosen_models, text_of
 from .inputs import (
     GpioInputs,
@@ -110,9 +111,9 @@ def open_ports(text: str | None, description: Description, lines: str | None) ->
     """Return the ports that a text names, by the names of the links; nothing is opened yet.
 
     Args:
-        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; for several links
-            ``NAME=PORT,...``; None: a pty at every port of the description for virtual lines, ``/dev/serial0`` for
-            ``rpi3``.
+        text: ``pty:PATH``: a new pty with a symbolic link at PATH; ``PATH``: a serial device; ``tcp://HOST:PORT`` and
+            the like: an address of this machine; for several links ``NAME=PORT,...``; None: a pty at every port of the
+            description for virtual lines (where it is an address, that address), ``/dev/serial0`` for ``rpi3``.
         description: description with the links.
         lines: the text of the lines.
 
@@ -147,12 +148,15 @@ def _port(text: str | None, description: Description, name: str, lines: str | No
     link = description.links[name]
     settings = line_of(link, codec_of(description, name))
     if text is not None:
+        if address := network_address(text):
+            return ServedPort(address)
         kind, _, rest = text.partition(":")
         return PtyPort(rest) if kind == "pty" and rest else SerialPort(text, *settings)
     if lines == "rpi3" and not name:
         return SerialPort(RPI3_PORT, *settings)
     if lines is None or lines.startswith("virtual"):
-        return PtyPort(link.port)
+        address = network_address(link.port)
+        return ServedPort(address) if address else PtyPort(link.port)
     raise UsageError("the testbench has no serial port.", todo="Give --port PATH.")
 
 

@@ -342,3 +342,36 @@ def test_the_extra_of_a_modbus_link_is_named_where_it_is_not_installed(
     result = CliRunner().invoke(command, words, catch_exceptions=False)
     assert result.exit_code == 0
     assert ("needs the extra modbus" in result.output) is not installed
+
+
+def test_a_port_may_be_an_address(tmp_path: Path) -> None:
+    words = [str(tmp_path / "tool"), "--actuators", "cup:vacuum,jaw:gripper", "--link", "io:modbus,hand:text"]
+    ports = ["--port", "io=tcp://192.168.1.20", "--port", "hand=rfc2217://hand:4001"]
+    assert CliRunner().invoke(command, [*words, *ports]).exit_code == 0
+    tool = load(tmp_path / "tool" / "end_effector.yaml")
+    assert {name: link.port for name, link in tool.links.items()} == {
+        "io": "tcp://192.168.1.20",
+        "hand": "rfc2217://hand:4001",
+    }
+    assert {name: link.baudrate for name, link in tool.links.items()} == {"io": None, "hand": 115_200}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            ["--link", "modbus", "--port", "192.168.1.20:502"],
+            "expected tcp://192.168.1.20:502 for Modbus TCP",
+        ),
+        (["--link", "text", "--port", "tcp://plc"], "expected socket://plc:PORT"),
+        (["--link", "io:modbus", "--port", "tcp://plc"], "Expected: --port io=PORT."),
+        (["--link", "io:modbus", "--port", "x=tcp://plc"], "--port x=tcp://plc belongs to no link"),
+        (["--link", "modbus", "--port", "tcp://a", "--port", "tcp://b"], "this link has a port already"),
+        (["--link", "none", "--port", "tcp://a"], "belongs to no link"),
+        (["--virtual", "--port", "tcp://a"], "--virtual has ports of its own"),
+    ],
+)
+def test_a_port_that_cannot_be_is_refused(options: list[str], said: str, tmp_path: Path) -> None:
+    refused = CliRunner().invoke(command, [str(tmp_path / "tool"), "--actuators", "cup:vacuum", *options])
+    assert said in str(refused.exception)
+    assert not (tmp_path / "tool").exists()

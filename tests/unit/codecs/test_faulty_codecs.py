@@ -27,6 +27,7 @@ from end_effector_hal.wires.link import (
     LinkState,
     PtyPair,
     _guard,
+    _port,
     _reader,
     open_port,
 )
@@ -506,7 +507,7 @@ def test_whatever_a_port_raises_it_is_lost_and_opened_again(
             raise error
         return OddPort(path, error, at)
 
-    monkeypatch.setattr(_reader, "open_port", opened)
+    monkeypatch.setattr(_port, "open_port", opened)
     with PtyPair(port) as pty:
         link = LinkReader(port, FaultyCodec(), None, heard.frames.append, heard.changes.append)
         link.start()

@@ -6,6 +6,7 @@ import os
 import pty
 import termios
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -63,11 +64,11 @@ def test_each_who_opens_the_port_sets_them(tmp_path: Path, port: str, more: str,
     assert settings == (115_200, "N", expected)
     reader = SensorReader(described, lambda _: None)._sources[0]  # of the HAL
     assert isinstance(reader, LinkReader)
-    with reader._open():
+    with closing(reader._open()):
         assert two_stop_bits(port) is (expected == 2)
     bus = BusLines.__new__(BusLines)  # of the line arbiter, which masters a bus
     bus._link = BusLink(port, codec, *settings)  # type: ignore[arg-type]
-    with bus._open():
+    with closing(bus._open()):
         assert two_stop_bits(port) is (expected == 2)
     (other_end,) = open_ports(port, described, None).values()  # of the testbench
     other_end.open()

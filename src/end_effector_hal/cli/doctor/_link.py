@@ -11,9 +11,10 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from end_effector_hal.cli.listen import OpenLink, open_link, why_no_frame
-from end_effector_hal.description import Description, Link, used_channels
-from end_effector_hal.errors import LinkError, ReportedError
-from end_effector_hal.wires import Holder, holders_of
+from end_effector_hal.description import Description, Link, network_address, used_channels
+from end_effector_hal.errors import LinkBusyError, ReportedError
+from end_effector_hal.wires import Holder
+from end_effector_hal.wires.link import users_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
 
@@ -36,20 +37,21 @@ def look_at_link(description: Description, *, listen: bool = True) -> CheckResul
 
 def _look_at(description: Description, name: str, *, listen: bool) -> CheckResults:
     link = description.links[name]
-    port = Path(link.port)
-    if not port.exists():
+    port, address = Path(link.port), network_address(link.port)
+    if not address and not port.exists():
         yield _no_port(link.port)
         return
-    if not os.access(port, os.R_OK | os.W_OK):
+    if not address and not os.access(port, os.R_OK | os.W_OK):
         yield _say.missing(
             f"{link.port} may not be opened: permission denied",
             "Add the user to the group dialout (gid 20) and log in again; container: --group-add 20.",
         )
         return
-    if holders := holders_of(port):
+    if holders := users_of(link.port):
         yield _held(link.port, holders)
     elif not listen:
-        yield _say.ok(f"{link.port} exists and is free; not listened to")
+        free = "is used by no program of this machine" if address else "exists and is free"
+        yield _say.ok(f"{link.port} {free}; not listened to")
     else:
         yield _listen(description, name, link)
 
@@ -107,10 +109,8 @@ def _listen(description: Description, name: str, wire: Link) -> CheckResult:
                 link.name,
                 "" if wire.frame else link.codec.name,
             )
-    except LinkError as error:
-        if " is used by " in error.what:
-            return _say.warning(f"{port}: {error.what}", error.todo)
-        return _say.missing(f"{port}: {error.what}", error.todo)
+    except LinkBusyError as error:
+        return _say.warning(f"{port}: {error.what}", error.todo)
     except ReportedError as error:
         return _say.missing(f"{port}: {error.what}", error.todo)
     except OSError as error:
@@ -119,7 +119,7 @@ def _listen(description: Description, name: str, wire: Link) -> CheckResult:
     heard = heard._replace(
         invalid=tuple(each for each in heard.invalid if each in used_channels(description))
     )
-    return judged(title, heard, codec)
+    return judged(title, heard, codec, network=network_address(port) is not None)
 
 
 def _hear(link: OpenLink, listen_us: int) -> Heard:
@@ -152,18 +152,19 @@ def _hear(link: OpenLink, listen_us: int) -> Heard:
     )
 
 
-def judged(port: str, heard: Heard, codec: str) -> CheckResult:
+def judged(port: str, heard: Heard, codec: str, *, network: bool = False) -> CheckResult:
     """Return the finding about a link from the data that arrived.
 
     Args:
         port: name of the port.
         heard: the data that arrived.
         codec: name of the expected codec; "" if the frame is declared in the description.
+        network: whether the port is an address in a network.
     """
     if heard.faults and not heard.frames:
         return _say.missing(f"{port}: no frame", " ".join(heard.faults))
     if not heard.data or not heard.frames:
-        what, todo = why_no_frame(heard.data, codec)
+        what, todo = why_no_frame(heard.data, codec, network=network)
         return _say.missing(f"{port}: {what}", todo)
     text = f"{port}: {heard.frames} frames"
     if heard.seconds:

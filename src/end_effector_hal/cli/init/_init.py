@@ -6,7 +6,7 @@ import re
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,13 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
     help="text, json, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
     "front:text: the actuators are distributed among them in turn, or as their LINK says.  [default: text]",
 )
+@click.option(
+    "--port",
+    "ports",
+    metavar="[NAME=]PORT",
+    multiple=True,
+    help="Of a link: a serial device, or an address such as tcp://192.168.1.20 (docs/how-to/network.md).",
+)
 @click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
 @click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
@@ -56,6 +63,7 @@ def command(
     folder: Path,
     actuators: str | None,
     links: tuple[str, ...],
+    ports: tuple[str, ...],
     tool_changer: bool | None,
     virtual: bool,
     as_json: bool,
@@ -74,7 +82,7 @@ def command(
         if path.exists() or path.is_symlink():  # a link may lead to what does not exist
             raise UsageError("This file is there already.", where=str(path), todo="Name another folder.")
     asking = sys.stdin.isatty() and not as_json
-    if actuators is None and (links or tool_changer is not None or virtual):
+    if actuators is None and (links or ports or tool_changer is not None or virtual):
         if not asking:
             raise UsageError(
                 "No actuators are named.", todo="Give --actuators, such as cups:vacuum,rod:cylinder."
@@ -82,7 +90,7 @@ def command(
         actuators = _asked("Actuators, in the order of a grip (NAME:KIND,...)")
     description = profile_path().read_bytes()
     if actuators is not None:
-        description = _described(folder, actuators, links, tool_changer, virtual, asking).encode()
+        description = _described(folder, actuators, links, ports, tool_changer, virtual, asking).encode()
     the_folder(folder)
     for path, content in zip(files, (description, schema_path().read_bytes()), strict=True):
         write_whole(path, content)
@@ -106,6 +114,7 @@ def _described(
     folder: Path,
     actuators: str,
     links: tuple[str, ...],
+    ports: tuple[str, ...],
     tool_changer: bool | None,
     virtual: bool,
     asking: bool,
@@ -126,7 +135,9 @@ def _described(
         links = (BOARD,)
     if not links:
         links = (_asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text",)
-    wanted_by = wanted_links(links)
+    if virtual and ports:
+        raise UsageError("--virtual has ports of its own.", todo="Leave out --port, or --virtual.")
+    wanted_by = with_ports(wanted_links(links), ports)
     if tool_changer is None:
         tool_changer = not asking or click.confirm("Is a tool changer fitted?", default=True, err=True)
     return new_description(
@@ -170,11 +181,12 @@ class WantedActuator:
 @dataclass(frozen=True)
 class WantedLink:
     """A link that confirms actuators: ``what`` is one of `LINKS` or a codec; ``name`` is "" if there is
-    only one link.
+    only one link; ``port`` is "" for the usual one.
     """
 
     name: str
     what: str
+    port: str = ""
 
     @property
     def said(self) -> str:
@@ -242,6 +254,21 @@ def wanted_links(texts: Sequence[str]) -> tuple[WantedLink, ...]:
             )
         found[name] = WantedLink(name, _known_link(what))
     return tuple(found.values())
+
+
+def with_ports(links: Sequence[WantedLink], texts: Sequence[str]) -> tuple[WantedLink, ...]:
+    """Return the links with their ports: ``tcp://192.168.1.20``, or ``front=/dev/ttyS1``; raises UsageError."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, port = text.partition("=")
+        name, port = (name, port) if equals else ("", text)
+        if not any(link.name == name for link in links if link.what != BOARD):
+            names = ", ".join(f"--port {link.name}=PORT" if link.name else "--port PORT" for link in links)
+            raise UsageError(f"--port {text} belongs to no link.", todo=f"Expected: {names}.")
+        if name in found:
+            raise UsageError(f"--port {text}: this link has a port already.", todo="Give each one once.")
+        found[name] = port
+    return tuple(replace(link, port=found.get(link.name, "")) for link in links)
 
 
 def _known_link(link: str) -> str:

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from end_effector_hal.codecs import Codec, codec_names, get_codec, match_codec
 from end_effector_hal.description import ToolChanger as ChangerStanza
-from end_effector_hal.description import did_you_mean, examine_text, schema_path
+from end_effector_hal.description import did_you_mean, examine_text, network_address, schema_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
 from end_effector_hal.nodes.interface import name_faults
@@ -248,15 +248,24 @@ def _link(
     if link.name:
         yield f"  {link.name}:"
     uart = f"uart_{link.name}" if link.name else "uart"
-    port = json.dumps(str(place / uart), ensure_ascii=False) if virtual else f"/dev/ttyS{number}"
+    own = str(place / uart) if virtual else link.port
     made = "made by the testbench" if virtual else "yours: the serial device of the sensors"
-    yield _key("port", port, made, indent=indent)
+    port = json.dumps(own, ensure_ascii=False) if own else f"/dev/ttyS{number}"
+    yield _key("port", port, "" if link.port else made, indent=indent)
+    address = network_address(link.port)
+    serial = address is None or address.has_line
     if link.what in LINKS:
-        usual = "9600" if link.what == "modbus" else "115200"
-        yield _key("baudrate", usual, "yours: bits per second", indent=indent)
+        if serial:
+            yield _key(
+                "baudrate",
+                "9600" if link.what == "modbus" else "115200",
+                "yours: bits per second",
+                indent=indent,
+            )
         yield from (" " * (indent - 2) + line for line in frame_lines(link.what, channels))
-    else:
-        yield _key("codec", link.what, "docs/reference/codecs.md has the others", indent=indent)
+        return
+    yield _key("codec", link.what, "docs/reference/codecs.md has the others", indent=indent)
+    if serial:
         yield _key("baudrate", str(get_codec(link.what).baudrate), "bits per second", indent=indent)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Self
 
+from end_effector_hal.description import network_address
 from end_effector_hal.errors import LinkError
 from end_effector_hal.signals import GAUGE_PRESSURE, Kind
 
@@ -120,7 +121,8 @@ class ChannelView:
                     raise LinkError(link.error)
                 if link.faults:
                     raise LinkError(" ".join(link.faults), where=heard.title)
-                what, todo = why_no_frame(bytes(heard.sample), heard.codec)
+                network = network_address(self.tool.links[name].port) is not None
+                what, todo = why_no_frame(bytes(heard.sample), heard.codec, network=network)
                 raise LinkError(f"{what}.", where=heard.title, todo=todo)
 
     def _take(self, came: Frame | tuple[str, bytes]) -> None:

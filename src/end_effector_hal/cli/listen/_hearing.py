@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import select
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,9 +14,7 @@ if TYPE_CHECKING:
     from end_effector_hal.codecs import Codec
     from end_effector_hal.description import Description
     from end_effector_hal.signals import Frame
-    from end_effector_hal.wires.link import GuardedDecoder
-
-CHUNK = 4096
+    from end_effector_hal.wires.link import GuardedDecoder, WirePort
 
 
 @dataclass(frozen=True)
@@ -28,13 +25,13 @@ class OpenLink:
         name: port, codec and baud rate for a sentence.
         codec: codec of the link.
         decoder: a new decoder for the link.
-        fd: file descriptor of the port.
+        port: the open port.
     """
 
     name: str
     codec: Codec
     decoder: GuardedDecoder
-    fd: int
+    port: WirePort
 
     def hear(self, longest_s: float) -> tuple[bytes, list[Frame]]:
         """Return the bytes that arrive within a time, and the frames that end in them; a polling codec sends its
@@ -47,23 +44,23 @@ class OpenLink:
         frames: list[Frame] = []
         if self.decoder.asks:
             polled = self.decoder.poll()
-            os.write(self.fd, polled.data)
+            if polled.data:
+                self.port.write(polled.data)
             frames += polled.frames
             longest_s = min(longest_s, self.decoder.wait_s() or 0)
-        if not select.select([self.fd], [], [], longest_s)[0]:
+        if not select.select([self.port.fileno()], [], [], longest_s)[0]:
             return b"", frames
-        data = os.read(self.fd, CHUNK)
-        if not data:
-            raise OSError("end of file")
+        data = self.port.read()
         return data, [*frames, *self.decoder.feed(data)]
 
 
 def link_title(description: Description, name: str) -> str:
     """Return port, codec and baud rate of a link for a sentence; raises UsageError like `codec_of`."""
-    from end_effector_hal.codecs import codec_of, line_of
+    from end_effector_hal.codecs import codec_of, has_line, line_of
 
     codec, link = codec_of(description, name), description.links[name]
-    return f"{link.port}, {codec.name}, {line_of(link, codec)[0]} baud"
+    rate = f", {line_of(link, codec)[0]} baud" if has_line(link) else ""
+    return f"{link.port}, {codec.name}{rate}"
 
 
 @contextmanager
@@ -78,13 +75,16 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
         UsageError: the codec cannot be loaded.
     """
     from end_effector_hal.codecs import codec_of, line_of
-    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_port
+    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_wire
 
     codec, link = codec_of(description, name), description.links[name]
     baudrate, parity, stopbits = line_of(link, codec)
-    with open_port(link.port, baudrate, parity=parity, stopbits=stopbits) as port:
+    with closing(open_wire(link.port, baudrate, parity=parity, stopbits=stopbits)) as port:
+        if port.connecting:
+            select.select([port.fileno()], [], [])
+            port.establish()
         decoder = GuardedDecoder(codec, CodecCalls(link.port))
-        yield OpenLink(link_title(description, name), codec, decoder, port.fileno())
+        yield OpenLink(link_title(description, name), codec, decoder, port)
 
 
 def fitting(data: bytes, but: str) -> Iterator[str]:
@@ -106,12 +106,20 @@ def fitting(data: bytes, but: str) -> Iterator[str]:
             yield name
 
 
-def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
-    """Return the problem and its remedy if no frame arrived; ``codec`` is "" if the frame is declared in the
-    description.
+def why_no_frame(data: bytes, codec: str, *, network: bool = False) -> tuple[str, str]:
+    """Return the problem and its remedy if no frame arrived.
+
+    Args:
+        data: all that arrived.
+        codec: its name; "" if the frame is declared in the description.
+        network: whether the port is an address in a network.
     """
     if not data:
-        return "silent", "Is the device powered, RX and TX not exchanged, the ground connected?"
+        powered = "Is the device powered, RX and TX not exchanged, the ground connected?"
+        asked = (
+            "Is this the right port number? Does the device send, or serve, what the description declares?"
+        )
+        return "silent", asked if network else powered
     others = ", ".join(fitting(data, but=codec))
     json = not others and any(
         line.startswith(b"{") and line.rstrip().endswith(b"}") for line in data.split(b"\n")
@@ -122,4 +130,6 @@ def why_no_frame(data: bytes, codec: str) -> tuple[str, str]:
         return what, "Write frame: {json: {}} for the link, and json: {key: …} with the path of each channel."
     if others:
         return what, f"Set link.codec: {others}."
-    return what, f"Baud rate, parity, {'codec' if codec else 'link.frame'} and voltage levels: do they fit?"
+    frame = "codec" if codec else "link.frame"
+    wire = "at the far end" if network else "and voltage levels"
+    return what, f"Baud rate, parity, {frame} {wire}: do they fit?"

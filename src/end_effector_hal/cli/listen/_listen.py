@@ -66,9 +66,9 @@ def command(description: Path, seconds: float | None, suggest: Path | None, as_j
 
 
 def _refuse_busy(port: str) -> None:
-    from end_effector_hal.wires import holders_of
+    from end_effector_hal.wires.link import users_of
 
-    if holders := holders_of(port):
+    if holders := users_of(port):
         raise LinkBusyError(
             f"the port is read by {' and '.join(map(str, holders))}.",
             where=port,

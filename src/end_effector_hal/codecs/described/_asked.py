@@ -32,7 +32,7 @@ class AskedLines(DescribedCodec):
     def __init__(self, lines: DescribedLines, ask: str, line: SerialLine) -> None:
         self._lines, self.ask = lines, ask.encode()
         channels = {name: each for field in lines.fields for name, each in field.channels.items()}
-        asking_us = len(self.ask) * line.byte_bits * 1_000_000 // line.baudrate
+        asking_us = line.wire_us(len(self.ask))
         super().__init__(channels, line, lines.least_period_us + asking_us)
 
     def decoder(self) -> AskingDecoder:

@@ -14,7 +14,7 @@ from end_effector_hal.signals import Frame, Kind, Value
 
 
 class SerialLine(NamedTuple):
-    """Settings of a serial line; ``period_us`` None: the period follows from the format."""
+    """Settings of a serial line; ``baudrate`` 0: there is none; ``period_us`` None: it follows from the format."""
 
     baudrate: int
     parity: str
@@ -25,6 +25,10 @@ class SerialLine(NamedTuple):
     def byte_bits(self) -> int:
         """Bits of a byte on the line: start, 8, parity, stop."""
         return 9 + (self.parity != "N") + self.stopbits
+
+    def wire_us(self, count: int, bits: int | None = None) -> int:
+        """Return the time that so many bytes need on the line, µs; 0 if there is none."""
+        return count * (bits or self.byte_bits) * 1_000_000 // self.baudrate if self.baudrate else 0
 
 
 class DescribedCodec(ABC):

@@ -94,8 +94,7 @@ class DescribedModbus(DescribedCodec):
         reads = tuple(reads_of(by_place(channels, "modbus"), frame.gap))
         silence_us = ModbusMaster.silence_us(line.baudrate)
         wire_us = [
-            (13 + read.answer_bytes) * max(ModbusMaster.BITS, line.byte_bits) * 1_000_000 // line.baudrate
-            + 2 * silence_us
+            line.wire_us(13 + read.answer_bytes, max(ModbusMaster.BITS, line.byte_bits)) + 2 * silence_us
             for read in reads
         ]
         super().__init__(channels, line, sum(wire_us))

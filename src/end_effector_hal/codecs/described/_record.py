@@ -93,7 +93,7 @@ class DescribedRecord(DescribedCodec):
         self._layout = RecordLayout(frame, tuple(places), fields)
         delimiters = 2 * len(self._layout.delimiter)
         shortest = self._layout.size + delimiters if delimiters else self._layout.longest
-        super().__init__(channels, line, shortest * line.byte_bits * 1_000_000 // line.baudrate)
+        super().__init__(channels, line, line.wire_us(shortest))
 
     def decoder(self) -> Decoder:
         """Return a new decoder."""

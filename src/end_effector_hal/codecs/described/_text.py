@@ -35,9 +35,7 @@ class DescribedLines(DescribedCodec):
     ) -> None:
         channels = {name: each for group in places.values() for name, each in group.items()}
         # how long a line is, is the device's: a digit and what separates it for each value
-        super().__init__(
-            channels, line, len(places) * of_a_value * line.byte_bits * 1_000_000 // line.baudrate
-        )
+        super().__init__(channels, line, line.wire_us(len(places) * of_a_value))
         self.places, self.fields = tuple(places), tuple(map(Field, places.values()))
 
     @abstractmethod

@@ -5,6 +5,7 @@ from ._codec import EPick, ModbusRtu, OnRobotVG, Transmitters
 from ._master import ModbusMaster, exception_words
 from ._read import Read, Register, RegisterWrite
 from ._relay import BusCodec, RelayedBus, cycle_record
+from ._tcp import TcpFrames
 
 __all__ = [
     "BusCodec",
@@ -16,6 +17,7 @@ __all__ = [
     "Register",
     "RegisterWrite",
     "RelayedBus",
+    "TcpFrames",
     "Transmitters",
     "acknowledgement",
     "cycle_record",

@@ -105,6 +105,11 @@ def is_whole(adu: bytes) -> bool:
     return bool(FramerRTU.check_CRC(adu[:-2], int.from_bytes(adu[-2:], "big")))
 
 
-def _frame(read: Read | RegisterWrite, function: int, pdu: bytes) -> bytes:
-    frame: bytes = _FRAMER.encode(bytes([function]) + pdu, read.unit, 0)
+def sealed(body: bytes) -> bytes:
+    """Return a frame of RTU: unit and PDU with their CRC."""
+    frame: bytes = _FRAMER.encode(body[1:], body[0], 0)
     return frame
+
+
+def _frame(read: Read | RegisterWrite, function: int, pdu: bytes) -> bytes:
+    return sealed(bytes([read.unit, function]) + pdu)

@@ -51,7 +51,7 @@ class ModbusRtu:
         name: the codec's name in a description.
         reads: the reads in the order of their requests.
         period_us: time from the start of a cycle to the start of the next one; a slow device makes it longer.
-        baudrate, parity: settings of the line; parity ``N``, ``E`` or ``O``.
+        baudrate, parity: settings of the line; parity ``N``, ``E`` or ``O``; baud rate 0: there is none.
         timeout_us: longest wait for an answer.
         alike: whether answers to two reads of one unit may have the same form. If so, a read without an answer blocks
             the other reads of that form for one second.

@@ -35,15 +35,16 @@ class ReadCycle:
 
     Args:
         reads: the reads of a cycle.
+        baudrate: of the line; 0: there is none.
     """
 
-    def __init__(self, reads: Sequence[Read]) -> None:
+    def __init__(self, reads: Sequence[Read], baudrate: int) -> None:
         self.bytes = 0
         self.frames = 0
         self.lost = 0
         self.reboots = 0
         self.errors: Counter[str] = Counter()
-        self._reads = reads
+        self._reads, self._baudrate = reads, baudrate
         self._values: dict[str, Value] = {}
         self._faulty: dict[Read, tuple[int, str]] = {}
 
@@ -54,7 +55,10 @@ class ReadCycle:
 
     def _unheard(self, read: Read, at: int) -> None:
         self.errors["timeout"] += 1
-        todo = "Check its power, the wires A and B, unit, baud rate and parity."
+        wired = "Check its power, the wires A and B, unit, baud rate and parity."
+        todo = (
+            wired if self._baudrate else "Check its power and its unit; behind a gateway also the line there."
+        )
         self._faulty[read] = at, f"{read.place}: no answer. {todo}"
 
     def _taken(self, read: Read, answer: bytes, at: int) -> dict[str, Value]:
@@ -112,7 +116,7 @@ class ModbusMaster(ReadCycle):
     """Most bits of a byte on the line: start, 8, parity, stop."""
 
     def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
-        super().__init__(reads)
+        super().__init__(reads, baudrate)
         self.due = 0
         self.free_at: int | None = 0
         """Time from which on the line is free for other requests, µs; None: an answer is awaited."""
@@ -120,7 +124,6 @@ class ModbusMaster(ReadCycle):
         """The raw answers of the last complete cycle, b"" for a missing one; before that an empty tuple."""
         self.asked_at = 0
         """Time of the first request of the cycle, µs."""
-        self._baudrate = baudrate
         self._period_us, self._timeout_us = period_us, timeout_us
         self.silence_after_us = self.silence_us(baudrate)
         """Pause on the line after an answer, µs."""
@@ -133,8 +136,8 @@ class ModbusMaster(ReadCycle):
 
     @classmethod
     def silence_us(cls, baudrate: int) -> int:
-        """Return the silence that the standard requires between two frames, µs."""
-        return max(1_750, int(3.5 * cls.BITS) * 1_000_000 // baudrate)
+        """Return the silence that the standard requires between two frames, µs; none if there is no serial line."""
+        return max(1_750, int(3.5 * cls.BITS) * 1_000_000 // baudrate) if baudrate else 0
 
     def poll(self, at: int) -> Polled:
         """Return the next request if it is due; a pending request without an answer counts as invalid."""
@@ -179,7 +182,8 @@ class ModbusMaster(ReadCycle):
 
     def answered_within_us(self, request: bytes) -> int:
         """Return the longest wait for the answer to a request, from the request's first byte on, µs."""
-        return self._timeout_us + len(request) * self.BITS * 1_000_000 // self._baudrate
+        sent_us = len(request) * self.BITS * 1_000_000 // self._baudrate if self._baudrate else 0
+        return self._timeout_us + sent_us
 
     def _may_mix(self, read: Read, at: int) -> bool:
         """Return whether a late answer to another read may still arrive and be mistaken for the answer to this one."""

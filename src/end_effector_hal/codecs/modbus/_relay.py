@@ -45,7 +45,7 @@ class RelayedBus:
 
     def decoder(self) -> RelayDecoder:
         """Return a new decoder, which sends no requests."""
-        return RelayDecoder(self._bus.reads)
+        return RelayDecoder(self._bus.reads, self.baudrate)
 
     def encode(self, frame: Frame) -> bytes:
         """Return the record of a cycle whose answers make this frame."""
@@ -60,8 +60,8 @@ class RelayedBus:
 class RelayDecoder(ReadCycle):
     """Decodes records. Damaged records, records of another bus, and unfinished data longer than a record are noise."""
 
-    def __init__(self, reads: Sequence[Read]) -> None:
-        super().__init__(reads)
+    def __init__(self, reads: Sequence[Read], baudrate: int) -> None:
+        super().__init__(reads, baudrate)
         self._rest = b""
         self._last = 0
         # an answer as two digits a byte, in quotes; time and names

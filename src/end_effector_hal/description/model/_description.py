@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, PrivateAttr, TypeAdapter
 from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
 
+from end_effector_hal.description._address import loopback, network_address
 from end_effector_hal.description._fault import Place, Places, UsedDevice
 from end_effector_hal.description._paths import profile_path, run_directory
 from end_effector_hal.errors import UsageError
@@ -301,16 +302,16 @@ class Description(Part):
         Args:
             lines_path: the file of the virtual chip.
             port: port of the sensor link; with several links, each port is ``port`` with ``_`` and the link's name.
+                A port that is an address in a network becomes an address of this machine instead.
             socket: socket of the line arbiter; None: the default one.
         """
         lines = Lines(backend="virtual", path=str(lines_path), socket=str(socket) if socket else None)
         changed: dict[str, object] = {"lines": lines}
         if self.link:
-            changed["link"] = self.link.model_copy(update={"port": port})
+            changed["link"] = _moved(self.link, port)
         if self.named_links:
             changed["named_links"] = {
-                name: link.model_copy(update={"port": f"{port}_{name}"})
-                for name, link in self.named_links.items()
+                name: _moved(link, f"{port}_{name}") for name, link in self.named_links.items()
             }
         if any(channel.analog for channel in self.channels.values()):
             iio = str(Path(lines_path).with_name("iio"))
@@ -334,6 +335,13 @@ class Description(Part):
             self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
         )
         return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+
+def _moved(link: Link, port: str) -> Link:
+    """Return the link at another port: a path, or an address of this machine that belongs to this path."""
+    address = network_address(link.port)
+    here = str(loopback(address, port)) if address else port
+    return link.model_copy(update={"port": here})
 
 
 def camel_case(name: str) -> str:

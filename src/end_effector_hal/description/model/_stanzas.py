@@ -112,7 +112,10 @@ class Link(Freshness):
         """Return ``codec`` if a frame is declared, because then there is no codec."""
         return ("codec",) if self.frame else ()
 
-    port: Word = Field(min_length=1, description="serial device")
+    port: Word = Field(
+        min_length=1,
+        description="serial device, or an address such as tcp://HOST (docs/how-to/network.md)",
+    )
     baudrate: int | None = Field(
         default=None,
         ge=300,

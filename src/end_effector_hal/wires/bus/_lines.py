@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, cycle_record
 from end_effector_hal.description import Description
@@ -21,11 +21,8 @@ from end_effector_hal.wires._relay import RELAYED, relay_path
 from end_effector_hal.wires.bus._output import fresh_for_us
 from end_effector_hal.wires.bus._outputs import BusOutputs
 from end_effector_hal.wires.bus._traffic import BusTraffic
-from end_effector_hal.wires.link import open_port
+from end_effector_hal.wires.link import WirePort, open_wire
 from end_effector_hal.wires.rpc import Server
-
-if TYPE_CHECKING:
-    import serial
 
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 2.0
@@ -36,11 +33,11 @@ PATIENCE_S = 1.0
 FLUSH_S = 1.0
 """Longest wait at the end for pending writes, s."""
 CLOSE_S = 2.0
-READ_BYTES = 4096
+TICK_S = 0.1
 
 
 class BusLink(NamedTuple):
-    """The link of a bus: its port, its codec and the settings of the port."""
+    """The link of a bus: its port (a device, or an address in a network), its codec and the settings of the port."""
 
     port: str
     codec: BusCodec
@@ -79,7 +76,8 @@ class BusLines:
         self._lock = threading.Lock()
         self._cycle = threading.Event()
         self._ended = False
-        self._error = ""
+        self._error = self._logged = ""
+        self._wait_s = FIRST_WAIT_S
         self._thread: threading.Thread | None = None
         self._told: tuple[frozenset[str], Mapping[str, str]] = frozenset(), {}
 
@@ -191,7 +189,7 @@ class BusLines:
         with self._lock:
             return self._outputs.pending
 
-    def _claimed(self) -> serial.Serial | None:
+    def _claimed(self) -> WirePort | None:
         """Return the port; None: no port can be opened yet."""
         until = time.monotonic() + PATIENCE_S
         while True:
@@ -205,40 +203,48 @@ class BusLines:
                 return None
             time.sleep(FIRST_WAIT_S)
 
-    def _open(self) -> serial.Serial:
-        return open_port(
+    def _open(self) -> WirePort:
+        return open_wire(
             self._link.port, self._link.baudrate, parity=self._link.parity, stopbits=self._link.stopbits
         )
 
-    def _run(self, port: serial.Serial | None) -> None:
-        wait_s = FIRST_WAIT_S
+    def _run(self, port: WirePort | None) -> None:
         while not self._ended:
             try:
                 with closing(port or self._open()) as opened:
-                    port, self._error, wait_s = None, "", FIRST_WAIT_S
+                    port = None
+                    while opened.connecting and not self._ended:
+                        if self._wait(LONGEST_WAIT_S, opened):
+                            opened.establish()
+                    self._error = ""
                     self._talk(opened)
             except Exception as error:  # noqa: BLE001 a driver may raise anything: this thread outlives it
-                port, text = None, str(error) or type(error).__name__
-                if text != self._error:
-                    _log.error("the bus %s is lost: %s", self._link.port, text)
-                self._error = text
+                port, self._error = None, str(error) or type(error).__name__
+                if self._error != self._logged:
+                    _log.error("the bus %s is lost: %s", self._link.port, self._error)
+                self._logged = self._error
                 try:
-                    self._wait(wait_s)
+                    self._wait(self._wait_s)
                 except Exception:  # noqa: BLE001 its end would end every release
                     _log.exception("readers of the bus %s", self._link.port)
-                    time.sleep(wait_s)
-                wait_s = min(2 * wait_s, LONGEST_WAIT_S)
+                    time.sleep(self._wait_s)
+                self._wait_s = min(2 * self._wait_s, LONGEST_WAIT_S)
 
-    def _wait(self, wait_s: float) -> None:
-        """Wait without a port: give up commands whose time is over, and serve the readers of the relay."""
-        until = time.monotonic() + wait_s
+    def _wait(self, wait_s: float, port: WirePort | None = None) -> bool:
+        """Wait until the port is readable; return whether it is. Meanwhile, give up commands whose time is over, and
+        serve the readers of the relay.
+        """
+        until, fds = time.monotonic() + wait_s, [port.fileno()] if port else []
         while not self._ended and (left := until - time.monotonic()) > 0:
-            self._select([], left)
+            ready = self._select(fds, min(left, TICK_S))
             with self._lock:
                 self._outputs.advance(now_us())
             self._tell()
+            if ready:
+                return True
+        return False
 
-    def _talk(self, port: serial.Serial) -> None:
+    def _talk(self, port: WirePort) -> None:
         """Exchange requests and answers until the end; raises OSError when the port is lost."""
         codec = self._link.codec
         master = codec.decoder()
@@ -252,17 +258,15 @@ class BusLines:
             ready = self._select([fd], max(0, wait_us) / 1e6)
             cycles = []
             if ready:
-                data = os.read(fd, READ_BYTES)
-                if not data:
-                    raise OSError("end of file")
+                data = port.read()
+                self._wait_s, self._logged = FIRST_WAIT_S, ""
                 with self._lock:
                     cycles.append(traffic.feed(data, now_us()))
             with self._lock:
                 request, cycle = traffic.poll(now_us())
             cycles.append(cycle)
             if request:
-                with suppress(BlockingIOError):  # no room: a request that is not answered
-                    os.write(fd, request)
+                port.write(request)
             for each in cycles:
                 if each is not None:
                     self._relay.send(cycle_record(each.answers, each.at))

@@ -1,4 +1,4 @@
-"""Opens a serial port, and explains in a sentence why it cannot be opened."""
+"""Opens the port of a link, and explains in a sentence why it cannot be opened."""
 
 from __future__ import annotations
 
@@ -6,15 +6,104 @@ import errno
 import glob
 import os
 import re
-from typing import TYPE_CHECKING
+from contextlib import suppress
+from typing import TYPE_CHECKING, Protocol
 
+from end_effector_hal.description import network_address
 from end_effector_hal.errors import LinkBusyError, LinkError
-from end_effector_hal.wires._claim import holders_of
+from end_effector_hal.wires._claim import Holder, holders_of, holders_of_address
+
+from ._network import NetworkPort
+from ._telnet import SerialSettings
 
 if TYPE_CHECKING:
     import serial
 
 _USUAL = ("/dev/verdin-uart*", "/dev/tty[A-Z]*[0-9]", "/dev/ttymxc*", "/dev/serial[0-9]")
+
+
+READ_BYTES = 4096
+
+
+class OpenPort(Protocol):
+    """An open source of bytes: a serial port, or a connection to the process that has the port."""
+
+    def fileno(self) -> int:
+        """Return the descriptor for select; available data can be read without waiting."""
+        ...
+
+    def close(self) -> None:
+        """Close the source."""
+        ...
+
+
+class WirePort(OpenPort, Protocol):
+    """The port of a link: a serial device or an address in a network; reads and writes do not wait."""
+
+    connecting: bool
+    """Whether it is not open yet: when `fileno` is readable, call `establish`."""
+
+    def establish(self) -> None:
+        """End the connecting; raises LinkError if the port is not open then."""
+        ...
+
+    def read(self) -> bytes:
+        """Return received data, maybe none; raises OSError when the port is lost."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send data; data without room are lost; raises OSError when the port is lost."""
+        ...
+
+
+class DescriptorPort:
+    """An open source as a port.
+
+    Args:
+        source: the source; it is closed with the port.
+    """
+
+    connecting = False
+
+    def __init__(self, source: OpenPort) -> None:
+        self._source = source
+
+    def establish(self) -> None:
+        """Do nothing: it is open."""
+
+    def fileno(self) -> int:
+        return self._source.fileno()
+
+    def read(self) -> bytes:
+        data = os.read(self._source.fileno(), READ_BYTES)
+        if not data:
+            raise OSError("end of file")
+        return data
+
+    def write(self, data: bytes) -> None:
+        with suppress(BlockingIOError):  # no room: a request that is not answered
+            os.write(self._source.fileno(), data)
+
+    def close(self) -> None:
+        self._source.close()
+
+
+def open_wire(port: str, baudrate: int, *, parity: str = "N", stopbits: int = 1) -> WirePort:
+    """Open a device, or begin to connect to an address; the settings are for a serial line.
+
+    Raises:
+        LinkBusyError: another link or process uses it; the message names it.
+        LinkError: the device is missing, not permitted, or no serial port.
+    """
+    if address := network_address(port):
+        return NetworkPort(address, SerialSettings(baudrate, parity, stopbits))
+    return DescriptorPort(open_port(port, baudrate, parity=parity, stopbits=stopbits))
+
+
+def users_of(port: str) -> list[Holder]:
+    """Return the other processes that use the port of a link, as far as this user may see them."""
+    address = network_address(port)
+    return holders_of_address(address.place) if address else holders_of(port)
 
 
 def open_port(

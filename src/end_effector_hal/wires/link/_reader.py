@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Protocol
 
 from end_effector_hal.codecs import Codec, Counters, get_codec, parity_of
 from end_effector_hal.errors import LinkBusyError, LinkError
@@ -19,19 +18,7 @@ from end_effector_hal.plugins import named
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires._clock import now_us
 from end_effector_hal.wires.link._guard import CodecCalls, CodecFailure, GuardedDecoder
-from end_effector_hal.wires.link._port import open_port
-
-
-class OpenPort(Protocol):
-    """An open source of bytes: a serial port, or a connection to the process that has the port."""
-
-    def fileno(self) -> int:
-        """Return the descriptor for select; available data can be read without waiting."""
-        ...
-
-    def close(self) -> None:
-        """Close the source."""
-        ...
+from end_effector_hal.wires.link._port import DescriptorPort, OpenPort, WirePort, open_wire
 
 
 class LinkState(Enum):
@@ -73,7 +60,6 @@ class LinkHealth(Counters):
 _log = logging.getLogger("end_effector_hal.wires")
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
 CLOSE_S = 2.0
-READ_BYTES = 4096
 LOOK_S = 0.03
 """Longest wait for data, s: a process that was stopped for a while can then detect it."""
 FULL_BYTES = 4000
@@ -87,7 +73,7 @@ class LinkReader:
     failure of the codec or the port the link is down with the reason, and is tried again, with a new decoder.
 
     Args:
-        port: device, or a link to it.
+        port: device, or a link to it; or an address in a network.
         codec: the codec, or its name.
         baudrate, parity: default: those of the codec.
         stopbits: number of stop bits after each byte.
@@ -121,8 +107,8 @@ class LinkReader:
         self._last_frame: int | None = None
         self._faults: tuple[str, ...] = ()
         self._wait_s = FIRST_WAIT_S
-        self._first: OpenPort | None = None
-        self._open_now: OpenPort | None = None
+        self._first: WirePort | None = None
+        self._open_now: WirePort | None = None
         self._thread: threading.Thread | None = None
 
     def start(self, patience_s: float = 1.0) -> None:
@@ -202,6 +188,10 @@ class LinkReader:
         first, self._first = self._first, None
         with closing(first or self._open()) as port:
             self._open_now = port
+            while port.connecting:
+                if self._wake_read in select.select([port.fileno(), self._wake_read], [], [])[0]:
+                    return
+                port.establish()
             if self._decoder is None:
                 self._decoder = GuardedDecoder(self._codec, self._calls)
             self._opened += 1
@@ -219,14 +209,14 @@ class LinkReader:
         self._change(LinkState.DOWN, self._explained(error))
         self._sleep()
 
-    def _open(self) -> OpenPort:
+    def _open(self) -> WirePort:
         if self._connect:
-            return self._connect()
+            return DescriptorPort(self._connect())
         baudrate = self._baudrate or self._calls.run("baudrate", lambda: int(self._codec.baudrate))
         parity = self._parity or self._calls.run("parity", lambda: parity_of(self._codec))
-        return open_port(self._port, baudrate, parity=parity, stopbits=self._stopbits)
+        return open_wire(self._port, baudrate, parity=parity, stopbits=self._stopbits)
 
-    def _claimed(self, until: int) -> OpenPort | None:
+    def _claimed(self, until: int) -> WirePort | None:
         """Return the port; None: no port can be opened yet."""
         while True:
             try:
@@ -238,7 +228,7 @@ class LinkReader:
                 return None
             time.sleep(FIRST_WAIT_S)
 
-    def _read(self, port: OpenPort, decoder: GuardedDecoder) -> None:
+    def _read(self, port: WirePort, decoder: GuardedDecoder) -> None:
         """Read until the end; raises OSError when the port is lost, LinkError when the codec fails."""
         fd, looked_at = port.fileno(), now_us()
         while not self._closed:
@@ -249,10 +239,8 @@ class LinkReader:
                 return
             if fd in ready:
                 begun = now_us()  # what comes from now on is in the next read
-                data = os.read(fd, READ_BYTES)
-                if not data:
-                    raise OSError("end of file")
-                if self._on_bytes:
+                data = port.read()
+                if self._on_bytes and data:
                     self._call(self._on_bytes, data)
                 if len(data) < FULL_BYTES or not os.isatty(fd):
                     self._deliver(decoder.feed(data, looked_at))
@@ -264,8 +252,8 @@ class LinkReader:
                 polled = decoder.poll()
                 if self._closed:
                     return
-                with suppress(BlockingIOError):  # no room: a request that is not answered
-                    os.write(fd, polled.data)
+                if polled.data:
+                    port.write(polled.data)
                 self._deliver(polled.frames)
             if decoder.faults != self._faults:
                 self._faults = decoder.faults

@@ -9,6 +9,7 @@ from ._frames import (
     LONGEST,
     FrameReader,
     RegisterRequest,
+    crc16,
     done_answer,
     exception_answer,
     read_request,

@@ -123,11 +123,11 @@ class FrameReader:
     request does. A frame with a wrong CRC is ignored, with all that follows it without a pause.
 
     Args:
-        baudrate: speed of the line, for t3.5.
+        baudrate: speed of the line, for t3.5; 0: there is no line.
     """
 
     def __init__(self, baudrate: int) -> None:
-        self._silence_us = 1750 if baudrate > 19_200 else 38_500_000 // baudrate
+        self._silence_us = 38_500_000 // baudrate if 0 < baudrate <= 19_200 else 1750
         self._rest, self._at = b"", 0
 
     def feed(self, data: bytes, at: int) -> list[bytes]:

@@ -202,31 +202,6 @@ def test_an_e_stop_whose_cut_wire_reads_as_closed_is_warned_of(
     assert (told in warned[0] and len(warned) == 1) if told else not warned
 
 
-@pytest.mark.parametrize(
-    ("port", "refused"),
-    [
-        ("tcp://192.168.1.20:502", True),
-        ("socket://127.0.0.1:5502", True),
-        ("RFC2217://plc:4000", True),
-        ("192.168.1.20:502", True),
-        ("192.168.1.20", True),
-        ("plc.local", True),
-        ("plc:502", True),
-        ("[fe80::1]:502", True),
-        ("/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", False),
-        ("/tmp/192.168.1.20", False),
-        ("uart.pty", False),
-    ],
-)
-def test_an_address_is_no_port(port: str, refused: bool, tmp_path: Path) -> None:
-    path = tmp_path / "tool.yaml"
-    text = pasted()
-    path.write_text(text.replace("/dev/ttyUSB0", f'"{port}"'), "utf-8")
-    faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
-    assert len(faults) is int(refused), faults
-    assert all(each["message"].startswith("'port' is an address in a network (") for each in faults)
-
-
 def test_a_period_with_which_a_silence_is_seen_late_is_warned_of(tmp_path: Path) -> None:
     path = tmp_path / "tool.yaml"
     for period, told in (

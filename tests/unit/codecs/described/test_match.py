@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.codecs import match_codec
 from end_effector_hal.description import examine_text
 from end_effector_hal.errors import LinkBusyError
-from end_effector_hal.wires.link import _reader
+from end_effector_hal.wires.link import _port, _reader
 from end_effector_hal.wires.sensors import SensorReader
 
 TEXT = "frame: {text: {}}"
@@ -151,7 +151,7 @@ def test_the_port_is_opened_as_the_link_says(monkeypatch: pytest.MonkeyPatch) ->
         opened.append((path, baudrate, parity, stopbits))
         raise LinkBusyError("the port is used by a test.")
 
-    monkeypatch.setattr(_reader, "open_port", open_port)
+    monkeypatch.setattr(_port, "open_port", open_port)
     monkeypatch.setattr(_reader, "now_us", partial(next, count(step=2_000_000)))  # nobody waits for the port
     for link in (
         "frame: {text: {}}",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from posixpath import normpath
 
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._channels import Channel, LinkFrame
+
+from ._ports import place_of, port_faults
 
 CODE = "EE-228"
 MOST_LINKS = 16
@@ -16,8 +17,6 @@ FORMATS, OVER_LINK = LinkFrame.FORMATS, Channel.OVER_LINK
 ENDS = set("\r\n")
 """Characters that end a line."""
 _NUMERIC = set("0123456789+-.eE")
-_ADDRESS = re.compile(r"[^/]*:.*|(\d+\.){3}\d+.*|[^/]+\.(local|lan|home|internal)", re.IGNORECASE)
-"""Matches a network address and no path: a URL, a host with a port number, an IP address, a host name."""
 
 
 def frame_faults(facts: Facts) -> Iterator[Fault]:
@@ -79,7 +78,7 @@ def _links(facts: Facts) -> Iterator[Fault]:
         port = facts.get("links", name, "port")
         if port is None:
             continue
-        owner = ports.setdefault(normpath(port), name)
+        owner = ports.setdefault(place_of(port), name)
         if owner != name:
             what, hint = f"this port already belongs to link {owner!r}", "devices on one bus differ by 'unit'"
             where = facts.places.value("links", name, "port")
@@ -93,11 +92,8 @@ def declared_format(facts: Facts, link: Keys) -> str:
 
 
 def _link(facts: Facts, link: Keys) -> Iterator[Fault]:
-    frame, port = (*link, "frame"), facts.get(*link, "port")
-    if port is not None and _ADDRESS.fullmatch(port):
-        what, place = "'port' is an address in a network", facts.places.value(*link, "port")
-        hint = "buses and serial ports over a network (TCP, UDP) are not supported"
-        yield Fault.at(place, "EE-211", what, expected="a serial device, such as /dev/ttyUSB0", hint=hint)
+    frame = (*link, "frame")
+    yield from port_faults(facts, link)
     if not facts.says(*frame):
         if facts.says(*link, "period_ms"):
             hint = "a codec has a period of its own"
