@@ -17,7 +17,7 @@ Confirmed = Literal["maker", "drivers", "no"]
 CONFIRMED = {
     "maker": "by a document of the maker",
     "drivers": "by public drivers only, not by a document of the maker",
-    "no": "by nothing that was read",
+    "no": "by nothing that was read of this device",
 }
 """What a word under ``confirmed`` means."""
 Text = Annotated[Word, Field(min_length=1, max_length=400)]
