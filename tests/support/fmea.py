@@ -15,7 +15,7 @@ from pathlib import Path
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_lab.trials import Cell, cells_of, moments, thinned
 
-from .places import DOCS, ROOT
+from .places import DOCS, ROOT, WRITTEN_OUT
 
 KEPT = DOCS / "reference" / "fmea"
 PLAYED = ROOT / "runs" / "fmea"
@@ -42,9 +42,11 @@ HEAD = ("tool", "FMEA", "cells played", "failure modes", "not explained", "how t
 
 
 def path_of(name: str) -> Path:
-    """The description of a tool."""
+    """The description of a tool; with the registers of a device written out, so that what it says is played."""
     if name == "verdin_gripper":
         return profile_path()
+    if (written_out := WRITTEN_OUT / f"{name}.yaml").is_file():
+        return written_out
     return ROOT / "examples" / "tools" / name / "end_effector.yaml"
 
 
@@ -68,7 +70,7 @@ def _cells(name: str) -> Iterator[str]:
     yield str(sum(int(row["cells"]) for row in rows))
     yield str(len({(row["item"], row["failure mode"]) for row in rows}))
     yield str(sum(int(row["unexplained"]) for row in rows))
-    tool = "" if name == "verdin_gripper" else f" examples/tools/{name}/end_effector.yaml"
+    tool = "" if name == "verdin_gripper" else f" {path_of(name).relative_to(ROOT)}"
     command = f'eehal matrix{tool} --only "{ONLY}" --every {EVERY[name]} -o runs/fmea/{name}'
     yield f"`{command}`"
 
