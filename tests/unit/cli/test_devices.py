@@ -102,6 +102,7 @@ def test_devices_on_links_of_their_own() -> None:
         ("a:robotiq-2f85,b:vacuum", (), "b is a kind, and others are devices"),
         ("a:robotiq-2f85:x,b:robotiq-epick", (), "Only some of the actuators name a link"),
         ("a:robotiq-2f85", ("--link", "text"), "A device of the library has its own link"),
+        ("a:waveshare-io-8", (), "waveshare-io-8 is an I/O board"),
         ("a:robotiq-2f8", (), "There is no kind and no device 'robotiq-2f8'"),
         (
             "a:robotiq-2f85,b:onrobot-vg10",

@@ -222,6 +222,11 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
         if name in found:
             raise UsageError(f"Two actuators are named {name!r}.", todo="Give each a name of its own.")
         if isinstance(device := library.get(kind), LibraryDevice):
+            if device.kind not in kind_names():
+                raise UsageError(
+                    f"{kind} is an I/O board: what hangs on its outputs and inputs is not known.",
+                    todo="Write its actuators and channels into a file: docs/how-to/device.md.",
+                )
             found[name] = WantedActuator(name, get_kind(device.kind), link, kind)
         elif near := "" if kind in kind_names() else library.meant(kind):
             raise UsageError(f"There is no kind and no device {kind!r}.", todo=f"{near[0].upper()}{near[1:]}")
