@@ -55,9 +55,11 @@ class Cable:
 
 def releasing(text: str) -> str:
     """A description of one actuator, whose output is made inactive at a start."""
-    before, after = "    on_power_loss: release\n", "    endings: {power_up: release}\n"
+    before = "device: robotiq-epick"
     assert before in text
-    return text.replace(before, before + after) + "\ninterlocks: {IL-09: false}\n"
+    return (
+        text.replace(before, f"{before}, endings: {{power_up: release}}") + "\ninterlocks: {IL-09: false}\n"
+    )
 
 
 class Rig:
@@ -197,7 +199,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         told = len(gripper.device.written)
         gripper.device.fault = 0xC
         wait_until(
-            "the alarm", lambda: "Gripper fault: internal fault; ask Robotiq." in tool.status.alarm_texts
+            "the alarm", lambda: "Fingers fault: internal fault; ask Robotiq." in tool.status.alarm_texts
         )
         assert tool.status.ee == EndEffectorState.GRIPPED
         wait_until("its sensors prove nothing", lambda: tool.status.evidence[0] is Evidence.UNKNOWN)
@@ -211,7 +213,7 @@ def test_a_fault_of_the_gripper_is_told_in_words_holds_the_part_and_refuses_the_
         assert tool.status.ee == EndEffectorState.GRIPPED
         assert tool.drop().succeeded
         refused = tool.begin(Command.GRIP)
-        assert "IL-07: Over: Gripper fault: internal fault; ask Robotiq. Reset it first." in str(refused)
+        assert "IL-07: Over: Fingers fault: internal fault; ask Robotiq. Reset it first." in str(refused)
         assert tool.reset().accepted
         wait_until("no alarm", lambda: not tool.status.alarm_texts)
         wait_until("a grip", lambda: tool.grip().succeeded)
@@ -245,7 +247,7 @@ def test_a_fault_that_an_activation_clears_is_cleared_by_the_next_grip_and_never
         assert tool.drop().succeeded
         told = len(gripper.device.written)
         gripper.device.fault = 0xE
-        alarm = "Gripper fault: overcurrent; the next grip activates it again."
+        alarm = "Fingers fault: overcurrent; the next grip activates it again."
         wait_until("the alarm", lambda: alarm in tool.status.alarm_texts)
         assert len(gripper.device.written) == told
         wait_until("a grip", lambda: tool.grip().succeeded)
