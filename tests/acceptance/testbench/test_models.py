@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import pyrobotiqgripper
 import pytest
-from pymodbus.client import ModbusSerialClient
+from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 from pymodbus.exceptions import ModbusIOException
 
 from end_effector_hal.codecs import load_tool
@@ -30,10 +31,10 @@ MODEL = "9=robotiq-2f85"
 
 
 @contextmanager
-def simulated(folder: Path) -> Iterator[tuple[Testbench, str]]:
+def simulated(folder: Path, port: str | None = None) -> Iterator[tuple[Testbench, str]]:
     """A testbench in this process, and the port of its bus."""
     tool = load_tool(write_virtual_copy(load_tool(GRIPPER), folder))
-    inputs, ports = open_inputs(None, tool), open_ports(None, tool, None)
+    inputs, ports = open_inputs(None, tool), open_ports(port, tool, None)
     with Testbench(tool, inputs, ports, models=chosen_models(MODEL, tool)) as bench:
         yield bench, tool.link.port
 
@@ -61,6 +62,38 @@ def test_a_driver_that_others_wrote_activates_moves_grips_and_reads_it(tmp_path:
             assert not gripper.isActivated()
         finally:
             gripper.disconnect()
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
+def test_the_same_driver_over_a_gateway_and_another_client_over_tcp(tmp_path: Path) -> None:
+    number = free_port()
+    with simulated(tmp_path / "gateway", f"rtu+tcp://127.0.0.1:{number}"):
+        gripper = pyrobotiqgripper.RobotiqGripper(
+            connection_type=pyrobotiqgripper.GRIPPER_MODE_RTU_VIA_TCP, tcp_port=number
+        )
+        try:
+            gripper.activate()
+            gripper.close()
+            assert (gripper.position(), gripper.objectDetection()) == (139, 2)
+        finally:
+            gripper.disconnect()
+    number = free_port()
+    with simulated(tmp_path / "tcp", f"tcp://127.0.0.1:{number}"):
+        master = ModbusTcpClient("127.0.0.1", port=number, timeout=5)
+        assert master.connect()
+        try:
+            assert not master.write_registers(0x03E8, [0x0100], device_id=9).isError()
+            wait_until(
+                "the activation",
+                lambda: master.read_input_registers(0x07D0, count=1, device_id=9).registers == [0x3100],
+            )
+            assert master.read_coils(0, count=1, device_id=9).exception_code == 1
+        finally:
+            master.close()
 
 
 class Line:
