@@ -102,6 +102,36 @@ supply: {{channel: none}}
     assert "this port already belongs to link 'one'" in fault
 
 
+UNITS = """
+name: tool
+link: {{port: "{port}", frame: {{modbus: {{}}}}}}
+channels:
+  cup: {{modbus: {{unit: {unit}, address: 1}}, unit: kPa}}
+  told: {{modbus: {{unit: {unit}, address: 0, register_type: coil}}}}
+sequence: [a]
+actuators:
+  a:
+    kind: vacuum
+    channel: cup
+    modbus: {{unit: {unit}, address: 0, register_type: coil, command_on: [1], command_off: [0], verify: told}}
+supply: {{channel: none}}
+"""
+
+
+@pytest.mark.parametrize("unit", [1, 248, 255])
+def test_units_over_247_are_units_like_others(unit: int) -> None:
+    for port in ("/dev/ttyUSB0", "tcp://plc", "rtu+tcp://plc:4001"):
+        assert list(examine_text(UNITS.format(port=port, unit=unit), "tool.yaml").lines()) == []
+
+
+def test_unit_0_is_a_device_over_modbus_tcp_and_the_broadcast_of_a_line() -> None:
+    assert list(examine_text(UNITS.format(port="tcp://plc", unit=0), "tool.yaml").lines()) == []
+    for port in ("/dev/ttyUSB0", "rtu+tcp://plc:4001"):
+        found = list(examine_text(UNITS.format(port=port, unit=0), "tool.yaml").lines())
+        assert len(found) == 3
+        assert all("unit 0 is the broadcast of a serial line" in each for each in found), found
+
+
 def test_an_address_has_a_place_that_is_the_same_in_every_form() -> None:
     assert network_address("tcp://PLC") == NetworkAddress("tcp", "PLC", 502)
     found = [network_address(text) for text in ("tcp://PLC", "rtu+tcp://plc:502", "socket://plc:502")]

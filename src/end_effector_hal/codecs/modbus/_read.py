@@ -121,7 +121,7 @@ class Read:
     """One request that reads ``count`` registers or bits of a unit from ``address`` on.
 
     Args:
-        unit: address of the device, 1 to 247.
+        unit: address of the device, 0 to 255.
         address: first address, as on the wire.
         registers: the values in the answer.
         count: number of registers or bits.
@@ -158,7 +158,7 @@ class RegisterWrite:
     """One request that sets registers or coils of a unit from ``address`` on, all of them or none.
 
     Args:
-        unit: address of the device, 1 to 247.
+        unit: address of the device, 0 to 255.
         address: first address, as on the wire.
         values: 0 to 65535 each; 0 or 1 for coils.
         coils: whether coils are written.

@@ -158,7 +158,7 @@ class RecordValue(Part):
 class RegisterValue(Part):
     """A value in a register, or a coil, of a Modbus device."""
 
-    unit: Annotated[int, Field(ge=1, le=247)] = Field(
+    unit: Annotated[int, Field(ge=0, le=255)] = Field(
         default=1, description="address of the device on the bus"
     )
     address: Annotated[int, Field(ge=0, le=0xFFFF)] = Field(

@@ -10,6 +10,7 @@ from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules.evidence._channels import CodecChannels
 from end_effector_hal.description.rules.frames._frames import link_of
+from end_effector_hal.description.rules.frames._ports import unit_faults
 
 CODE = "EE-229"
 
@@ -22,6 +23,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
         if not facts.written(*path) or not isinstance(facts.get(*path), dict):
             continue
         yield from _one_output(facts, name)
+        yield from unit_faults(facts, _bus_of(facts, path), path)
         yield from _commands(facts, path)
         yield from _activation(facts, name)
         yield from _keeps_alive(facts, path)

@@ -65,7 +65,7 @@ class RegisterOutput(Part):
     link: Name | None = Field(
         default=None, description="name under `links` of the bus, where several of them are Modbus"
     )
-    unit: Annotated[int, Field(ge=1, le=247)] = Field(
+    unit: Annotated[int, Field(ge=0, le=255)] = Field(
         default=1, description="address of the device on the bus"
     )
     address: Annotated[int, Field(ge=0, le=0xFFFF)] = Field(

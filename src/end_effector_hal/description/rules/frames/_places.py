@@ -11,6 +11,7 @@ from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._channels import Channel, raw_limits, type_bits
 
 from ._frames import ENDS, key_fault, link_of, value_fault
+from ._ports import unit_faults
 
 DEEPEST = 8
 """Most keys in the path of a value in JSON."""
@@ -28,6 +29,7 @@ def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     elif source == "record":
         yield from _record_place(facts, path, (*frame, source))
     elif source == "modbus":
+        yield from unit_faults(facts, link_of(facts, name), path)
         yield from _register_place(facts, path)
     elif source == "analog" and (found := _IIO_FILE.fullmatch(facts.get(*path, "channel") or "")):
         what, expected = "this is a file of the channel", f"its name: {found[1]}"

@@ -45,3 +45,13 @@ def place_of(port: str) -> str:
     """Return the place that only one link may use: the path of a device, or host and port of an address."""
     address = network_address(port)
     return address.place if address else normpath(port)
+
+
+def unit_faults(facts: Facts, link: Keys | None, path: Keys) -> Iterator[Fault]:
+    """Yield a fault if the unit of a register is the broadcast of its line: no device answers that."""
+    if facts.get(*path, "unit") != 0 or link is None or (port := facts.get(*link, "port")) is None:
+        return
+    address = network_address(port)
+    if address is None or address.scheme != "tcp":
+        what, place = "unit 0 is the broadcast of a serial line", facts.places.value(*path, "unit")
+        yield Fault.at(place, "EE-208", what, expected="1 to 255; 0 is possible with tcp://")
