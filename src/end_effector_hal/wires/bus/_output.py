@@ -39,6 +39,8 @@ class Awaited(NamedTuple):
 
 
 NOT_READY = "the device was not activated in time"
+MOST_LATE_US = 500_000
+"""Longest delay of an activation after a release that was acknowledged late; after a longer one the bus was lost."""
 
 
 class BusOutput:
@@ -76,7 +78,7 @@ class BusOutput:
         self._repeats = False  # a handshake of this command has begun again
         self._activates = stanza.commands_activate
         self._give_up_at: int | None = None
-        self._commanded_at = self._progress_at = self._written_at = 0
+        self._commanded_at = self._progress_at = self._written_at = self._late_us = 0
         self._reports: dict[str, tuple[bool, int, int]] = {}
 
     @property
@@ -97,8 +99,8 @@ class BusOutput:
         self._doubtful = self.level is not True or self.known(at) is not True
         self._was_off, self._waits = self.known(at) is False, False
         self._drop = drop and not level
-        # not before a late answer to the write before would be noise
-        self.level, self.why, self.retry_at = level, "", max(self.retry_at, at)
+        # not before a late answer to the write before would be noise, nor sooner after a late release than commanded
+        self.level, self.why, self.retry_at = level, "", max(self.retry_at, at + (self._late_us if level else 0))
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = self.refused = False
         self.refusal = ""
@@ -210,6 +212,7 @@ class BusOutput:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone = self.refused = False
+            self._late_us = 0 if self.level or self.pending else min(at - self._commanded_at, MOST_LATE_US)
 
     def known(self, at: int) -> bool | None:
         """Return the level if command and device agree; None: the state is unknown."""

@@ -116,3 +116,26 @@ def test_a_write_that_waits_for_its_turn_does_not_keep_the_bus_awake() -> None:
     outputs.command({B: False}, 40 * MS)
     assert outputs.next_write(129 * MS) is None
     assert outputs.due == 130 * MS
+
+
+@pytest.mark.parametrize("late_ms", [0, 70, 230])
+def test_a_late_release_delays_the_activation_after_it(late_ms: int) -> None:
+    """A device gets both commands at least as far apart as they were given."""
+    times: list[int] = []
+
+    class Timed(Registers):
+        def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
+            times.append(at)
+            return super().write(address, values, at)
+
+    bus = Bus(described(VG10), {})
+    bus.to(1 * S)
+    bus.outputs.command({A: False}, bus.at)
+    given = bus.at
+    bus.to(given + late_ms * MS)
+    bus.server = RtuServer({65: Timed()})
+    bus.to(given + 1 * S)
+    bus.outputs.command({A: True}, bus.at)
+    bus.to(bus.at + 2 * S)
+    released, activated = times
+    assert 1 * S <= activated - released <= 1.2 * S
