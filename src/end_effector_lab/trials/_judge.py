@@ -327,7 +327,9 @@ class Judge:
     def _deactivated(self, each: Switching) -> None:
         name, order = each.name, self._description.releasing
         # at once after a release was told it has asked for it, and IL-10 has delayed it: that is no attempt's end
-        if each.at - self._released_at > SETTLE_US:
+        # nor is the reset of a device that its activation begins with
+        commanded = self._tool.statuses[-1].outputs[self._sequence.index(name)]
+        if each.at - self._released_at > SETTLE_US and not commanded:
             self._ended[name] = each.at
         if self._held and self._reality.lets_go(name):
             self.let_go = True

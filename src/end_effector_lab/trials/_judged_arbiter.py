@@ -81,7 +81,10 @@ class JudgedArbiter:
         tool, latched = self._tool, set(self._tool.latched)
         if tool.statuses[-1].changer_fault == ChangerFault.SENSOR:
             self._changer_is_reset = False
-        gone = self._latched - latched - ({SENSOR_FAULT} if self._changer_is_reset else set())
+        again = {
+            f"output {line}" for line, active in tool.levels.items() if active
+        }  # activated since, as commanded
+        gone = self._latched - latched - again - ({SENSOR_FAULT} if self._changer_is_reset else set())
         if gone:
             yield f"{', '.join(sorted(gone))} is latched no more, without a reset"
         self._latched = latched

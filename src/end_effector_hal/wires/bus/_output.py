@@ -100,7 +100,11 @@ class BusOutput:
         self._was_off, self._waits = self.known(at) is False, False
         self._drop = drop and not level
         # not before a late answer to the write before would be noise, nor sooner after a late release than commanded
-        self.level, self.why, self.retry_at = level, "", max(self.retry_at, at + (self._late_us if level else 0))
+        self.level, self.why, self.retry_at = (
+            level,
+            "",
+            max(self.retry_at, at + (self._late_us if level else 0)),
+        )
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = self.refused = False
         self.refusal = ""
