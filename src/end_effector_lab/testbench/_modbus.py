@@ -124,10 +124,15 @@ class CommandedRegisters:
             if start < 0:
                 continue
             row = values[start : start + len(each.command_on)]
-            if row in (each.command_on, each.command_off):
+            if each.bitmask:  # an output that has not changed is not commanded again
+                row = tuple(value & each.bitmask for value in row)
+            if row in (each.values(level=True), each.values(level=False)):
                 left -= set(range(start, start + len(row)))
+                level = row == each.values(level=True)
+                if each.bitmask and level is self._levels.get(name):
+                    continue
                 if each.activation is None or each.unit in self._activated:
-                    self._command(name, row == each.command_on)
+                    self._command(name, level)
         return not left
 
     def _rise(self, unit: int, address: int, values: tuple[int, ...]) -> None:

@@ -11,13 +11,14 @@ from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules.evidence._channels import CodecChannels
 from end_effector_hal.description.rules.frames._frames import link_of
 from end_effector_hal.description.rules.frames._ports import unit_faults
+from end_effector_hal.kinds.stanza import lowest_bit
 
 CODE = "EE-229"
 
 
 def output_faults(facts: Facts) -> Iterator[Fault]:
     """Yield every fault of an output on the bus."""
-    taken: dict[tuple[str | None, int, str, int], str] = {}
+    taken: dict[tuple[str | None, int, str, int, int], str] = {}
     for name, _ in facts.actuators():
         path = ("actuators", name, "modbus")
         if not facts.written(*path) or not isinstance(facts.get(*path), dict):
@@ -30,6 +31,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
         for key in (("verify",), ("activation", "ready"), ("handshake", "taken")):
             yield from _channel(facts, (*path, *key))
         yield from _told_twice(facts, path)
+        yield from _masked(facts, path)
         yield from _shared(facts, name, taken)
 
 
@@ -227,18 +229,46 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
         )
 
 
-def _shared(facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int], str]) -> Iterator[Fault]:
+def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """Check an output that is a part of a register."""
+    bitmask, place = facts.get(*path, "bitmask"), facts.places.key(*path, "bitmask")
+    if bitmask is None:
+        return
+    if facts.get(*path, "register_type") == "coil":
+        yield Fault.at(place, CODE, "a coil has no bits", found="bitmask", expected="register_type: holding")
+    for key in ("activation", "handshake", "acknowledge"):
+        if facts.written(*path, key) and facts.get(*path, key) is not None:
+            what = f"'bitmask' and {key!r} exclude each other"
+            yield Fault.at(place, CODE, what, found="bitmask", expected="whole registers, or one command")
+    if not facts.says(*path, "verify"):
+        what, expected = (
+            "its neighbours in the register cannot be written",
+            "verify: a channel that reads it back",
+        )
+        yield Fault.at(place, "EE-206", what, found="", expected=expected)
+    highest = bitmask >> lowest_bit(bitmask)
+    for key in ("command_on", "command_off"):
+        row = facts.get(*path, key)
+        if row and not facts.broken_within(*path, key) and (len(row) > 1 or row[0] & ~highest):
+            what, expected = "this is no value of the bits", f"one value of at most {highest}"
+            yield Fault.at(facts.places.value(*path, key), "EE-208", what, expected=expected)
+
+
+def _shared(
+    facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int, int], str]
+) -> Iterator[Fault]:
     path = ("actuators", name, "modbus")
     unit, table = facts.get(*path, "unit"), facts.get(*path, "register_type")
     address, row = facts.get(*path, "address"), facts.get(*path, "command_on")
     if None in (unit, table, address) or not row or facts.broken_within(*path):
         return
-    link = facts.get(*path, "link")
-    mine = {(link, unit, table, address + index): None for index in range(len(row))}
+    link, bitmask = facts.get(*path, "link"), facts.get(*path, "bitmask") or 0xFFFF
+    registers = [address + index for index in range(len(row))]
     if (request := facts.get(*path, "handshake", "request")) and not facts.broken_within(*path, "handshake"):
         own = facts.get(*path, "handshake", "address")
-        start = address if own is None else own
-        mine |= {(link, unit, table, start + index): None for index in range(len(request))}
+        registers += [(address if own is None else own) + index for index in range(len(request))]
+    bits = [bit for bit in range(16) if bitmask >> bit & 1]
+    mine = {(link, unit, table, each, bit): None for each in registers for bit in bits}
     if owner := next((taken[each] for each in mine if each in taken), None):
         place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"

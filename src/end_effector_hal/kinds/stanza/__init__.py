@@ -17,7 +17,7 @@ from ._part import (
     Word,
     named,
 )
-from ._registers import Activation, Handshake, RegisterOutput
+from ._registers import Activation, Handshake, RegisterOutput, lowest_bit
 from ._tool import Actuator, Hold, Opposite, Supply
 
 __all__ = [
@@ -46,6 +46,7 @@ __all__ = [
     "Texts",
     "Word",
     "line_text",
+    "lowest_bit",
     "named",
     "stanza_fault",
 ]

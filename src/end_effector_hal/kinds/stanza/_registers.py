@@ -78,6 +78,12 @@ class RegisterOutput(Part):
     use_write_multiple: bool = Field(
         default=False, description="one register or coil is written with function 16 or 15, too"
     )
+    bitmask: Annotated[int | None, Field(ge=1, le=0xFFFF)] = Field(
+        default=None,
+        description="bits of one holding register that are this output; `command_on` and `command_off` are one value "
+        "each, of these bits, and `verify` reads them back. Outputs of one register are written together; bits of no "
+        "output are 0. null: whole registers",
+    )
     command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
     command_off: Registers = Field(description="values that make it release; as many")
     verify: Name | None = Field(
@@ -122,12 +128,23 @@ class RegisterOutput(Part):
     @property
     def output(self) -> str:
         """Name of this output among the outputs of the tool; it contains the address."""
-        return output_name(self.unit, self.address, self.link)
+        return output_name(self.unit, self.address, self.link, self.bitmask)
+
+    def values(self, level: bool) -> tuple[int, ...]:
+        """Return the values to write for a level; with a bitmask the bits of the register, at their place."""
+        row = self.command_on if level else self.command_off
+        return tuple(value << lowest_bit(self.bitmask) for value in row) if self.bitmask else row
 
 
-def output_name(unit: int, address: int, link: str | None = None) -> str:
+def lowest_bit(bitmask: int) -> int:
+    """Return the place of the lowest bit of a mask."""
+    return (bitmask & -bitmask).bit_length() - 1
+
+
+def output_name(unit: int, address: int, link: str | None = None, bitmask: int | None = None) -> str:
     """Return the name of an output on a bus; ``link``: the bus, if the description names it."""
-    return f"modbus:{link + ':' if link else ''}{unit}/0x{address:04X}"
+    bit = f".{lowest_bit(bitmask)}" if bitmask else ""
+    return f"modbus:{link + ':' if link else ''}{unit}/0x{address:04X}{bit}"
 
 
 def with_line(given: Any) -> Any:
@@ -135,7 +152,8 @@ def with_line(given: Any) -> Any:
     if not isinstance(given, dict) or not isinstance(given.get("modbus"), dict):
         return given
     unit, address = given["modbus"].get("unit", 1), given["modbus"].get("address", 0)
-    link = given["modbus"].get("link")
+    link, bitmask = given["modbus"].get("link"), given["modbus"].get("bitmask")
     known = type(unit) is int and type(address) is int and (link is None or isinstance(link, str))
-    name = output_name(unit, address, link) if known else "modbus"
+    known &= bitmask is None or (type(bitmask) is int and bitmask > 0)
+    name = output_name(unit, address, link, bitmask) if known else "modbus"
     return {**given, "line": name[:64]}

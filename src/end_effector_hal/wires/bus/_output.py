@@ -38,6 +38,8 @@ class Awaited(NamedTuple):
     late: str
 
 
+LAST = 2**63 - 1
+"""A time after all others, µs."""
 NOT_READY = "the device was not activated in time"
 MOST_LATE_US = 500_000
 """Longest delay of an activation after a release that was acknowledged late; after a longer one the bus was lost."""
@@ -229,6 +231,17 @@ class BusOutput:
             return None
         return self.level
 
+    def bits(self, at: int) -> int | None:
+        """Return the bits of an output with a bitmask, so that a write of its neighbours does not change it; None: they
+        are not known.
+        """
+        if (row := self.next_row(LAST)) is not None:
+            return row.values[0]
+        seen = self.reported(self.stanza.verify, at)
+        if self.level is not None and not (seen is not None and self._is_answer(self.stanza.verify or "")):
+            seen = None if self.why else self.level
+        return None if seen is None else self.stanza.values(seen)[0]
+
     def trouble(self, at: int) -> str:
         """Return the trouble of the output, a clause; empty: there is none that has lasted."""
         if self.level is None:
@@ -262,7 +275,7 @@ class BusOutput:
     @property
     def _is_told(self) -> bool:
         """Whether a command still has to be written."""
-        commands = self.stanza.command_on, self.stanza.command_off
+        commands = self.stanza.values(level=True), self.stanza.values(level=False)
         return any(isinstance(step, Row) and step.values in commands for step in self._steps)
 
     @property
@@ -306,7 +319,7 @@ class BusOutput:
 
     def _told(self, level: bool) -> list[Row | Awaited]:
         """Return the steps that command this level."""
-        command = Row(self.stanza.address, self.stanza.command_on if level else self.stanza.command_off)
+        command = Row(self.stanza.address, self.stanza.values(level))
         handshake = self.stanza.handshake
         if handshake is None:
             return [command]

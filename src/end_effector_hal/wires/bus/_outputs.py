@@ -10,11 +10,10 @@ from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
-from ._output import RETRY_US, BusOutput, Row
+from ._output import LAST, RETRY_US, BusOutput, Row
 
 LONGEST_WRITE = 100
 """Most registers in one write; the standard allows 123, and one output has at most 16."""
-NEVER = 2**63 - 1
 
 
 class BusOutputs:
@@ -29,7 +28,7 @@ class BusOutputs:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
         self._drops = set[str]()
         self._sent: list[BusOutput] = []  # those of the write that is on its way
-        self._commands = 0
+        self._commands = self._now = 0
 
     def prepare(self, names: Iterable[str]) -> None:
         """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`."""
@@ -50,6 +49,7 @@ class BusOutputs:
 
     def advance(self, at: int) -> None:
         """Process the passing of time up to ``at``."""
+        self._now = at
         for each in self._outputs.values():
             others = self._others(each)
             each.advance(
@@ -155,7 +155,9 @@ class BusOutputs:
         """
         found, units = list[BusOutput](), set[int]()
         for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.retry_at)):
-            if each.stanza.unit in units or each.next_row(NEVER) is None:
+            if each.stanza.unit in units or each.next_row(LAST) is None:
+                continue
+            if each.stanza.bitmask and self._register(each) is None:
                 continue
             found.append(each)
             if not each.refused:
@@ -173,6 +175,8 @@ class BusOutputs:
     def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
         """Return a write of this row and of all due rows with adjacent registers that were commanded with it."""
         unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
+        if (whole := self._register(first)) is not None:
+            return RegisterWrite(unit, address, (whole,), multiple=first.stanza.use_write_multiple)
         ready = {
             other.address: other.values
             for each in self._outputs.values()
@@ -188,19 +192,33 @@ class BusOutputs:
                 values += behind
         return RegisterWrite(unit, address, values, table == "coil", first.stanza.use_write_multiple)
 
+    def _register(self, output: BusOutput) -> int | None:
+        """Return the whole register of an output with a bitmask; None: it has none, or a bit is not known."""
+        mine, whole = output.stanza, 0
+        for each in self._outputs.values() if mine.bitmask else ():
+            if each.stanza.bitmask and (each.stanza.unit, each.stanza.address) == (mine.unit, mine.address):
+                bits = each.bits(self._now)
+                if bits is None:
+                    return None
+                whole |= bits
+        return whole if mine.bitmask else None
+
     def _rows_of(self, write: RegisterWrite) -> Iterable[tuple[BusOutput, Row]]:
         """Yield the outputs in a write, with the row of each."""
         for each in self._outputs.values():
-            row = each.next_row(NEVER)
+            row = each.next_row(LAST)
             same = (each.stanza.unit, each.stanza.register_type == "coil") == (write.unit, write.coils)
             if row is None or not same:
                 continue
-            start = row.address - write.address
-            if start >= 0 and write.values[start : start + len(row.values)] == row.values:
+            start, mask = row.address - write.address, each.stanza.bitmask
+            if mask:
+                if start == 0 and (write.values[0] & mask,) == row.values:
+                    yield each, row
+            elif start >= 0 and write.values[start : start + len(row.values)] == row.values:
                 yield each, row
 
 
 def _shares(output: BusOutput, row: Row) -> bool:
     """Return whether a row may be written with its neighbours: it is a command without a handshake."""
-    whole = len(row.values) == len(output.stanza.command_on)
+    whole = len(row.values) == len(output.stanza.command_on) and not output.stanza.bitmask
     return whole and output.stanza.handshake is None and not output.alone
