@@ -361,6 +361,44 @@ def test_another_distribution_adds_devices_and_its_package_is_not_imported(
     assert shipped.origin == "shipped", "a name of this product is not replaced"
 
 
+WRONG = ["5", "true", "null", "[]", "[a]", "{}", "{a: 1}", '""']
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize("key", ["device", "unit", "link", "output", "modbus", "kind", "evidence", "line"])
+def test_no_value_beside_a_device_makes_it_raise(folder: Path, key: str, value: str) -> None:
+    (folder / "mine" / "board.yaml").write_text(BOARD)
+    for name in ("jaw", "board"):
+        keys = {"device": name, "output": "do1", key: value}
+        lines_of(mine(f"a: {{{', '.join(f'{each}: {said}' for each, said in keys.items())}}}"))
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize(
+    "text",
+    [
+        "name: tool\ndevices: {}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlink: {}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlinks: {}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlink: {{frame: {}}}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlink: {{port: x}}\nchannels: {}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlink: {{port: x}}\nchannels: {{a_part: {}}}\nactuators: {{a: {{device: jaw}}}}\n",
+        "name: tool\ndevices: mine\nlink: {{port: x}}\nchannels: {{b: {{device: jaw, input: {}}}}}\nactuators: {{}}\n",
+        "name: tool\ndevices: mine\nlink: {{port: x}}\nactuators: {}\n",
+    ],
+)
+def test_no_value_around_a_device_makes_it_raise(folder: Path, text: str, value: str) -> None:
+    assert lines_of(text.format(value))
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize("key", ["unit", "link", "channels", "actuator", "outputs", "inputs", "registers"])
+def test_no_value_in_the_file_of_a_device_makes_it_raise(folder: Path, key: str, value: str) -> None:
+    lines = [each for each in OWN.split("channels:")[0].splitlines() if not each.startswith(f"{key}:")]
+    (folder / "mine" / "jaw.yaml").write_text("\n".join([*lines, f"{key}: {value}", ""]))
+    lines_of(mine("jaw: {device: jaw}"))
+
+
 def test_the_examples_of_the_page_are_valid(folder: Path) -> None:
     page = (DOCS / "how-to" / "device.md").read_text(encoding="utf-8")
     (own,) = re.findall(r"```text\n# my_devices/my-jaw.yaml\n(.*?)```", page, re.DOTALL)

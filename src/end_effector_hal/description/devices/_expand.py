@@ -196,8 +196,8 @@ class _Use:
         path: Keys = (*self._at, key if key in stanza else "device")
         wanted, place = stanza.pop(key, None), self._places.value(*path)
         self._places.keys.pop((*self._at, key), None)
-        if wanted in known:
-            return str(wanted)
+        if isinstance(wanted, str) and wanted in known:
+            return wanted
         expected = f"{key}: {' or '.join(known)}" if known else f"a device without {key}"
         what = f"{self._device.name} has {'no such' if wanted or not known else 'more than one'} {key}"
         self.faults.append(Fault.at(place, "EE-230", what, expected=expected))
