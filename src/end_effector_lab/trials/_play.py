@@ -312,7 +312,7 @@ class Trial:
         self._judge.at_rest(still=self._is_still())
 
     def _use_again(self) -> None:
-        """Remove all faults and check that the tool is usable: a reset, a lock, a drop; a grip and a drop."""
+        """Remove all faults and check that the tool is usable: a reset, a lock, drops; a grip and a drop."""
         self._said.append((self.tool.at, "everything is put right, and the tool is used again:"))
         disks = [getattr(self.tool.memories, store) for store in STORES]
         well = self.tool.bench.scenario.text == NOMINAL and len(self.tool.living) == 2
@@ -359,6 +359,9 @@ class Trial:
             self._go(tool.at + 500_000)
         if tool.status.ee != STAND_BY:
             return "a drop does not end in STAND_BY"
+        if self._may_be_half_way and self._command("drop"):
+            self._until(self._is_still, longest)
+            self._go(tool.at + 500_000)
         if not (reset or self._reset()):  # some trouble ends only with the drop
             return "a reset is refused"
         self._go(tool.at + round(SOON_S * 1e6))
@@ -374,6 +377,11 @@ class Trial:
         if not self._until(lambda: not tool.status.alarms, ALARMS_US):
             return "nothing is wrong any more, and an alarm stays"
         return ""
+
+    @property
+    def _may_be_half_way(self) -> bool:
+        """Whether a device moves when it is activated: what stopped it leaves it half-way, and a Drop opens it."""
+        return any(each.activation for each in self._description.register_outputs.values())
 
     def _changer_wants_lock(self) -> bool:
         return bool(self._description.tool_changer) and self.tool.status.changer != ChangerState.LOCKED
