@@ -232,14 +232,15 @@ class BusOutput:
         return self.level
 
     def bits(self, at: int) -> int | None:
-        """Return the bits of an output with a bitmask, so that a write of its neighbours does not change it; None: they
-        are not known.
+        """Return the bits of an output with a bitmask for a write of its neighbours; None: they are not known.
+
+        They are those of a command that is due (a release always is), else the output stays as it is.
         """
-        if (row := self.next_row(LAST)) is not None:
+        if (row := self.next_row(at if self.level else LAST)) is not None:
             return row.values[0]
         seen = self.reported(self.stanza.verify, at)
         if self.level is not None and not (seen is not None and self._is_answer(self.stanza.verify or "")):
-            seen = None if self.why else self.level
+            seen = None if self.why or self.pending else self.level
         return None if seen is None else self.stanza.values(seen)[0]
 
     def trouble(self, at: int) -> str:

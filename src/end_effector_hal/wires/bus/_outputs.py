@@ -197,7 +197,8 @@ class BusOutputs:
         mine, whole = output.stanza, 0
         for each in self._outputs.values() if mine.bitmask else ():
             if each.stanza.bitmask and (each.stanza.unit, each.stanza.address) == (mine.unit, mine.address):
-                bits = each.bits(self._now)
+                row = each.next_row(LAST) if each is output else None
+                bits = row.values[0] if row else each.bits(self._now)
                 if bits is None:
                     return None
                 whole |= bits

@@ -118,6 +118,27 @@ def test_two_releases_that_a_lost_unit_owes_are_one_write_when_it_is_back(
     assert bus.outputs.known(bus.at) == {A: False, B: False}
 
 
+def test_an_activation_that_is_not_due_is_not_written_with_a_neighbour(bus: Bus, device: Registers) -> None:
+    bus.to(1 * S)
+    bus.outputs.command({A: True, B: True}, bus.at)
+    bus.to(bus.at + 1 * S)
+    device.written.clear()
+    answers = bus.server.answer
+    bus.server.answer = lambda data, at: b"" if writes(data) else answers(data, at)  # type: ignore[method-assign]
+    bus.outputs.command({A: False}, bus.at)
+    bus.to(bus.at + 400 * MS)
+    bus.server.answer = answers  # type: ignore[method-assign]
+    while device.words[5] & 0x0004:
+        bus.to(bus.at + 1 * MS)
+    bus.to(bus.at + 5 * MS)
+    bus.outputs.command({B: False}, bus.at)
+    bus.outputs.command({A: True}, bus.at)  # delayed as much as its release was late
+    bus.to(bus.at + 200 * MS)
+    assert [word for _, (word,) in device.written] == [0x0300, 0]
+    bus.to(bus.at + 2 * S)
+    assert [word for _, (word,) in device.written] == [0x0300, 0, 0x0004]
+
+
 @pytest.mark.parametrize("mask", ["0x0004", "0x000C", "0xFFFF"])
 def test_a_bit_belongs_to_one_output(mask: str) -> None:
     text = TERMINAL.replace("bitmask: 0x0300, command_on: [3]", f"bitmask: {mask}, command_on: [1]")
