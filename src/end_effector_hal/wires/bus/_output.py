@@ -41,7 +41,7 @@ class Awaited(NamedTuple):
 LAST = 2**63 - 1
 """A time after all others, µs."""
 NOT_READY = "the device was not activated in time"
-MOST_LATE_US = 500_000
+MOST_LATE_US = 400_000
 """Longest delay of an activation after a release that was acknowledged late; after a longer one the bus was lost."""
 
 
@@ -218,7 +218,10 @@ class BusOutput:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone = self.refused = False
-            self._late_us = 0 if self.level or self.pending else min(at - self._commanded_at, MOST_LATE_US)
+            late_us = min(at - self._commanded_at, MOST_LATE_US)
+            self._late_us = (
+                0 if self.level or self.pending or self._drop else late_us
+            )  # a Drop ends all attempts
 
     def known(self, at: int) -> bool | None:
         """Return the level if command and device agree; None: the state is unknown."""
