@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from end_effector_hal.codecs import codec_of, line_of
-from end_effector_hal.codecs.modbus import BusCodec
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Value
@@ -14,6 +13,9 @@ from end_effector_hal.signals import Value
 from ._bench import Bench
 from ._scenario import TOOL_CHANGER, did_you_mean
 from .devices import MODELS, FrameReader, UnitModel, model_for
+
+if TYPE_CHECKING:
+    from end_effector_hal.codecs.modbus import BusCodec
 
 BROADCAST = 0
 TERMINALS = (2, 4)
@@ -116,7 +118,7 @@ class ModelledUnits:
                 )
             self.models[unit] = model(own, self._teller(unit))
         codec = codec_of(description, link)
-        reads = cast(BusCodec, codec).reads
+        reads = cast("BusCodec", codec).reads
         self._wired = [each for each in reads if each.unit in models and each.function in TERMINALS]
         self._alarms = {
             channel: declared.modbus.unit

@@ -51,7 +51,7 @@ class OnRobotVG10(UnitModel):
         first = address - STATUS
         if first < 0 or first + size > STATUS_SIZE:
             raise NoSuchRegisterError
-        shown = [self._vacuum(0), self._vacuum(1), *[0] * (STATUS_SIZE - 2)]
+        shown = [self._reading(0), self._reading(1), *[0] * (STATUS_SIZE - 2)]
         return tuple(shown[first : first + size])
 
     def write(self, address: int, values: tuple[int, ...], at: int, *, coils: bool) -> None:
@@ -65,7 +65,7 @@ class OnRobotVG10(UnitModel):
             if register in self.devices and value >> 8 != IDLE:  # an idle pump vents nothing
                 self._tell(register, value >> 8 == GRIP and value & 0xFF > 0)
 
-    def _vacuum(self, channel: int) -> int:
+    def _reading(self, channel: int) -> int:
         """Vacuum of a channel in 1/1000; the pump stops at its target."""
         if channel not in self.devices:
             return 0
