@@ -96,12 +96,23 @@ def test_devices_on_links_of_their_own() -> None:
     assert tool.lines.backend == "virtual"
 
 
+def test_devices_at_addresses() -> None:
+    said("init", "one", "--actuators", "fingers:robotiq-2f85", "--port", "tcp://192.168.1.11")
+    assert load("one/end_effector.yaml").links[""].port == "tcp://192.168.1.11"
+    two = ("--port", "left=tcp://plc", "--port", "right=/dev/ttyS1")
+    said("init", "two", "--actuators", "fingers:robotiq-2f85:left,cup:onrobot-vg10:right", *two)
+    ports = {name: each.port for name, each in load("two/end_effector.yaml").links.items()}
+    assert ports == {"left": "tcp://plc", "right": "/dev/ttyS1"}
+
+
 @pytest.mark.parametrize(
     ("actuators", "more", "why"),
     [
         ("a:robotiq-2f85,b:vacuum", (), "b is a kind, and others are devices"),
         ("a:robotiq-2f85:x,b:robotiq-epick", (), "Only some of the actuators name a link"),
         ("a:robotiq-2f85", ("--link", "text"), "A device of the library has its own link"),
+        ("a:robotiq-2f85", ("--port", "b=tcp://plc"), "Expected: --port PORT."),
+        ("a:robotiq-2f85", ("--port", "tcp://plc", "--virtual"), "--virtual has ports of its own"),
         ("a:waveshare-io-8", (), "waveshare-io-8 is an I/O board"),
         ("a:robotiq-2f8", (), "There is no kind and no device 'robotiq-2f8'"),
         (

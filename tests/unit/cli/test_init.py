@@ -367,7 +367,7 @@ def test_a_port_may_be_an_address(tmp_path: Path) -> None:
         (["--link", "io:modbus", "--port", "tcp://plc"], "Expected: --port io=PORT."),
         (["--link", "io:modbus", "--port", "x=tcp://plc"], "--port x=tcp://plc belongs to no link"),
         (["--link", "modbus", "--port", "tcp://a", "--port", "tcp://b"], "this link has a port already"),
-        (["--link", "none", "--port", "tcp://a"], "belongs to no link"),
+        (["--link", "none", "--port", "tcp://a"], "belongs to no link. Expected: no --port."),
         (["--virtual", "--port", "tcp://a"], "--virtual has ports of its own"),
     ],
 )

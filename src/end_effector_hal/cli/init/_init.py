@@ -37,8 +37,8 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
     metavar="NAME:KIND[:LINK],...",
     shell_complete=completed(kinds_and_devices, separator=",", after_colon=True),
     help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for "
-    "inputs of the board, such as cups:vacuum,jaw:gripper:none. In place of KIND a device of the library, such as "
-    "fingers:robotiq-2f85: then all are devices, which have their registers and the keys of their link.",
+    "inputs of the board, such as cups:vacuum,jaw:gripper:none. KIND may be a device of the library, such as "
+    "fingers:robotiq-2f85; then all must be devices, and --link is left out.",
 )
 @click.option(
     "--link",
@@ -122,21 +122,23 @@ def _described(
     from ._new_tool import new_description
 
     wanted = wanted_actuators(actuators)
+    if virtual and ports:
+        raise UsageError("--virtual has ports of its own.", todo="Leave out --port, or --virtual.")
     if any(each.device for each in wanted):
         from ._with_devices import description_with_devices
 
         if links or tool_changer:
             raise UsageError(
                 "A device of the library has its own link.",
-                todo="Leave out --link and --tool-changer; add a tool changer to the file.",
+                todo="Leave out --link and --tool-changer; write a tool changer into the file.",
             )
-        return description_with_devices(folder, wanted, virtual=virtual)
+        names = dict.fromkeys(each.link for each in wanted)
+        its_links = with_ports([WantedLink(name, "modbus") for name in names], ports)
+        return description_with_devices(folder, wanted, its_links, virtual=virtual)
     if not links and all(each.link == BOARD for each in wanted):
         links = (BOARD,)
     if not links:
         links = (_asked(f"Link ({', '.join(LINKS)}, or a codec)", "text") if asking else "text",)
-    if virtual and ports:
-        raise UsageError("--virtual has ports of its own.", todo="Leave out --port, or --virtual.")
     wanted_by = with_ports(wanted_links(links), ports)
     if tool_changer is None:
         tool_changer = not asking or click.confirm("Is a tool changer fitted?", default=True, err=True)
@@ -224,7 +226,7 @@ def wanted_actuators(text: str) -> tuple[WantedActuator, ...]:
         if isinstance(device := library.get(kind), LibraryDevice):
             if device.kind not in kind_names():
                 raise UsageError(
-                    f"{kind} is an I/O board: what hangs on its outputs and inputs is not known.",
+                    f"{kind} is an I/O board: nothing is known of what is connected to it.",
                     todo="Write its actuators and channels into a file: docs/how-to/device.md.",
                 )
             found[name] = WantedActuator(name, get_kind(device.kind), link, kind)
@@ -268,8 +270,9 @@ def with_ports(links: Sequence[WantedLink], texts: Sequence[str]) -> tuple[Wante
         name, equals, port = text.partition("=")
         name, port = (name, port) if equals else ("", text)
         if not any(link.name == name for link in links if link.what != BOARD):
-            names = ", ".join(f"--port {link.name}=PORT" if link.name else "--port PORT" for link in links)
-            raise UsageError(f"--port {text} belongs to no link.", todo=f"Expected: {names}.")
+            real = [link.name for link in links if link.what != BOARD]
+            names = ", ".join(f"--port {name}=PORT" if name else "--port PORT" for name in real)
+            raise UsageError(f"--port {text} belongs to no link.", todo=f"Expected: {names or 'no --port'}.")
         if name in found:
             raise UsageError(f"--port {text}: this link has a port already.", todo="Give each one once.")
         found[name] = port

@@ -9,16 +9,19 @@ from pathlib import Path
 from end_effector_hal.description import DeviceLibrary, LibraryDevice, schema_path
 from end_effector_hal.errors import UsageError
 
-from ._init import WantedActuator
+from ._init import WantedActuator, WantedLink
 from ._new_tool import refuse_faulty, tool_name
 
 
-def description_with_devices(folder: Path, actuators: Sequence[WantedActuator], *, virtual: bool) -> str:
+def description_with_devices(
+    folder: Path, actuators: Sequence[WantedActuator], links: Sequence[WantedLink], *, virtual: bool
+) -> str:
     """Return the text of a description that is valid unchanged.
 
     Args:
         folder: the folder of the description; its name becomes the name of the tool.
-        actuators: in the order of a grip; those with a link get one of that name, the others share one.
+        actuators: in the order of a grip.
+        links: those of the actuators, with their ports.
         virtual: use virtual lines and a pty in the folder, for the testbench.
 
     Raises:
@@ -29,8 +32,7 @@ def description_with_devices(folder: Path, actuators: Sequence[WantedActuator], 
             f"{kinds[0]} is a kind, and others are devices.",
             todo="Name only devices, then add the others to the file; or only kinds.",
         )
-    links = list(dict.fromkeys(each.link for each in actuators))
-    if "" in links and len(links) > 1:
+    if len(links) > 1 and any(not link.name for link in links):
         raise UsageError("Only some of the actuators name a link.", todo="Write NAME:DEVICE:LINK for all.")
     text = "\n".join(
         (*_head(folder, virtual=virtual), *_links(folder, links, virtual=virtual), *_body(actuators), "")
@@ -47,16 +49,14 @@ def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
         yield f"lines: {{backend: virtual, path: {json.dumps(str(place / 'chip'), ensure_ascii=False)}}}"
 
 
-def _links(folder: Path, links: Sequence[str], *, virtual: bool) -> Iterator[str]:
-    ports = {name: f"/dev/ttyUSB{number}" for number, name in enumerate(links)}
-    if virtual:
-        uarts = {name: str(folder.absolute() / (f"uart_{name}" if name else "uart")) for name in links}
-        ports = {name: json.dumps(path, ensure_ascii=False) for name, path in uarts.items()}
-    if "" in ports:
-        yield f"link: {{port: {ports['']}}}"
-        return
-    yield "links:"
-    yield from (f"  {name}: {{port: {port}}}" for name, port in ports.items())
+def _links(folder: Path, links: Sequence[WantedLink], *, virtual: bool) -> Iterator[str]:
+    if links[0].name:
+        yield "links:"
+    for number, link in enumerate(links):
+        uart = str(folder.absolute() / (f"uart_{link.name}" if link.name else "uart"))
+        own = uart if virtual else link.port
+        port = json.dumps(own, ensure_ascii=False) if own else f"/dev/ttyUSB{number}"
+        yield f"  {link.name}: {{port: {port}}}" if link.name else f"link: {{port: {port}}}"
 
 
 def _body(actuators: Sequence[WantedActuator]) -> Iterator[str]:
