@@ -141,7 +141,7 @@ class AddressClaim:
             raise LinkBusyError(
                 f"the address is used by {who}.",
                 where=place,
-                todo="Stop that program: two masters would write over each other.",
+                todo="Stop that program, or give each device one link: two users of a device disturb each other.",
             ) from error
 
     def release(self) -> None:

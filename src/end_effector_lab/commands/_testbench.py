@@ -47,20 +47,22 @@ def _faults(context: click.Context) -> Iterable[str]:
 @click.option(
     "--port",
     metavar="PORT",
-    help="Where frames are sent: a serial device, or pty:PATH for a new pty with a link at PATH; of several links "
-    "NAME=PORT,...  [default: a pty at each port of the description; rpi3: /dev/serial0]",
+    help="Where frames are sent: a serial device, an address of this machine such as tcp://127.0.0.1:1502, or pty:PATH "
+    "for a new pty with a link at PATH; of several links NAME=PORT,...  [default: the addresses of the description, "
+    "and a pty at every other port; rpi3: /dev/serial0]",
 )
 @click.option(
     "--model",
     metavar="UNIT=NAME",
-    help="Play a device on a commanded bus by its maker's manual, such as 9=robotiq-2f85; several with commas, of "
-    "several links LINK:UNIT=NAME.  [default: what the description says of its registers]",
+    help="Play a device on a commanded bus by its model, such as 9=robotiq-2f85; 9= plays the registers that the "
+    "description declares; several with commas, of several links LINK:UNIT=NAME.  [default: the model of the device "
+    "that an actuator names, else the registers]",
 )
 @click.option(
     "--prepare",
     metavar="FOLDER",
     type=PathName(file_okay=False),
-    help="Only write the same tool on virtual lines and a pty into FOLDER, and print the path of this copy.",
+    help="Only write the same tool on virtual lines and simulated ports into FOLDER, and print the path of this copy.",
 )
 @click.option("--power-cycle", is_flag=True, help="Reset the virtual chip: all lines become inputs.")
 @click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")

@@ -132,7 +132,7 @@ class World:
 
     def _written(self) -> Description:
         """Write and return the description that every process of this run reads."""
-        wires = "its own wires" if self._own_wires else "virtual lines and a pty"
+        wires = "its own wires" if self._own_wires else "virtual lines and simulated ports"
         write_description(self.description, self.description_path, f"the same tool on {wires}")
         return load(self.description_path)
 

@@ -206,7 +206,8 @@ def write_virtual_copy(description: Description, folder: Path) -> Path:
     with os_errors("Cannot be made", folder):
         owned_folder(folder)
     virtual = description.with_virtual(folder / "chip", str(folder / "uart"), folder / "arbiter.sock")
-    what, models = "the same tool on virtual lines and a pty", text_of(chosen_models(None, description))
+    models = text_of(chosen_models(None, description))
+    what = "the same tool on virtual lines and simulated ports"
     write_description(
         virtual, folder / NAME, what + (f" (eehal testbench --model {models})" if models else "")
     )

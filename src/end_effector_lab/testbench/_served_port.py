@@ -1,4 +1,4 @@
-"""An address of this machine as a port of the testbench: it serves the simulated device to those who connect."""
+"""An address of this machine as a port of the testbench: it serves the simulated device to its clients."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ServedPort:
 
     def send(self, data: bytes) -> int:
         """Send an answer to the client that asked, or a frame to all of them; a network needs no time for it."""
-        self._accept()  # who sends without requests never receives
+        self._accept()  # a port that sends without requests never receives
         asking = [self._asking] if self._asking else []
         for client in asking if self._tcp else asking or list(self._clients):
             sent = b"".join(_framed(client.transaction, data)) if self._tcp else data

@@ -1,4 +1,4 @@
-"""The units of one bus that have a model by their maker's manual: their requests, physics and power."""
+"""The units of one bus that have a model: their requests, physics and power."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def played_units(description: Description, models: Models) -> Iterator[tuple[str
     for link, outputs in description.buses.items():
         for unit in sorted({each.unit for each in outputs.values()}):
             place, name = f"{link and f'{link}:'}{unit}", models.get(link, {}).get(unit)
-            how = f"plays {name} by its manual" if name else "plays the description, not the device"
+            how = f"plays the model of {name}" if name else "plays the description, not the device"
             yield f"unit {place} {how}", (place, name)
 
 

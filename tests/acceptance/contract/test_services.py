@@ -69,7 +69,7 @@ def test_arming_is_refused_where_a_sensor_shows_the_stand(resting: Hal) -> None:
 def test_a_reset_says_that_nothing_is_latched(resting: Hal) -> None:
     assert resting.call("ResetFaults") == (
         True,
-        "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay.",
+        "No fault is latched any more. GRIP_ERROR or RELEASE_ERROR needs a Drop, or after a loss a resume.",
     )
 
 

@@ -188,7 +188,7 @@ def test_a_client_that_asks_another_unit_gets_no_answer(tmp_path: Path) -> None:
 @pytest.mark.thinned
 def test_the_product_grips_loses_and_drops_with_it(tmp_path: Path) -> None:
     with World(load_tool(GRIPPER), "nominal", tmp_path, models=MODEL) as world:
-        assert f"unit 9 plays {MODEL[2:]} by its manual" in world.testbench.text()
+        assert f"unit 9 plays the model of {MODEL[2:]}" in world.testbench.text()
         with EndEffector.open(world.description) as tool:
             tool.wait_ready(30)
             assert tool.grip().succeeded

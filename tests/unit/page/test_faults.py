@@ -133,11 +133,11 @@ def test_without_a_testbench_it_says_nothing(view: FaultsView) -> None:
 def test_a_device_that_is_played_from_its_description_is_no_device(
     view: FaultsView, verdin: Description
 ) -> None:
-    units = ("unit 9 plays the description, not the device", "unit 8 plays robotiq-2f85 by its manual")
+    units = ("unit 9 plays the description, not the device", "unit 8 plays the model of robotiq-2f85")
     view.begin(replace(header(verdin), units=units), S)
     (said,) = texts(view)
     assert said.endswith(
-        "moves. Unit 9 plays the description, not the device. Unit 8 plays robotiq-2f85 by its manual."
+        "moves. Unit 9 plays the description, not the device. Unit 8 plays the model of robotiq-2f85."
     )
 
 

@@ -37,7 +37,7 @@ def board(tool: Description, scenario: str = "nominal", levels: dict[str, bool] 
 def test_a_text_chooses_models(gripper: Description) -> None:
     models = chosen_models("9=robotiq-2f85", gripper)
     assert models == {"": {9: "robotiq-2f85"}}
-    assert [text for text, _ in played_units(gripper, models)] == ["unit 9 plays robotiq-2f85 by its manual"]
+    assert [text for text, _ in played_units(gripper, models)] == ["unit 9 plays the model of robotiq-2f85"]
     assert text_of(models) == "9=robotiq-2f85"
     assert [text for text, _ in played_units(gripper, {})] == ["unit 9 plays the description, not the device"]
 

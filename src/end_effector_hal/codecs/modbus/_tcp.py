@@ -1,4 +1,4 @@
-"""Modbus TCP as a wire of Modbus RTU, sans-IO: all that commands and reads devices knows frames of RTU only."""
+"""Modbus TCP as a wire of Modbus RTU, sans-IO: everything else handles frames of RTU only."""
 
 from __future__ import annotations
 

@@ -6,7 +6,9 @@ from collections.abc import Iterable
 
 from .._status import Answer
 
-NOTHING_LATCHED = "No fault is latched any more. GRIP_ERROR and RELEASE_ERROR, if any, stay."
+NOTHING_LATCHED = (
+    "No fault is latched any more. GRIP_ERROR or RELEASE_ERROR needs a Drop, or after a loss a resume."
+)
 
 
 def reset_answer(answers: Iterable[Answer]) -> Answer:

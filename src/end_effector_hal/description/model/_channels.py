@@ -464,7 +464,7 @@ class RecordFrame(Part):
 
 
 class ModbusFrame(Part):
-    """Modbus RTU: the HAL requests values, and the devices on the bus answer."""
+    """Modbus RTU or TCP: the HAL requests values, and the devices on the bus answer."""
 
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
         default=30, description="longest wait for an answer"

@@ -49,7 +49,7 @@ _ELSEWHERE = {
     "scan_interval": "write period_ms under the link, in milliseconds",
     "bytesize": "leave it out: a byte has 8 bits",
     "data_bits": "leave it out: a byte has 8 bits",
-    "method": "leave it out: frame: {modbus: {}} is RTU",
+    "method": "leave it out: frame: {modbus: {}} is RTU, with the port tcp://HOST Modbus TCP",
     "retries": "leave it out: the next period asks again",
 }
 """Keys of Home Assistant and Telegraf that belong to another stanza of the link here, or to none."""

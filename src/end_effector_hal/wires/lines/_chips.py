@@ -114,7 +114,7 @@ def find_lines(
     return {name: found[0][:2] for name, found in places.items()}
 
 
-UNIQUE = "Give the lines unique names in the device tree, or write {chip: gpiochip0, offset: 0}."
+UNIQUE = "Give the lines unique names in the device tree, or write chip and offset: docs/how-to/wiring.md."
 
 
 def ambiguous(line: str, places: Sequence[LinePlace]) -> str:

@@ -23,12 +23,13 @@ DEAF_REQUESTS, DEAF_S = 4, 3.0
 """Least number of requests without an answer, and their least time, before the connection is made again."""
 READ_BYTES = 4096
 _WHERE_TO_LOOK = "Is the device switched on? Check cable, address and firewall."
+_WRONG_SCHEME = "Does the scheme of the port fit the device? docs/how-to/network.md has all schemes."
 _UNREACHABLE = (errno.EHOSTUNREACH, errno.ETIMEDOUT, errno.EHOSTDOWN)
 _NO_NETWORK = (errno.ENETUNREACH, errno.EAFNOSUPPORT, errno.ENETDOWN, errno.EPERM, errno.EACCES)
 
 
 class WireFrames(Protocol):
-    """How data stand on the connection, sans-IO."""
+    """How data are encoded on the connection, sans-IO."""
 
     def request(self, frame: bytes) -> bytes:
         """Return the bytes to send for some data."""
@@ -104,7 +105,7 @@ class NetworkPort:
         try:
             data = self._frames.feed(received)
         except ValueError as error:
-            raise self._lost(str(error)) from None
+            raise self._lost(str(error), _WRONG_SCHEME) from None
         if isinstance(self._frames, TelnetFrames) and (reply := self._frames.reply()):
             self._send(reply)
         if data:
@@ -160,8 +161,8 @@ class NetworkPort:
         finally:
             os.close(self._finish)
 
-    def _lost(self, what: str) -> LinkError:
-        return LinkError(f"the connection is lost: {what}.", where=str(self._address), todo=_WHERE_TO_LOOK)
+    def _lost(self, what: str, todo: str = _WHERE_TO_LOOK) -> LinkError:
+        return LinkError(f"the connection is lost: {what}.", where=str(self._address), todo=todo)
 
     def _explained(self, error: Exception | None) -> LinkError:
         number, where = getattr(error, "errno", None), str(self._address)
@@ -181,7 +182,7 @@ class NetworkPort:
 
 
 def frames_of(address: NetworkAddress, settings: SerialSettings) -> WireFrames:
-    """Return how data stand on a connection to this address."""
+    """Return how data are encoded on a connection to this address."""
     if address.scheme == "tcp":
         from end_effector_hal.codecs.modbus import TcpFrames
 

@@ -136,7 +136,11 @@ def pasted(**keys: str) -> str:
         ("LINK", "scan_interval: 1", "; write period_ms under the link, in milliseconds"),
         ("LINK", "delay: 2", ""),
         ("FRAME", "message_wait_milliseconds: 30", ""),
-        ("LINK", "method: rtu", "; leave it out: frame: {modbus: {}} is RTU"),
+        (
+            "LINK",
+            "method: rtu",
+            "; leave it out: frame: {modbus: {}} is RTU, with the port tcp://HOST Modbus TCP",
+        ),
         ("LINK", "bytesize: 8", "; leave it out: a byte has 8 bits"),
         ("FRAME", "retries: 3", "; leave it out: the next period asks again"),
         ("LINK", "serial_port: /dev/ttyS0", "; write port"),

@@ -204,7 +204,7 @@ def _words(facts: Facts, name: str, source: str) -> Iterator[Fault]:
                 expected = "a word without separator and equals"
                 yield Fault.at(place, CODE, "this word is never received", expected=expected)
             elif key == "on" and word not in OPPOSITE and not facts.says(*path, "off"):
-                what = f"nothing says what is off where {word!r} is on"
+                what = f"'off' is missing, and {word!r} has no known opposite"
                 yield Fault.at(place, "EE-206", what, expected="off: the words that are off")
 
 
