@@ -10,6 +10,7 @@ import os
 import socket
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -108,7 +109,7 @@ def holders_of_address(place: str, *, own: bool = False) -> list[Holder]:
         sockets = Path("/proc/net/unix").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return []
-    bound = f"@{_ADDRESS_CLAIM}{place}"
+    bound = f"@{_claim_name(place)}"
     nodes = {
         f"socket:[{words[6]}]"
         for line in sockets
@@ -119,6 +120,12 @@ def holders_of_address(place: str, *, own: bool = False) -> list[Holder]:
 
 
 _ADDRESS_CLAIM = "eehal port "
+_LONGEST_NAME = 90
+"""Longest place in the name of a socket, which has 107 bytes; of a longer one the hash stands there."""
+
+
+def _claim_name(place: str) -> str:
+    return _ADDRESS_CLAIM + (place if len(place) <= _LONGEST_NAME else sha256(place.encode()).hexdigest())
 
 
 class AddressClaim:
@@ -134,7 +141,7 @@ class AddressClaim:
     def __init__(self, place: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
-            self._socket.bind(f"\0{_ADDRESS_CLAIM}{place}")
+            self._socket.bind(f"\0{_claim_name(place)}")
         except OSError as error:
             self._socket.close()
             who = " and ".join(map(str, holders_of_address(place, own=True))) or "another program"

@@ -6,7 +6,7 @@ import select
 import socket
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from functools import partial
 
 import pytest
@@ -61,7 +61,10 @@ class Device:
     def _serve(self) -> None:
         while not self._ended.is_set():
             if select.select([self._server], [], [], 0.05)[0]:
-                with self._server.accept()[0] as client:
+                with (
+                    self._server.accept()[0] as client,
+                    suppress(ConnectionError),
+                ):  # it is closed with a reset
                     self._talk(client)
 
     def _talk(self, client: socket.socket) -> None:

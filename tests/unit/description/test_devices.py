@@ -326,6 +326,8 @@ def test_two_devices_that_cannot_share_a_link_are_refused_unless_the_link_says_i
 def test_a_folder_that_is_not_there_is_refused() -> None:
     lines = lines_of_text("devices: nowhere\n" + SHORT)
     assert [each for each in lines if "there is no such folder of devices (nowhere)" in each]
+    lines = lines_of_text(f"devices: {'a' * 300}\n{SHORT}")
+    assert [each for each in lines if "there is no such folder of devices" in each]
 
 
 def test_a_device_on_a_link_with_another_format_is_refused(folder: Path) -> None:

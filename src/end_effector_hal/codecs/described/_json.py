@@ -67,7 +67,7 @@ class JsonDecoder(LineDecoder):
                 parse_int=str,
                 parse_constant=_refused,
             )
-        except ValueError:
+        except (ValueError, RecursionError):  # brackets in a text may hide how deep it is
             return "format"
         return [_found(found, path) for path in self._paths] if isinstance(found, dict) else "format"
 

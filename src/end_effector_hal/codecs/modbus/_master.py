@@ -134,6 +134,12 @@ class ModbusMaster(ReadCycle):
         self._heard_at: int | None = None
         self._rest = b""
 
+    @property
+    def answered_units(self) -> frozenset[int]:
+        """The units that answered a read of the last complete cycle, not with an exception."""
+        pairs = zip(self._reads, self.answers, strict=False)
+        return frozenset(read.unit for read, answer in pairs if answer[1:2] == bytes([read.function]))
+
     @classmethod
     def silence_us(cls, baudrate: int) -> int:
         """Return the silence that the standard requires between two frames, µs; none if there is no serial line."""
@@ -148,9 +154,8 @@ class ModbusMaster(ReadCycle):
             self._unheard(self._pending, at)
             self._unanswered[self._pending.form] = self._pending, at
             frames = self._end(at)
-            if self.due > at:
-                return Polled(b"", frames)
-        elif self._next and at - self.due > STANDSTILL_US:
+            return Polled(b"", frames)  # the line is free: a write may come before the next read
+        if self._next and at - self.due > STANDSTILL_US:
             self.errors["late"] += 1
             self._next = 0
         if self._next == 0:

@@ -15,6 +15,7 @@ this step sees an ordinary description.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
@@ -108,7 +109,7 @@ def _library(tree: Tree, places: Places, done: Expansion) -> DeviceLibrary:
     if not isinstance(written, str) or not written:
         return DeviceLibrary()
     own = places.file.parent / written
-    if not own.is_dir():
+    if not os.path.isdir(own):  # Path.is_dir raises if the name is too long, or may not be looked up
         what, expected = "there is no such folder of devices", "a folder with NAME.yaml"
         done.faults.append(Fault.at(places.value("devices"), "EE-230", what, expected=expected))
     return DeviceLibrary(own, Path(places.name or places.file).parent / written)

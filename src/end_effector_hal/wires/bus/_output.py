@@ -63,6 +63,8 @@ class BusOutput:
         self.retry_at = 0
         self.refused = False
         """Whether the device refused the last write for good; other outputs of the unit then need not wait for it."""
+        self.in_vain = 0
+        """Number of attempts of the last command that failed although the unit answered its reads."""
         self.alone = False
         """Whether the output is written without its neighbours, because the joint write was not acknowledged."""
         self.why = ""
@@ -109,7 +111,7 @@ class BusOutput:
         )
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = self.refused = False
-        self.refusal = ""
+        self.refusal, self.in_vain = "", 0
         self._sent = None  # the device may have restarted since, and have lost what it had
         activation, handshake = self.stanza.activation, self.stanza.handshake
         # a command that would activate the device is not written before that shows that it is active
@@ -217,7 +219,7 @@ class BusOutput:
         if self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
-            self.alone = self.refused = False
+            self.alone, self.refused, self.in_vain = False, False, 0
             late_us = min(at - self._commanded_at, MOST_LATE_US)
             self._late_us = (
                 0 if self.level or self.pending or self._drop else late_us

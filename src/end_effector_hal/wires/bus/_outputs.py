@@ -14,6 +14,8 @@ from ._output import LAST, RETRY_US, BusOutput, Row
 
 LONGEST_WRITE = 100
 """Most registers in one write; the standard allows 123, and one output has at most 16."""
+MOST_IN_VAIN = 50
+"""Attempts (of 0.1 s) of a unit that answers its reads, after which releases of its other outputs do not wait."""
 
 
 class BusOutputs:
@@ -28,6 +30,7 @@ class BusOutputs:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
         self._drops = set[str]()
         self._sent: list[BusOutput] = []  # those of the write that is on its way
+        self._heard = frozenset[int]()  # the units that answered a read of the last cycle
         self._commands = self._now = 0
 
     def prepare(self, names: Iterable[str]) -> None:
@@ -46,6 +49,12 @@ class BusOutputs:
         """Record the channels of the bus; see `BusOutput.report`."""
         for each in self._outputs.values():
             each.report(values, at, asked_at)
+
+    def heard(self, units: frozenset[int]) -> None:
+        """Record the units that answered a read of the last cycle."""
+        self._heard = units
+        for each in self._outputs.values():
+            each.in_vain = each.in_vain if each.stanza.unit in units else 0
 
     def advance(self, at: int) -> None:
         """Process the passing of time up to ``at``."""
@@ -106,6 +115,7 @@ class BusOutputs:
         for each in self._sent:  # also where something else is commanded by now: its answer may come late
             each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
             each.refusal, each.refused = refusal, for_good
+            each.in_vain += each.stanza.unit in self._heard
 
     def withdraw(self, names: Iterable[str], why: str) -> None:
         """Cancel the activations of these outputs that are not done yet."""
@@ -151,17 +161,20 @@ class BusOutputs:
 
     def _in_turn(self) -> list[BusOutput]:
         """Return the outputs that may be written next: of each unit the one that was commanded first, and those before
-        it that the device has refused.
+        it that the device has refused. Releases do not wait for ever for one that is tried in vain.
         """
-        found, units = list[BusOutput](), set[int]()
+        found, units, stuck = list[BusOutput](), set[int](), set[int]()
         for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.retry_at)):
-            if each.stanza.unit in units or each.next_row(LAST) is None:
+            unit = each.stanza.unit
+            if unit in units or (unit in stuck and each.level) or each.next_row(LAST) is None:
                 continue
             if each.stanza.bitmask and self._register(each) is None:
                 continue
             found.append(each)
-            if not each.refused:
-                units.add(each.stanza.unit)
+            if each.in_vain >= MOST_IN_VAIN:
+                stuck.add(unit)
+            elif not each.refused:
+                units.add(unit)
         return found
 
     def _others(self, output: BusOutput) -> list[BusOutput]:

@@ -17,6 +17,8 @@ from end_effector_hal.wires.bus._outputs import BusOutputs
 EXCEPTION_BYTES = 5
 NOT_NOW = (5, 6, 10, 11)
 """Exceptions of a device that is still at work or busy, and of a gateway that does not reach it."""
+LATE_US = 1_000_000
+"""Time after which the answer to a write no longer comes, µs."""
 MOST_KEPT = 512
 
 
@@ -104,6 +106,9 @@ class BusTraffic:
         self._done = b""
         """The last acknowledgement, until the next read."""
         self._echo = EchoFilter()
+        self._unheard: tuple[RegisterWrite, int] | None = (
+            None  # the last write without an answer, and when it ended
+        )
         self.unacknowledged = 0
         """Number of writes that were refused or not answered."""
 
@@ -112,6 +117,8 @@ class BusTraffic:
         if self._write is not None:
             if at < self._until:
                 return b"", None
+            if not self._may_be_late(self._write, at):
+                self._unheard = self._write, at
             self._end_write(at, done=False)
         free_at = self._master.free_at
         free = free_at is not None and at >= max(free_at, self._free_at)
@@ -141,7 +148,7 @@ class BusTraffic:
         done = acknowledgement(self._write)
         refused = bytes([self._write.unit, done[1] | 0x80])
         if done in self._rest:
-            self._end_write(at, done=True)
+            self._end_write(at, done=not self._may_be_late(self._write, at))
         elif (start := self._rest.find(refused)) >= 0 and len(self._rest) - start >= EXCEPTION_BYTES:
             self._end_write(at, done=False, exception=self._rest[start + 2])
         return None
@@ -156,6 +163,11 @@ class BusTraffic:
         if free_at is not None and not self._read_next and (wanted := self._outputs.due) is not None:
             due = min(due, max(wanted, free_at))
         return max(due, self._free_at)
+
+    def _may_be_late(self, write: RegisterWrite, at: int) -> bool:
+        """Return whether an acknowledgement may be that of an earlier write of other values: it does not say which."""
+        before, since = self._unheard or (write, at)
+        return before != write and at - since < LATE_US and acknowledgement(before) == acknowledgement(write)
 
     def _send(self, write: RegisterWrite, at: int) -> bytes:
         self._outputs.sent(write)
@@ -181,6 +193,7 @@ class BusTraffic:
     def _cycle(self, at: int, frames: tuple[Frame, ...], before: tuple[bytes, ...]) -> Cycle | None:
         if self._master.answers is before:
             return None
+        self._outputs.heard(self._master.answered_units)
         frame = frames[-1] if frames else None
         if frame is not None:
             self._outputs.report(frame.values, frame.at, self._master.asked_at)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import timedelta
@@ -66,16 +66,17 @@ class GpiodInputLines:
 
     Args:
         pattern: glob pattern of the chips.
+        outputs: output lines of the same tool; an input that is one of them is refused: as an input it would drop.
     """
 
-    def __init__(self, pattern: str = "/dev/gpiochip*") -> None:
-        self._pattern = pattern
+    def __init__(self, pattern: str = "/dev/gpiochip*", *, outputs: Sequence[str] = ()) -> None:
+        self._pattern, self._outputs = pattern, outputs
         self._requests: list[_Request] = []
 
     def request(self, inputs: Mapping[str, DigitalInput]) -> None:
         """Claim the lines; see `InputLines.request`."""
         self._gpiod = load_gpiod()
-        found = find_lines(self._gpiod, self._pattern, list(inputs))
+        found = find_lines(self._gpiod, self._pattern, list(inputs), self._outputs)
         polled = {name: place for name, place in found.items() if inputs[name].poll_ms}
         told = {name: place for name, place in found.items() if name not in polled}
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import socket
+import struct
 import threading
 import time
 from typing import Protocol
@@ -17,8 +18,12 @@ from ._telnet import SerialSettings, TelnetFrames
 
 CONNECT_S = 3.0
 """Longest wait for each address of a host to accept the connection, s."""
-KEEP_ALIVE = {"TCP_KEEPIDLE": 2, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 5_000}
-"""A silent peer is asked after 2 s, then each second; without its acknowledgement the kernel gives up within 5 s."""
+KEEP_ALIVE = {"TCP_KEEPIDLE": 2, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 900}
+"""A silent peer is asked after 2 s, then again. What it does not acknowledge the kernel sends for 0.9 s only: an
+activation that was given up (after 1 s) must not arrive when the cable is back.
+"""
+DISCARD = struct.pack("ii", 1, 0)
+"""SO_LINGER: with the connection ends what was not sent, or it would arrive after writes of the next connection."""
 DEAF_REQUESTS, DEAF_S = 4, 3.0
 """Least number of requests without an answer, and their least time, before the connection is made again."""
 READ_BYTES = 4096
@@ -154,6 +159,7 @@ class NetworkPort:
             opened.setblocking(False)
             opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             opened.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+            opened.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, DISCARD)
             for name, value in KEEP_ALIVE.items():
                 opened.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
         except Exception as error:  # noqa: BLE001 a resolver may raise anything; the user of the port says what it was

@@ -237,17 +237,19 @@ class LinkReader:
             ready = select.select([fd, self._wake_read], [], [], wait_s)[0]
             if self._wake_read in ready:
                 return
+            full = False
             if fd in ready:
                 begun = now_us()  # what comes from now on is in the next read
                 data = port.read()
                 if self._on_bytes and data:
                     self._call(self._on_bytes, data)
-                if len(data) < FULL_BYTES or not os.isatty(fd):
+                full = len(data) >= FULL_BYTES and not os.isatty(fd)
+                if full or len(data) < FULL_BYTES:
                     self._deliver(decoder.feed(data, looked_at))
                 else:
                     _throw_away(fd)
                     self._before = self._before.plus(Counters(errors={"late": len(data)}))
-            looked_at = begun
+            looked_at = looked_at if full else begun  # what is left of a full read has waited as long
             if decoder.asks and not self._closed:
                 polled = decoder.poll()
                 if self._closed:

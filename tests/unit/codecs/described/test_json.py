@@ -110,3 +110,10 @@ def test_what_has_no_value_is_left_out() -> None:
         b'{"a":[null,null,null,{"b":-1}]}\r\n'
     )
     assert codec.encode(Frame(0, None, None, {"cup": None, "part": None})) == b""
+
+
+def test_brackets_in_a_text_hide_no_depth() -> None:
+    decoder = PLAIN.decoder()
+    line = b'{"a":"' + b"]" * 990 + b'","b":' + b"[" * 990 + b"\n"
+    assert decoder.feed(line, 0) == []
+    assert decoder.errors["format"] == 1

@@ -77,14 +77,17 @@ def test_after_the_port_was_lost_the_units_are_written_in_the_order_of_the_comma
 
 
 @pytest.mark.parametrize(
-    ("exception", "follows"),
+    ("exception", "seconds", "follows"),
     [
-        pytest.param(ILLEGAL_VALUE, True, id="refused for good"),
-        pytest.param(BUSY, False, id="busy"),
-        pytest.param(GATEWAY_TARGET, False, id="a gateway that does not reach it"),
+        pytest.param(ILLEGAL_VALUE, 3, True, id="refused for good"),
+        pytest.param(BUSY, 3, False, id="busy"),
+        pytest.param(BUSY, 8, True, id="busy for so long that nothing may stay on for it"),
+        pytest.param(GATEWAY_TARGET, 3, False, id="a gateway that does not reach it"),
     ],
 )
-def test_only_what_a_device_refuses_for_good_is_overtaken(exception: int, *, follows: bool) -> None:
+def test_only_what_a_device_refuses_for_good_is_overtaken(
+    exception: int, seconds: int, *, follows: bool
+) -> None:
     order: list[tuple[int, int, int]] = []
     bus = Bus(described(VG10), {65: Device(65, order)})
     bus.to(1 * S)
@@ -99,7 +102,7 @@ def test_only_what_a_device_refuses_for_good_is_overtaken(exception: int, *, fol
     bus.outputs.command({A: False}, bus.at)
     bus.to(bus.at + 20 * MS)
     bus.outputs.command({B: False}, bus.at)
-    bus.to(bus.at + 3 * S)
+    bus.to(bus.at + seconds * S)
     assert bool(order) is follows
     bus.server.answer = answers  # type: ignore[method-assign]
     bus.to(bus.at + 1 * S)

@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from end_effector_hal.codecs.modbus import RelayedBus
+from end_effector_hal.codecs.modbus import ModbusMaster, Read, Register, RelayedBus
+from end_effector_hal.kinds.stanza import RegisterOutput
+from end_effector_hal.wires.bus import BusOutputs, BusTraffic
 from end_effector_lab.testbench.devices import sealed
 from tests.support.robotiq import Gripper2F85
 from tests.support.rtu_server import RtuServer
@@ -252,3 +254,39 @@ def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) 
     assert relayed.decoder().feed(relayed.encode(frame), frame.at) == [frame]
     assert decoder.feed(b"x" * 100_000, bus.at) == []
     assert len(decoder._rest) < 50_000
+
+
+def test_a_network_whose_reads_are_not_answered_is_written_to() -> None:
+    outputs = BusOutputs(
+        {"a": RegisterOutput(unit=2, address=5, command_on=(1,), command_off=(0,))}, 150 * MS
+    )
+    read = Read(1, 100, (Register("x", 1000.0),))
+    traffic = BusTraffic(ModbusMaster((read,), baudrate=0, period_us=20 * MS, timeout_us=30 * MS), outputs)
+    outputs.command({"a": False}, 0)
+    assert any(traffic.poll(at)[0][:1] == b"\2" for at in range(0, 200 * MS, MS))
+
+
+def test_a_late_acknowledgement_of_an_activation_is_not_that_of_the_release() -> None:
+    """Function 16 acknowledges an address and a count, and RTU numbers no request."""
+    two = RegisterOutput(unit=1, address=5, command_on=(1, 2), command_off=(0, 0))
+    outputs = BusOutputs({"a": two}, 150 * MS)
+    read = Read(1, 100, (Register("x", 1000.0),))
+    traffic = BusTraffic(
+        ModbusMaster((read,), baudrate=115200, period_us=20 * MS, timeout_us=30 * MS), outputs
+    )
+    answer = sealed(bytes([1, 16, 0, 5, 0, 2]))
+
+    def written(values: bytes, since: int) -> int:
+        return next(at for at in range(since, since + 300 * MS, MS) if values in traffic.poll(at)[0])
+
+    outputs.command({"a": True}, 0)
+    activated = written(b"\0\1\0\2", 0)
+    outputs.command({"a": False}, activated + 40 * MS)
+    released = written(b"\0\0\0\0", activated + 40 * MS)
+    traffic.feed(answer, released + 5 * MS)
+    assert "a" in outputs.owed
+    again = written(b"\0\0\0\0", released + 6 * MS)
+    while again < activated + 1100 * MS:
+        again = written(b"\0\0\0\0", again + MS)
+    traffic.feed(answer, again + 5 * MS)
+    assert "a" not in outputs.owed

@@ -154,3 +154,11 @@ def test_a_polled_line_gives_an_edge_when_its_level_was_read(
     assert (lines.due(), lines.edges()) == (7_000, ([], False))
     now_ns[0] += 1_000_000
     assert (lines.edges(), lines.due()) == (([], False), 8_000)
+
+
+def test_an_input_that_is_an_output_of_the_tool_is_not_claimed(kernel: InputKernel) -> None:
+    """As an input the line of a valve would be inactive, and drop what is held."""
+    lines, one = GpiodInputLines(kernel.pattern, outputs=["absent", "GPIO17"]), "gpiochip0:1"
+    with pytest.raises(WireError, match="are one line"):
+        lines.request({one: DigitalInput(line=one)})
+    assert not kernel.chip_of("GPIO17").held_by
