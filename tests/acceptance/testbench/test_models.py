@@ -48,16 +48,15 @@ def test_a_driver_that_others_wrote_activates_moves_grips_and_reads_it(tmp_path:
             gripper.activate()
             assert gripper.isActivated()
             assert gripper.position() == 3
-            gripper.move(100)
-            assert (gripper.position(), gripper.objectDetection()) == (100, 3)
+            gripper.move(100)  # the driver returns when it estimates that the motion is over
+            wait_until("the place", lambda: (gripper.position(), gripper.objectDetection()) == (100, 3))
             gripper.close()
-            assert gripper.objectDetection() == 2
-            assert gripper.position() == 139
+            wait_until("the part", lambda: (gripper.position(), gripper.objectDetection()) == (139, 2))
             bench.choose("no-part:fingers")
             wait_until("the fingers go on", lambda: gripper.objectDetection() == 3)
-            assert gripper.position() == 230
+            wait_until("the end of the stroke", lambda: gripper.position() == 230)
             gripper.open()
-            assert (gripper.position(), gripper.objectDetection()) == (3, 3)
+            wait_until("open", lambda: (gripper.position(), gripper.objectDetection()) == (3, 3))
             gripper.reset()
             assert not gripper.isActivated()
         finally:
@@ -78,7 +77,7 @@ def test_the_same_driver_over_a_gateway_and_another_client_over_tcp(tmp_path: Pa
         try:
             gripper.activate()
             gripper.close()
-            assert (gripper.position(), gripper.objectDetection()) == (139, 2)
+            wait_until("the part", lambda: (gripper.position(), gripper.objectDetection()) == (139, 2))
         finally:
             gripper.disconnect()
     number = free_port()
