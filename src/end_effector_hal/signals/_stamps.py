@@ -88,8 +88,8 @@ class StampGate:
             return "stamped with what is no time"
         if stamp > now:
             return "stamped ahead of now"
+        if old_us is not None and now - stamp >= old_us:
+            return _OLD  # before order: the oldest possible time may be before that of the frame before
         if self._in_order and stamp < self._last.get(source, 0):
             return "stamped before the one that came last"
-        if old_us is not None and now - stamp >= old_us:
-            return _OLD
         return ""

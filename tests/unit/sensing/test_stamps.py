@@ -95,6 +95,15 @@ def test_what_is_older_than_the_last_that_counted_is_refused() -> None:
     assert gate.passes(1001, NOW)
 
 
+def test_after_a_standstill_what_is_old_and_out_of_order_came_late() -> None:
+    gate = StampGate("Sensor frames", old_us=STALE, in_order=True)
+    assert gate.passes(NOW, NOW)
+    assert not gate.passes(NOW - 1, NOW + STALE)
+    (text,) = map(str, gate.notices(NOW + STALE))
+    assert "one is too old. Did the machine stand still?" in text
+    assert not gate.passes(NOW - 1, NOW + 1)
+
+
 def test_the_words_of_its_beginning_stand_until_it_is_over_and_the_next_ones_count() -> None:
     gate = StampGate("Sensor frames")
     for late in range(50):
