@@ -17,7 +17,7 @@ from typing import Any
 from figures import Figures, figures
 from usage import Meter, Usage
 
-from end_effector_hal.arbiter import HAL, ArbiterClient, PredicateSender, client_lines, output_lines
+from end_effector_hal.arbiter import HAL, ArbiterClient, PredicateSender, client_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
@@ -68,7 +68,7 @@ def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> A
     unwind = [LastWillStep(each) for each in reversed(gripping)]
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="eehal-arbiter-")))
-        lines = output_lines(description)
+        lines = description.output_lines
         chips = {name: VirtualChip.create(folder / name, lines).path for name in ("owned", "direct")}
         arbiter = stack.enter_context(_arbiter(chips["owned"], folder / "sock"))
         stack.enter_context(_told(folder / "sock"))

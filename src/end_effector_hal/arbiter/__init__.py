@@ -2,7 +2,7 @@
 
 from ._predicate_publisher import PredicatePublisher
 from ._process import connect_arbiter, run_arbiter
-from ._tool_policy import HAL, OUTPUTS, SENSOR_FAULT, arbiter_policy, client_lines, output_lines, wired_lines
+from ._tool_policy import HAL, OUTPUTS, SENSOR_FAULT, arbiter_policy, client_lines
 from .client._client import ArbiterClient
 from .client._sender import PredicateSender
 from .records._records import recorded_left_behind

@@ -50,7 +50,7 @@ def arbiter_policy(description: Description) -> Policy:
     labels |= {each.line: name for name, each in description.outputs.items()}
     labels |= {changer.line: "unlock"} if changer else {}
     return Policy(
-        output_lines(description),
+        description.output_lines,
         exclusions=_exclusions(description),
         max_active_us=_longest(description),
         labels=labels,
@@ -64,7 +64,7 @@ def arbiter_policy(description: Description) -> Policy:
             for line, each in description.opposites.items()
         },
         proven=proven_by_arbiter(description, carrier_of(description)),
-        needs={line: needs for line in output_lines(description) if (needs := _needs(description, line))},
+        needs={line: needs for line in description.output_lines if (needs := _needs(description, line))},
     )
 
 
@@ -124,18 +124,6 @@ def _no_fault(predicate: str) -> Need:
     channel = predicate.removeprefix(NO_FAULT).removeprefix(NO_LATCHED_FAULT)
     latched = f"{channel} has shown a fault" if predicate.startswith(NO_LATCHED_FAULT) else ""
     return Need(predicate, "IL-07", f"{channel} shows no fault", f"{channel} shows a fault", latched)
-
-
-def output_lines(description: Description) -> tuple[str, ...]:
-    """Return every output line: actuators in sequence order, the tool changer, blow-offs, plain outputs."""
-    hal, plain = client_lines(description, HAL), client_lines(description, OUTPUTS)
-    return tuple(dict.fromkeys((*hal, *description.blow_off_lines.values(), *plain)))
-
-
-def wired_lines(description: Description) -> tuple[str, ...]:
-    """Return every output line of the board: the outputs and their second coils."""
-    lines = (line for line in output_lines(description) if line not in description.register_outputs)
-    return (*lines, *(each.line for each in description.opposites.values()))
 
 
 def client_lines(description: Description, client: str) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from end_effector_hal.arbiter import HAL, PredicatePublisher, client_lines, wired_lines
+from end_effector_hal.arbiter import HAL, PredicatePublisher, client_lines
 from end_effector_hal.control import Answer, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, WireError
@@ -88,7 +88,7 @@ class VirtualTool:
         self._on_frame = on_frame
         self._random = Random(seed)
         self.bench = Bench(description, scenario, seed, levels=levels)
-        self._outputs = VirtualOutputs(wired_lines(description), levels or {}, self._now, self._edge)
+        self._outputs = VirtualOutputs(description.wired_lines, levels or {}, self._now, self._edge)
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
         chosen = chosen_models(None, description) if models is None else models
         self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus, chosen)

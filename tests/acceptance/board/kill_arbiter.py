@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import load, profile_path
 from tests.acceptance.gpiochip.inside.owned import Arbiter
 
-LINES = sorted(output_lines(load(profile_path())))
+LINES = sorted(load(profile_path()).output_lines)
 HELD = dict.fromkeys(LINES, False) | {"SODIMM_208": True, "SODIMM_212": True}
 
 with Arbiter(LINES) as arbiter:

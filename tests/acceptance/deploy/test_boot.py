@@ -12,13 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import VirtualChip
 from tests.support.places import DEPLOY
 
 CHECK = Path(__file__).with_name("check_arbiter.py")
-LINES = output_lines(load(profile_path()))
+LINES = load(profile_path()).output_lines
 GRIPPING = [part.line for _, part in load(profile_path()).ordered]
 HELD = dict.fromkeys(LINES, False) | dict.fromkeys(GRIPPING, True)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from queue import Queue
 
-from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import Description
 from tests.acceptance.gpiochip.guest import HERE, run_guest
 from tests.acceptance.gpiochip.machines import Machine
@@ -29,7 +28,7 @@ def test_inputs_of_the_kernels_simulated_chip(machine: Machine, tmp_path: Path, 
 
 
 def test_the_chip_that_the_testbench_is(kernel: Path, tool: Description, tmp_path: Path, place: Path) -> None:
-    names = sorted(output_lines(tool))
+    names = sorted(tool.output_lines)
     seen: Queue[tuple[str, bool]] = Queue()
     chip = VirtioGpioInputs(place / "chip", names)
     chip.start(lambda line, level, _at: seen.put((line, level)))

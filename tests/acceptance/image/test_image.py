@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import output_lines
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.wires.lines import VirtualChip
 from end_effector_lab.processes import Child
@@ -99,7 +98,7 @@ def edges(bench: Path) -> list[tuple[str, bool]]:
     """Every write to the chip after the arbiter has taken its lines."""
     records = [json.loads(line) for line in (bench / "chip").read_text().splitlines() if line.strip()]
     written = [(record["line"], bool(record["level"])) for record in records if "line" in record]
-    return written[len(output_lines(TOOL)) :]
+    return written[len(TOOL.output_lines) :]
 
 
 GRIPPING = [part.line for _, part in TOOL.ordered]

@@ -14,7 +14,6 @@ from end_effector_hal.arbiter import (
     ArbiterServer,
     PredicatePublisher,
     arbiter_policy,
-    output_lines,
 )
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import CHANNELS
@@ -57,7 +56,7 @@ class Rig:
 
     def __init__(self, folder: Path, *, program: bool = True) -> None:
         self.description = quick().with_virtual(folder / "chip", "none", folder / "arbiter.sock")
-        self.chip = VirtualChip.create(folder / "chip", output_lines(self.description)).path
+        self.chip = VirtualChip.create(folder / "chip", self.description.output_lines).path
         self.socket = folder / "arbiter.sock"
         self.odd: dict[str, int | bool | None] = {}
         self.silent = False

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import output_lines
 from end_effector_hal.codecs import get_codec, load_tool
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires import now_us
@@ -81,7 +80,7 @@ class Bench:
 def bench(folder: Path, link: str, channels: str, far: Far, period_s: float) -> Iterator[Bench]:
     text = TOOL.format(folder=folder, link=link, channels=channels)
     (folder / "tool.yaml").write_text(text, "utf-8")
-    VirtualChip.create(folder / "chip", output_lines(load_tool(folder / "tool.yaml")))
+    VirtualChip.create(folder / "chip", load_tool(folder / "tool.yaml").output_lines)
     running = Bench(folder, far, period_s)
     try:
         yield running

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy, output_lines
+from end_effector_hal.arbiter import ArbiterClient, ArbiterServer, Policy
 from end_effector_hal.arbiter._process import _Probe
 from end_effector_hal.arbiter._service_manager import ServiceManager
 from end_effector_hal.description import load, profile_path
@@ -146,7 +146,7 @@ def virtual_tool(folder: Path) -> Path:
     description = folder / "tool.yaml"
     virtual = f"backend: virtual\n  path: {folder}/chip\n  socket: {folder}/arbiter.sock\n"
     description.write_text(profile_path().read_text().replace("backend: gpiod", virtual))
-    VirtualChip.create(folder / "chip", output_lines(load(profile_path())))
+    VirtualChip.create(folder / "chip", load(profile_path()).output_lines)
     return description
 
 

@@ -11,7 +11,6 @@ from queue import Queue
 import pytest
 from click.testing import CliRunner
 
-from end_effector_hal.arbiter import output_lines, wired_lines
 from end_effector_hal.cli.doctor._lines import look_at_lines
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import load, profile_path
@@ -140,7 +139,7 @@ def test_the_copy_is_the_same_tool_with_its_own_wires_beside_it(tmp_path: Path) 
     assert copy.automata_path == tool.automata_path
     assert (copy.actuators, copy.sequence, copy.bounds) == (tool.actuators, tool.sequence, tool.bounds)
     # the line arbiter may start before the testbench
-    (finding,) = look_at_lines(copy, output_lines(copy))
+    (finding,) = look_at_lines(copy, copy.output_lines)
     assert finding.level.value == "ok", finding
 
 
@@ -178,7 +177,7 @@ def test_a_copy_has_its_lines_by_chip_and_offset(tmp_path: Path) -> None:
     inputs = open_inputs(None, copy)
     inputs.start(lambda line, level, _at: seen.put((line, level)))
     lines, switches = VirtualLines(copy.lines.path or ""), board.lines_of(copy)
-    assert lines.request(wired_lines(copy)) == {"gpiochip3:0": False, "gpiochip3:1": False}
+    assert lines.request(copy.wired_lines) == {"gpiochip3:0": False, "gpiochip3:1": False}
     switches.request(board.input_lines(copy))
     lines.set({"gpiochip3:1": True})
     assert seen.get(timeout=20) == ("gpiochip3:1", True)

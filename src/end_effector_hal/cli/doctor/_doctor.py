@@ -107,14 +107,12 @@ def _looks(description: Description | None, *, listen: bool) -> dict[str, Callab
         "ros": look_at_ros,
     }
     if description is not None:
-        from end_effector_hal.arbiter import output_lines, wired_lines
-
         from ._arbiter import look_at_arbiter
         from ._lines import look_at_inputs, look_at_lines
         from ._link import look_at_link
 
-        lines = output_lines(description)
-        looks["lines"] = lambda: look_at_lines(description, wired_lines(description))
+        lines = description.output_lines
+        looks["lines"] = lambda: look_at_lines(description, description.wired_lines)
         looks["arbiter"] = lambda: look_at_arbiter(description, lines)
         looks["link"] = lambda: look_at_link(description, listen=listen)
         looks["inputs"] = lambda: look_at_inputs(description)

@@ -246,6 +246,20 @@ class Description(Part):
         return {part.line: part.opposite for part in parts if part.opposite is not None}
 
     @property
+    def output_lines(self) -> tuple[str, ...]:
+        """Every output: actuators in the order of a grip, the tool changer, blow-offs, plain outputs."""
+        changer = (self.tool_changer.line,) if self.tool_changer else ()
+        gripping = (part.line for _, part in self.ordered)
+        plain = (each.line for each in self.outputs.values())
+        return (*gripping, *changer, *self.blow_off_lines.values(), *plain)
+
+    @property
+    def wired_lines(self) -> tuple[str, ...]:
+        """Every output line of the board: the outputs that are on no bus, and second coils."""
+        lines = (line for line in self.output_lines if line not in self.register_outputs)
+        return (*lines, *(each.line for each in self.opposites.values()))
+
+    @property
     def buses(self) -> dict[str, dict[str, RegisterOutput]]:
         """Outputs on each bus that has outputs, by its link; a rule ensures that each output has a link."""
         over = [name for name, link in self.links.items() if link.frame and link.frame.modbus]

@@ -309,9 +309,4 @@ def lines_of(description: Description, reader: str = "inputs") -> InputLines:
     """Return the input lines of a tool for one of its two readers: the sensor reader or the line arbiter."""
     if description.lines.backend == "virtual":
         return VirtualInputLines(description.lines.path or "", reader=reader)
-    changer, outputs = description.tool_changer, [part.line for _, part in description.ordered]
-    outputs += [changer.line] if changer else []
-    outputs += description.blow_off_lines.values()
-    outputs += [each.line for each in description.outputs.values()]
-    outputs += [each.line for each in description.opposites.values()]
-    return GpiodInputLines(outputs=outputs)
+    return GpiodInputLines(outputs=description.wired_lines)

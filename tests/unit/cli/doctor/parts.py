@@ -11,7 +11,7 @@ from pathlib import Path
 
 from click.testing import CliRunner, Result
 
-from end_effector_hal.arbiter import ArbiterServer, arbiter_policy, output_lines
+from end_effector_hal.arbiter import ArbiterServer, arbiter_policy
 from end_effector_hal.cli.doctor import _doctor
 from end_effector_hal.codecs import get_codec
 from end_effector_hal.description import load, profile_path
@@ -19,7 +19,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualChip, VirtualLines
 from end_effector_hal.wires.link import PtyPair
 
-LINES = output_lines(load(profile_path()))
+LINES = load(profile_path()).output_lines
 CODEC = get_codec("ees1-ascii")
 PRESSURES = {"bottom": -70_000, "cylinder": 600_000, "top": 0, "supply": 600_000}
 

@@ -10,13 +10,16 @@ from types import SimpleNamespace
 import gpiod
 import pytest
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import DigitalInput
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires.inputs import _gpiod as inputs_module
+from end_effector_hal.wires.inputs import lines_of
 from end_effector_hal.wires.inputs._gpiod import GpiodInputLines
 from end_effector_hal.wires.inputs._lines import LineEdge
 from end_effector_hal.wires.lines import _gpiod as module
 from tests.support.input_kernel import InputKernel
+from tests.support.places import ROOT
 
 A, B, C = (DigitalInput(line=name) for name in ("GPIO17", "GPIO27", "EXP_3"))
 ALL = {each.line: each for each in (A, B, C)}
@@ -162,3 +165,19 @@ def test_an_input_that_is_an_output_of_the_tool_is_not_claimed(kernel: InputKern
     with pytest.raises(WireError, match="are one line"):
         lines.request({one: DigitalInput(line=one)})
     assert not kernel.chip_of("GPIO17").held_by
+
+
+def test_an_input_may_have_the_name_of_an_actuator_on_a_bus(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The output of such an actuator is a register: no line of the board must be kept free of it."""
+    tool = load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml")
+    (name,) = tool.register_outputs
+    kernel, one = InputKernel(tmp_path, gpiochip0=[name]), "gpiochip0:0"
+    monkeypatch.setattr(module, "importlib", SimpleNamespace(import_module=lambda name: kernel))
+    lines = lines_of(tool)
+    assert isinstance(lines, GpiodInputLines)
+    monkeypatch.setattr(lines, "_pattern", kernel.pattern)
+    lines.request({one: DigitalInput(line=one)})
+    assert lines.levels() == {one: False}
+    lines.close()
