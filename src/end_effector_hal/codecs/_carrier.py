@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from end_effector_hal.codecs._codec import Carrier, Codec, parity_of, resolution_of, sequence_bits
 from end_effector_hal.codecs._registry import get_codec
 from end_effector_hal.codecs._renamed import renamed
-from end_effector_hal.description import network_address
+from end_effector_hal.description import has_line
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Kind
 
@@ -121,12 +121,6 @@ def codec_of(description: Description, name: str | None = None) -> Codec:
     return renamed(codec, names)
 
 
-def has_line(link: Link) -> bool:
-    """Return whether the settings of a serial line count: at a device, or at an address whose far end takes them."""
-    address = network_address(link.port)
-    return address is None or address.has_line
-
-
 def line_of(link: Link, codec: Codec) -> tuple[int, str, int]:
     """Return baud rate, parity and stop bits of a link: its own, or those of its codec."""
     return link.baudrate or codec.baudrate, link.parity or parity_of(codec), link.stopbits or 1
@@ -134,7 +128,7 @@ def line_of(link: Link, codec: Codec) -> tuple[int, str, int]:
 
 def line_words(link: Link, codec: Codec) -> str:
     """Return the settings of a link's line, such as ``9600 baud 8E1``; empty: it has none."""
-    if not has_line(link):
+    if not has_line(link.port):
         return ""
     baudrate, parity, stopbits = line_of(link, codec)
     own = f" 8{parity}{stopbits}" if link.frame or link.parity or link.stopbits else ""

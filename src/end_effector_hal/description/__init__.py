@@ -4,7 +4,7 @@
 together.
 """
 
-from ._address import MODBUS_SCHEMES, NetworkAddress, network_address, right_form
+from ._address import MODBUS_SCHEMES, NetworkAddress, has_line, network_address, right_form
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
@@ -74,6 +74,7 @@ __all__ = [
     "did_you_mean",
     "examine",
     "examine_text",
+    "has_line",
     "load",
     "lost_by_silence",
     "markdown",

@@ -52,6 +52,12 @@ def network_address(port: str) -> NetworkAddress | None:
     return NetworkAddress(found["scheme"], host, number) if 0 < number < 65536 else None
 
 
+def has_line(port: str) -> bool:
+    """Return whether the settings of a serial line count: at a device, or at an address whose far end takes them."""
+    address = network_address(port)
+    return address is None or address.has_line
+
+
 def looks_like_address(port: str) -> bool:
     """Return whether a `port` looks like an address in a network, valid or not."""
     return _LOOKS.fullmatch(port) is not None

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import cast
 
-from end_effector_hal.codecs import codec_of, has_line, line_of
+from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, RelayedBus, cycle_record
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, has_line
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
 from end_effector_lab.testbench import Bench, Models, SensorBoard, Sent
@@ -92,7 +92,7 @@ class VirtualBus:
         self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
         self._traffic = BusTraffic(master, self._outputs)
         self._relayed = RelayedBus(codec).decoder()
-        self._byte_us = 10 * 1_000_000 // line_of(link, codec)[0] if has_line(link) else 0
+        self._byte_us = 10 * 1_000_000 // line_of(link, codec)[0] if has_line(link.port) else 0
         self._coming: list[tuple[int, bytes]] = []
         self._busy_until = clock()
         self._adopts_until = clock() + ADOPT_US

@@ -90,14 +90,13 @@ def look_for_lines(
             f"no line {', '.join(absent)} on {', '.join(chips)}",
             "gpioinfo lists the names; put yours into the description, or chip and offset.",
         )
-    first: dict[str, str] = {}
+    shared = gpio.shared_lines({name: found for name, found in places.items() if len(found) == 1})
     for name, found in places.items():
         if len(found) > 1:
             yield say.missing(gpio.ambiguous(name, found), gpio.UNIQUE)
-        elif found and (other := first.setdefault(str(found[0]), name)) != name:
-            yield say.missing(
-                f"{other} and {name} are one line: {found[0]}", "Give each device its own line."
-            )
+        elif name in shared:
+            other, place = shared[name]
+            yield say.missing(f"{other} and {name} are one line: {place}", "Give each device its own line.")
         elif found:
             yield _line(say, name, found[0], consumer, who)
 

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from end_effector_hal.codecs import Codec, codec_names, get_codec, match_codec
 from end_effector_hal.description import ToolChanger as ChangerStanza
-from end_effector_hal.description import did_you_mean, examine_text, network_address, schema_path
+from end_effector_hal.description import did_you_mean, examine_text, has_line, schema_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator
 from end_effector_hal.nodes.interface import name_faults
@@ -252,8 +252,7 @@ def _link(
     made = "made by the testbench" if virtual else "yours: the serial device of the sensors"
     port = json.dumps(own, ensure_ascii=False) if own else f"/dev/ttyS{number}"
     yield _key("port", port, "" if link.port else made, indent=indent)
-    address = network_address(link.port)
-    serial = address is None or address.has_line
+    serial = has_line(link.port)
     if link.what in LINKS:
         if serial:
             yield _key(

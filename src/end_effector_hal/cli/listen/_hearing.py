@@ -56,10 +56,11 @@ class OpenLink:
 
 def link_title(description: Description, name: str) -> str:
     """Return port, codec and baud rate of a link for a sentence; raises UsageError like `codec_of`."""
-    from end_effector_hal.codecs import codec_of, has_line, line_of
+    from end_effector_hal.codecs import codec_of, line_of
+    from end_effector_hal.description import has_line
 
     codec, link = codec_of(description, name), description.links[name]
-    rate = f", {line_of(link, codec)[0]} baud" if has_line(link) else ""
+    rate = f", {line_of(link, codec)[0]} baud" if has_line(link.port) else ""
     return f"{link.port}, {codec.name}{rate}"
 
 

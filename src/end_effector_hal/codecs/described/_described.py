@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from end_effector_hal._extras import missing_extra
-from end_effector_hal.codecs._carrier import has_line
 from end_effector_hal.codecs.described._asked import AskedLines
 from end_effector_hal.codecs.described._codec import DescribedCodec, SerialLine
 from end_effector_hal.codecs.described._json import DescribedJson
 from end_effector_hal.codecs.described._record import DescribedRecord
 from end_effector_hal.codecs.described._text import DescribedText
+from end_effector_hal.description import has_line
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Channel, Link
@@ -30,7 +30,7 @@ def described_codec(link: Link, over: Mapping[str, Channel]) -> DescribedCodec:
     channels = {name: each for name, each in over.items() if each.source == frame.format}
     usual = BAUDRATE if frame.modbus is None else MODBUS_BAUDRATE
     line = SerialLine(
-        (link.baudrate or usual) if has_line(link) else 0,
+        (link.baudrate or usual) if has_line(link.port) else 0,
         link.parity or "N",
         link.period_ms and 1000 * link.period_ms,
         link.stopbits or 1,

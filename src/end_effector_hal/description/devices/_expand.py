@@ -22,6 +22,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from end_effector_hal.description._address import has_line
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, UsedDevice
 from end_effector_hal.description.model._channels import Channel
 
@@ -277,7 +278,7 @@ class _Use:
         if known or "codec" in link or not isinstance(frame, dict) or frame.keys() - {"modbus"}:
             return True  # another output of it; or another format, and the rules say what does not fit
         for key, value in self._device.about.link.items():
-            if not (key in SERIAL and "://" in str(link.get("port"))):
+            if key not in SERIAL or has_line(str(link.get("port"))):
                 self._put(link, (*path, key), ("link", key), deepcopy(value))
         return True
 

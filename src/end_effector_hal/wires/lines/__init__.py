@@ -14,6 +14,7 @@ from ._chips import (
     open_chip,
     places_of,
     see_chip,
+    shared_lines,
 )
 from ._composed import ComposedLines
 from ._gpiod import CONSUMER, GpiodLines, load_gpiod
@@ -47,4 +48,5 @@ __all__ = [
     "places_of",
     "read_chip",
     "see_chip",
+    "shared_lines",
 ]

@@ -102,15 +102,12 @@ def find_lines(
     for name, found in places.items():
         if len(found) > 1:
             raise LineNotFoundError(f"the line {ambiguous(name, found)}.", todo=UNIQUE)
-    found_at: dict[tuple[str, int], str] = {}
-    for name in dict.fromkeys((*names, *beside)):
-        for chip, offset, _ in places.get(name) or places_of(name, chips):
-            other = found_at.setdefault((chip, offset), name)
-            if other != name:
-                raise WireError(
-                    f"{other} and {name} are one line: {chip} line {offset}.",
-                    todo="Give each device a line of its own in the description.",
-                )
+    others = {name: places_of(name, chips) for name in beside if name not in places}
+    for name, (other, place) in shared_lines({**places, **others}).items():
+        raise WireError(
+            f"{other} and {name} are one line: {place}.",
+            todo="Give each device a line of its own in the description.",
+        )
     return {name: found[0][:2] for name, found in places.items()}
 
 
@@ -120,6 +117,17 @@ UNIQUE = "Give the lines unique names in the device tree, or write chip and offs
 def ambiguous(line: str, places: Sequence[LinePlace]) -> str:
     """Return a clause that says where the lines of one name are."""
     return f"{line} is ambiguous: {' and '.join(map(str, places))}"
+
+
+def shared_lines(places: Mapping[str, Sequence[LinePlace]]) -> dict[str, tuple[str, str]]:
+    """Return the name of the earlier line, and their place, by the name of each line that is the same as another."""
+    first: dict[str, str] = {}
+    shared: dict[str, tuple[str, str]] = {}
+    for name, found in places.items():
+        for place in map(str, found):
+            if (other := first.setdefault(place, name)) != name:
+                shared[name] = other, place
+    return shared
 
 
 def chip_requests(found: Mapping[str, tuple[str, int]]) -> list[tuple[str, dict[str, int]]]:
