@@ -46,11 +46,11 @@ class MarkedFault:
 
 
 def marked(fault: Fault, name: str, text: str) -> MarkedFault:
-    """Return a fault of a text that was read from the file of that name, with its line."""
+    """Return a fault of a text that was read from the file of that name, with its line; empty: it is no text."""
     if fault.file:
         return MarkedFault(fault.diagnostic(name), None, fault.length)
     lines = text.split("\n")
-    line = lines[fault.line - 1] if 0 < fault.line <= len(lines) else None
+    line = lines[fault.line - 1] if text and 0 < fault.line <= len(lines) else None
     return MarkedFault(fault.diagnostic(name), line, fault.length)
 
 
@@ -59,7 +59,7 @@ def _line_of(diagnostic: Diagnostic) -> str | None:
     try:
         if not path.is_file() or path.stat().st_size > LARGEST:
             return None
-        lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+        lines = path.read_text(encoding="utf-8", errors="surrogateescape").split("\n")
     except OSError:
         return None
     return lines[diagnostic.line - 1] if diagnostic.line <= len(lines) else None
@@ -70,17 +70,24 @@ def _shown(line: str, at: int, length: int) -> tuple[str, int, int]:
     mark.
     """
     line = line.rstrip()
-    at, start = min(at, len(line)), 0
+    lead, meant, rest = _plain(line[:at]), _plain(line[at : at + length]), _plain(line[at + length :])
+    line, at, length, start = lead + meant + rest, len(lead), len(meant), 0
     if len(line) > WIDTH:
         start = max(0, min(at - LEAD, len(line) - WIDTH))
     end = start + WIDTH
     head, tail = "…" if start else "", "…" if len(line) > end else ""
     before = _columns(line[start:at]) + len(head)
-    return head + _plain(line[start:end]) + tail, before, max(1, _columns(line[at : min(at + length, end)]))
+    return head + line[start:end] + tail, before, max(1, _columns(line[at : min(at + length, end)]))
 
 
 def _plain(text: str) -> str:
-    return "".join(each if each.isprintable() else " " if each.isspace() else "?" for each in text)
+    return "".join(each if each.isprintable() else " " if each.isspace() else _escaped(each) for each in text)
+
+
+def _escaped(character: str) -> str:
+    """Return what is not printable as an escape, such as ``\\x1b``; a byte that is no text is a lone surrogate here."""
+    code = ord(character)
+    return f"\\x{code - 0xDC00:02x}" if 0xDC80 <= code <= 0xDCFF else repr(character)[1:-1]
 
 
 def _columns(text: str) -> int:

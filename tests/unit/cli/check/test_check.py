@@ -75,6 +75,20 @@ def test_each_fault_is_a_line_on_stderr(check: Check) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("written", "shown"),
+    [(b"a\xff\x01", r"a\xff\x01"), (b"a\x1b[31m", r"a\x1b[31m"), ("a\u202e".encode(), r"a\u202e")],
+)
+def test_what_cannot_be_printed_is_shown_escaped(
+    written: bytes, shown: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("tool.yaml").write_bytes(b"sequence: " + written + b"\n")
+    found = CliRunner().invoke(_check.command, ["tool.yaml"], catch_exceptions=False).stderr
+    assert f"\n1 | sequence: {shown}\n" in found
+    assert all(each.isprintable() for each in found.splitlines())
+
+
 def test_faults_as_json(check: Check) -> None:
     result = check("--json", replace={"timeout_s: 5.0": "timeout_s: 5000"})
     assert (result.exit_code, result.stderr) == (2, "")
