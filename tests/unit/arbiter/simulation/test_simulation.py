@@ -99,10 +99,10 @@ def _certain(memory: Any) -> Any:
     ("undo", "first"),
     [
         (a_record_that_is_switched_off_after_a_failure, 17),
-        (a_token_that_two_programs_share, 31),
-        (a_table_of_faults_that_clients_can_fill, 246),
-        (a_last_will_that_is_executed_in_doubt, 28),
-        (a_line_that_is_forgotten_when_the_description_changes, 0),
+        (a_token_that_two_programs_share, 8),
+        (a_table_of_faults_that_clients_can_fill, 680),
+        (a_last_will_that_is_executed_in_doubt, 100),
+        (a_line_that_is_forgotten_when_the_description_changes, 8),
     ],
 )
 def test_a_repair_that_is_undone_is_found(undo: Callable[[Patch], None], first: int) -> None:
