@@ -118,7 +118,7 @@ class _OfDeclarations:
             if isinstance(each, ast.FunctionDefinition) and each.name in self.used:
                 who = ", which no template calls" if each.name in self.alone else ""
                 yield from self._made(f"function {each.name}{who}", in_function(each))
-            elif isinstance(each, ast.Variables) and each.type.base in ("int", "bool"):
+            elif isinstance(each, ast.Variables) and each.type.base not in ("clock", "chan"):
                 for one in each.declarators:
                     if one.name in self.used and one.name not in self.given:
                         yield from self._made(

@@ -237,4 +237,5 @@ def _idle(found: Overview) -> dict[str, int]:
         "locations": len(found.coverage.locations),
         "edges": len(found.coverage.edges),
         "channels": len(found.open_channels),
+        "names": len(found.equal_names),
     }

@@ -29,7 +29,7 @@ def resolve_type(expressions: Expressions, node: ast.TypeName) -> Type:
         if not isinstance(symbol, Alias):
             known = [name for name in expressions.scope if isinstance(expressions.scope.find(name), Alias)]
             raise fault(node.span, f"'{node.base}' is no type.", did_you_mean(node.base, [*known, *_PLAIN]))
-        type_ = symbol.type
+        type_ = replace(symbol.type, name=node.base)
     if "const" in node.prefixes and type_ == INT:
         type_ = Type("int", -WIDE, WIDE - 1)  # UPPAAL bounds the default range of variables only
     channel = type_.kind == "chan"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Literal, NamedTuple
 
@@ -24,7 +24,10 @@ class Dimension(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """A type whose bounds and sizes are computed; ``low`` and ``high`` bound integers (0 and 1 for booleans)."""
+    """A type whose bounds and sizes are computed; ``low`` and ``high`` bound integers (0 and 1 for booleans).
+
+    ``name`` is the one that a typedef gave it; a type is the same without.
+    """
 
     kind: TypeKind
     low: int = INT_LOW
@@ -33,6 +36,7 @@ class Type:
     constant: bool = False
     broadcast: bool = False
     urgent: bool = False
+    name: str = field(default="", compare=False)
 
     @property
     def size(self) -> int:

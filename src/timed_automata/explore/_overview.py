@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from timed_automata.explore.properties import Coverage
-from timed_automata.explore.properties._coverage_report import CoverageReport, open_channels
+from timed_automata.explore.properties._coverage_report import CoverageReport, equal_names, open_channels
 from timed_automata.explore.properties._responses import BoundedResponse, LeadsTo, bounded
 from timed_automata.explore.properties._room import ReactionBound, Room
 from timed_automata.explore.properties._zeno import taken, zeno_cycle
@@ -48,6 +48,7 @@ class Overview:
         bounded: the queries ``A[] p imply x <= c`` by number, with the longest time seen.
         coverage: locations and edges that cannot happen.
         open_channels: channels without a sender or without a receiver, in words.
+        equal_names: constants that name the same value of a type, in words.
         late: locations of executed processes that leave reactions more or less room than they need, in words.
         stuck: whether there may be a state without any transition, now or later.
         stopped: whether there may be one of these states in which time cannot go on either.
@@ -61,6 +62,7 @@ class Overview:
     bounded: Mapping[int, BoundedResponse]
     coverage: CoverageReport
     open_channels: tuple[str, ...]
+    equal_names: tuple[str, ...]
     late: tuple[str, ...]
     stuck: bool
     stopped: bool
@@ -264,6 +266,7 @@ class _Exploration:
             bounded=self._bounded,
             coverage=self._coverage.report(self.network),
             open_channels=tuple(open_channels(self.network)),
+            equal_names=tuple(equal_names(self.network)),
             late=self._room.missing,
             stuck=self._stuck,
             stopped=self._stopped,

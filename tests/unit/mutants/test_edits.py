@@ -21,7 +21,7 @@ DOOR = Template(
     invariants={"Open": "t <= HOLD"},
 )
 SOURCE = document(
-    "const int HOLD = 9; int[0, 5] n; bool locked; chan push, knock;",
+    "typedef int[0, 99] ms_t; const ms_t HOLD = 9; int[0, 5] n; bool locked; chan push, knock;",
     DOOR,
     Template("World", ["w -> w; sync: push!", "w -> v; sync: knock!"]),
 )

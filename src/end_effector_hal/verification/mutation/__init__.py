@@ -18,6 +18,7 @@ CHECKS: Mapping[str, str] = {
     "locations": "Every location can be reached.",
     "edges": "Every edge can fire.",
     "channels": "Every channel has both ends.",
+    "names": "No two constants name the same value of a type.",
     "room": "Every time-out that is executed is due D before its invariant ends it.",
     "time": "Time can always pass: no timelock, and no endless run in finite time.",
 }

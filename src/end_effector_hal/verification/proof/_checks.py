@@ -1,4 +1,4 @@
-"""Checks for every model that no query expresses: all can happen, time passes, channels have both ends."""
+"""Checks for every model that no query expresses: all can happen, time passes, channels and names are whole."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from ._finding import Finding
 _LOCATIONS = "locations", "Every location can be reached."
 _EDGES = "edges", "Every edge can fire."
 _CHANNELS = "channels", "Every channel has both ends."
+_NAMES = "names", "No two constants name the same value of a type."
 _ROOM = "Every time-out that is executed is due D ({} ms) before its invariant ends it."
 _TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
 _NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
@@ -45,6 +46,7 @@ def checks(
         _nothing(*_LOCATIONS, missing.locations),
         _nothing(*_EDGES, missing.edges),
         _nothing(*_CHANNELS, found.open_channels),
+        _nothing(*_NAMES, found.equal_names),
         *room,
         time,
     )
@@ -53,7 +55,7 @@ def checks(
 def open_checks(reaction: ReactionBound | None, remark: str, *, flickers: bool) -> tuple[Finding, ...]:
     """Return the same findings as undecided, after an incomplete exploration; ``remark`` is the reason."""
     room = () if reaction is None else (("room", _ROOM.format(reaction.room)),)
-    asked = (_LOCATIONS, _EDGES, _CHANNELS, *room, _NO_TIMELOCK if flickers else _TIME)
+    asked = (_LOCATIONS, _EDGES, _CHANNELS, _NAMES, *room, _NO_TIMELOCK if flickers else _TIME)
     return tuple(Finding(id_, sentence, "", False, 0, 0.0, remark, decided=False) for id_, sentence in asked)
 
 

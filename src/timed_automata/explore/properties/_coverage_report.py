@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
+from timed_automata.compiler import Constant
 from timed_automata.document import DrawnEdge
 from timed_automata.explore.properties._zeno import Taken
 from timed_automata.explore.states import StateRecord
@@ -94,6 +95,20 @@ def open_channels(network: Network) -> Iterator[str]:
         if found != {"!", "?"}:
             missing = {frozenset("!"): "no edge receives on it", frozenset("?"): "no edge sends on it"}
             yield f"{network.channels[number].name}: {missing.get(frozenset(found), 'no edge uses it')}"
+
+
+def equal_names(network: Network) -> Iterator[str]:
+    """Yield the global constants that name the same value of a type, in words.
+
+    The constants of a typedef name the values of the variables that are declared with it: a value has one name.
+    """
+    named = {each.type.name for each in network.variables if each.type.name}
+    known: dict[tuple[str, int], str] = {}
+    for name, symbol in network.scope.symbols.items():
+        if isinstance(symbol, Constant) and symbol.type.name in named and not symbol.type.dimensions:
+            first = known.setdefault((symbol.type.name, symbol.values[0]), name)
+            if first != name:
+                yield f"{first} and {name} are both {symbol.values[0]} ({symbol.type.name})"
 
 
 class _DisabledParts(NamedTuple):

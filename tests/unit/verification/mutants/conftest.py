@@ -26,6 +26,7 @@ _CHECKS = {
     "locations": lambda found: bool(found.coverage.locations),
     "edges": lambda found: bool(found.coverage.edges),
     "channels": lambda found: bool(found.open_channels),
+    "names": lambda found: bool(found.equal_names),
     "room": lambda found: bool(found.late),
 }
 """What no query says: whether it fails, by id."""
@@ -103,7 +104,9 @@ def mutated(text: str, mutant: dict) -> str:
         new = _replaced(part[slice(*at)], mutant)
     elif "location" in mutant:
         found = [m for m in _LOCATION.finditer(part) if m[2] == mutant["location"]]
-        at, new = found[0].span(), _replaced(found[0][0], mutant)
+        at, drawn = found[0].span(), found[0][0]
+        new = drawn.replace("<committed/>", "<urgent/>") if mutant.get("urgent") else _replaced(drawn, mutant)
+        assert new != drawn
     else:
         edge = _edge(part, mutant)
         at, new = edge.span(), _edited(part, edge[0], mutant)

@@ -20,7 +20,7 @@ from timed_automata import Network, make_network
 from timed_automata.explore import Overview, overview
 from timed_automata.queries import parse_query
 
-GOOD = ["locations", "edges", "channels", "time"]
+GOOD = ["locations", "edges", "channels", "names", "time"]
 
 
 def finding(proof: Proof, id_: str) -> Finding:
@@ -121,6 +121,16 @@ def test_what_no_query_says() -> None:
     assert failing(proof) == ["locations", "edges", "channels"]
     assert finding(proof, "locations").remark == "P.c"
     assert "P b → a" in finding(proof, "edges").remark
+
+
+def test_a_value_of_a_type_has_one_name() -> None:
+    walk = Template("P", ["a -> a; guard: x >= 1; do: x = 0, m = 1 - m"])
+    named = "typedef int[0,3] mode_t; const mode_t OFF = 0, ON = {}, LOW = 1; mode_t m;"
+    times = "typedef int[0,9] ms_t; const ms_t LONG = 5, LATE = 5;"  # no variable: no names of its values
+    assert prove(network(f"clock x; {named.format(2)} {times}", walk)).holds
+    found = finding(prove(network(f"clock x; {named.format(1)} {times}", walk)), "names")
+    assert not found.holds
+    assert found.remark == "ON and LOW are both 1 (mode_t)"
 
 
 def test_time_that_stops_and_time_that_need_not_pass_come_with_a_run() -> None:
