@@ -65,6 +65,7 @@ class Controller:
         "_hold": PART,
         "_statuses": PART,
         "_levels": dict[str, int],
+        "_commanded": tuple[bool, ...],
         "_sensor_fault": bool,
         "_adopt_by": int | None,
         "_at": int,
@@ -84,6 +85,9 @@ class Controller:
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
         self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
+        self._on_bus = bool(description.register_outputs)
+        self._commanded = self._statuses.outputs
+        """Which actuators are commanded to be active, in sequence order."""
         self._sensor_fault = False
         self._adopt_by: int | None = None
         self._at = 0
@@ -362,4 +366,16 @@ class Controller:
         for step in steps:
             self._at = max(self._at, step.at)
             statuses.append(self._statuses.step(step, self._at))
-        return statuses
+        return statuses + self._switched() if statuses and self._on_bus else statuses
+
+    def _switched(self) -> list[Status]:
+        """Process what the commands of the last steps change about the evidence."""
+        before, self._commanded = self._commanded, self._statuses.outputs
+        switched = [index for index, active in enumerate(self._commanded) if active is not before[index]]
+        events = [
+            event
+            for index in switched
+            for event in self._senses.switch(index, self._at, active=before[index] is False)
+        ]
+        statuses = [status for event in events for status in self._receive(event, self._at)]
+        return statuses if statuses or not events else [self.status()]

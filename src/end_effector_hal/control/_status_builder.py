@@ -122,6 +122,11 @@ class StatusBuilder:
         self._noticed: tuple[Alarm, ...] = ()
         self.know({})
 
+    @property
+    def outputs(self) -> tuple[bool, ...]:
+        """Whether each actuator is commanded to be active, in sequence order."""
+        return self._outputs
+
     def know(self, values: Mapping[str, int]) -> None:
         """Update variables of the automata; with no values, update all that depends on the adoption."""
         known = self.values

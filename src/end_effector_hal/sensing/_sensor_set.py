@@ -138,6 +138,12 @@ class SensorSet:
         self.now.wait(at)
         return self._changed_from(before)
 
+    def switch(self, index: int, at: int, *, active: bool) -> list[Event]:
+        """Return the events of a command to an actuator, by its position in the sequence; see `OutputGate`."""
+        before = self.now.evidence, self.now.tool, self.now.emptied
+        self.now.switch(index, at, active=active)
+        return self._changed_from(before)
+
     def pass_over(self, samples: int, at: int) -> None:
         """Account for frames that `stays` allowed to leave out, as if their samples had been counted.
 

@@ -14,6 +14,7 @@ from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
 from end_effector_hal.sensing._device_faults import DeviceFaults
 from end_effector_hal.sensing._link_rules import LinkRules
+from end_effector_hal.sensing._output_gate import OutputGate
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing.detectors import ReleaseDetector, SupplyDetector, ToolDetector
 from end_effector_hal.signals import PART, Frame, Value, clone, lengthen, streaks_of
@@ -31,6 +32,8 @@ class SensorState:
         conditional: positions in the sequence of actuators that are judged by conditions.
         supply: whether a grip may start (IL-06).
         evidence: evidence of each actuator, in sequence order.
+        withheld: positions in the sequence of actuators whose sensors say that they are gone, but whose devices have
+            not shown yet that they have obeyed; see `OutputGate`.
         tool: evidence of the tool changer's bits.
         emptied: positions in the sequence of actuators that gripped nothing and are not confirmed.
         nothing_gripped: whether nothing is gripped, as IL-01 requires.
@@ -40,12 +43,14 @@ class SensorState:
     MEMORY: ClassVar = {
         "readings": PART,
         "_rules": PART,
+        "_gate": PART,
         "_detectors": PART,
         "_tool": PART,
         "_release": PART,
         "supply": PART,
         "_was_clear": bool,
         "evidence": tuple[Evidence, ...],
+        "withheld": tuple[int, ...],
         "tool": ToolEvidence,
         "emptied": tuple[int, ...],
         "nothing_gripped": bool,
@@ -55,6 +60,7 @@ class SensorState:
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.readings = Readings(description, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
+        self._gate, self._on_bus = OutputGate(description), bool(description.register_outputs)
         self._parts = description.ordered
         self.faults = DeviceFaults(description)
         self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
@@ -79,6 +85,7 @@ class SensorState:
         self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
         self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
+        self.withheld: tuple[int, ...] = ()
         self.tool = ToolEvidence.UNCLEAR
         self.emptied: tuple[int, ...] = ()
         self.nothing_gripped, self.in_stand = False, False
@@ -91,6 +98,7 @@ class SensorState:
         """
         judged = self._rules.judge(frame)
         at = max(frame.at, self.readings.last_frame)
+        self._gate.see(frame)
         if judged.rebooted:
             for channel in judged.rebooted:
                 self.readings.forget(channel)
@@ -102,6 +110,17 @@ class SensorState:
             self.readings.forget(channel)
         self._sample(at)
         yield
+
+    def switch(self, index: int, at: int, *, active: bool) -> None:
+        """Change this state to the one after a command to an actuator, by its position in the sequence."""
+        self._gate.switch(index, at, active=active)
+        self._withhold(self.evidence, self.withheld)
+
+    def _withhold(self, evidence: Sequence[Evidence], before: tuple[int, ...] = ()) -> None:
+        """Set the evidence: what counts as gone too early is neither gone nor confirmed."""
+        self.withheld = (*before, *self._gate.withheld(evidence))
+        early = self.withheld
+        self.evidence = tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(evidence)])
 
     def wait(self, at: int) -> None:
         """Change this state to the one after a silence until ``at`` µs; call this method at :meth:`deadline`."""
@@ -176,6 +195,8 @@ class SensorState:
             for index, (name, _) in enumerate(self._parts):
                 evidence[index] = Evidence.UNKNOWN if name in unproven else evidence[index]
         self.evidence, self.tool = tuple(evidence), tool
+        if self._on_bus:
+            self._withhold(evidence)
         if self.conditional:
             found = [i for i, each in self.by_conditions if each.empty]
             self.emptied = tuple([i for i in found if evidence[i] is not Evidence.CONFIRMED])

@@ -34,18 +34,20 @@ class Frame:
         device_ms: the device's own clock, ms; None if the codec carries none.
         values: by channel, a gauge pressure in Pa, thousandths of another unit, a bit or a code; None: carried, but
             invalid.
+        inactive: the outputs of a commanded bus that were known to be inactive before these values were requested.
     """
 
     at: int
     seq: int | None
     device_ms: int | None
     values: Mapping[str, Value]
+    inactive: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
     def __reduce__(self) -> tuple[type[Frame], tuple[object, ...]]:
-        return Frame, (self.at, self.seq, self.device_ms, dict(self.values))
+        return Frame, (self.at, self.seq, self.device_ms, dict(self.values), self.inactive)
 
 
 class ChannelReadings(Protocol):

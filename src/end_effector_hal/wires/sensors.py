@@ -119,7 +119,7 @@ class SensorReader:
             from end_effector_hal.wires.bus import bus_relay
 
             connect = partial(connect_relay, bus_relay(description, socket_path(description), name))
-            codec = RelayedBus(cast("BusCodec", codec))
+            codec = RelayedBus(cast("BusCodec", codec), description.buses[name])
         return LinkReader(
             link.port,
             codec,

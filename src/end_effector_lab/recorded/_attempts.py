@@ -158,7 +158,7 @@ class _OneRecording:
                 for at in range(last.stamp + REPEAT_US, record.stamp - REPEAT_US // 2, REPEAT_US):
                     kept += self._see(Frame(at, None, None, last.values))
         self._last = record
-        return kept + self._see(Frame(record.stamp, record.seq, record.device_ms, record.values))
+        return kept + self._see(record.frame)
 
     def status(self, status: Status) -> RecordedGrip | None:
         """Process a status; return the grip that begins with it, or None."""

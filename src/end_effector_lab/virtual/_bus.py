@@ -91,7 +91,7 @@ class VirtualBus:
         self._names, self._devices, self._clock = frozenset(outputs), devices, clock
         self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
         self._traffic = BusTraffic(master, self._outputs)
-        self._relayed = RelayedBus(codec).decoder()
+        self._relayed = RelayedBus(codec, outputs).decoder()
         self._byte_us = 10 * 1_000_000 // line_of(link, codec)[0] if has_line(link.port) else 0
         self._coming: list[tuple[int, bytes]] = []
         self._busy_until = clock()
@@ -121,7 +121,7 @@ class VirtualBus:
             if sent is not None and sent.data:
                 wire_us = (len(request) + len(sent.data)) * self._byte_us
                 self._coming.append((at + wire_us + sent.late_us, sent.data))
-        records = [cycle_record(each.answers, each.at) for each in cycles if each is not None]
+        records = [cycle_record(each.answers, each.at, each.inactive) for each in cycles if each is not None]
         return [frame for record in records for frame in self._relayed.feed(record, at)]
 
     @property

@@ -12,7 +12,7 @@ from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
 from end_effector_hal.page.view import EventLog
 from end_effector_hal.sensing import Readings
-from end_effector_hal.signals import Frame, Value
+from end_effector_hal.signals import Value
 
 MOST_WAITING = 1_000
 _SHOWN = ("transition", "time-out")
@@ -34,7 +34,7 @@ class Causes:
     def take(self, kind: str, at: int, record: Any) -> None:
         """Store one record with its time ``at`` in µs."""
         if kind == "frame":
-            self._readings.take(Frame(record.stamp, record.seq, record.device_ms, record.values))
+            self._readings.take(record.frame)
         elif kind == "step":
             now = self._readings
             self._waiting.append((record, {name: now.get(name, at) for name in now.carried}))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from end_effector_hal.codecs._codec import Codec, parity_of, resolution_of
@@ -24,9 +25,15 @@ class BusCodec(Codec, Protocol):
         ...
 
 
-def cycle_record(answers: Sequence[bytes], at: int) -> bytes:
-    """Return one cycle as a line: the answer to each read (empty if there was none), and the end of the cycle (µs)."""
-    record = {"at": at, "answers": [answer.hex() for answer in answers]}
+def cycle_record(answers: Sequence[bytes], at: int, inactive: Sequence[str] = ()) -> bytes:
+    """Return one cycle as a line.
+
+    Args:
+        answers: the answer to each read, b"" if there was none.
+        at: the end of the cycle, µs.
+        inactive: the outputs that were known to be inactive when the cycle began.
+    """
+    record = {"at": at, "answers": [answer.hex() for answer in answers], "inactive": list(inactive)}
     return json.dumps(record, separators=(",", ":")).encode() + b"\n"
 
 
@@ -35,17 +42,18 @@ class RelayedBus:
 
     Args:
         bus: the codec that the bus master uses.
+        outputs: the outputs of the bus.
     """
 
-    def __init__(self, bus: BusCodec) -> None:
-        self._bus = bus
+    def __init__(self, bus: BusCodec, outputs: Collection[str] = ()) -> None:
+        self._bus, self._outputs = bus, frozenset(outputs)
         self.name, self.baudrate, self.parity = bus.name, bus.baudrate, parity_of(bus)
         self.channels: Mapping[str, Kind] = bus.channels
         self.period_us, self.resolution_pa = bus.period_us, resolution_of(bus)
 
     def decoder(self) -> RelayDecoder:
         """Return a new decoder, which sends no requests."""
-        return RelayDecoder(self._bus.reads, self.baudrate)
+        return RelayDecoder(self._bus.reads, self.baudrate, self._outputs)
 
     def encode(self, frame: Frame) -> bytes:
         """Return the record of a cycle whose answers make this frame."""
@@ -60,12 +68,15 @@ class RelayedBus:
 class RelayDecoder(ReadCycle):
     """Decodes records. Damaged records, records of another bus, and unfinished data longer than a record are noise."""
 
-    def __init__(self, reads: Sequence[Read], baudrate: int) -> None:
+    def __init__(self, reads: Sequence[Read], baudrate: int, outputs: frozenset[str] = frozenset()) -> None:
         super().__init__(reads, baudrate)
+        self._outputs = outputs
         self._rest = b""
         self._last = 0
         # an answer as two digits a byte, in quotes; time and names
-        self._longest = (2 * LONGEST_ADU + 3) * len(reads) + 100
+        self._longest = (
+            (2 * LONGEST_ADU + 3) * len(reads) + sum(len(json.dumps(name)) + 1 for name in outputs) + 100
+        )
 
     def feed(self, data: bytes, at: int) -> list[Frame]:
         """Return the frames of the records that end in ``data``, stamped with the time in each record."""
@@ -81,14 +92,16 @@ class RelayDecoder(ReadCycle):
         if cycle is None or not self._last < cycle[0] <= at or not self._fits(cycle[1]):
             self.errors["noise"] += len(record)
             return
-        self._last, answers = cycle
+        self._last, answers, inactive = cycle
         self._values = {}
         for read, answer in zip(self._reads, answers, strict=True):
             if answer:
                 self._values |= self._taken(read, answer, self._last)
             else:
                 self._unheard(read, self._last)
-        yield from self._cycle_over(self._last if any(answers) else None)
+        named = tuple(sorted(self._outputs.intersection(inactive)))
+        for frame in self._cycle_over(self._last if any(answers) else None):
+            yield replace(frame, inactive=named)
 
     def _fits(self, answers: Sequence[bytes]) -> bool:
         """Return whether each answer is empty or a valid answer to its read."""
@@ -107,11 +120,12 @@ def _is_refusal(adu_: bytes, read: Read) -> bool:
     return adu_.startswith(bytes([read.unit, read.function | 0x80])) and len(adu_) == 5
 
 
-def _read(record: bytes, reads: int) -> tuple[int, list[bytes]] | None:
-    """Return time and answers of a record; None: it is not a record of this number of reads."""
+def _read(record: bytes, reads: int) -> tuple[int, list[bytes], list[str]] | None:
+    """Return time, answers and inactive outputs of a record; None: it is not a record of this number of reads."""
     try:
         given = json.loads(record)
         at, answers = given["at"], [bytes.fromhex(each) for each in given["answers"]]
+        inactive = [str(each) for each in given["inactive"]]
     except (ValueError, TypeError, KeyError, RecursionError):
         return None
-    return (at, answers) if type(at) is int and len(answers) == reads else None
+    return (at, answers, inactive) if type(at) is int and len(answers) == reads else None

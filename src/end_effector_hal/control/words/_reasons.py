@@ -65,6 +65,11 @@ def _present(description: Description, senses: SensorState, at: int) -> str:
     left = [(name, part, level) for (name, part), level in pairs if level is not Evidence.GONE]
     if not left:
         return "a sensor still shows feedback."
+    if owed := [display_name(description.sequence[index]) for index in senses.withheld]:
+        return (
+            f"the device of {', '.join(owed)} has not acknowledged it: it may activate the output later. "
+            "Check the bus and the device."
+        )
     names = ", ".join(display_name(name) for name, _, _ in left)
     known = any(level is not Evidence.UNKNOWN for _, _, level in left)
     shows = f" still show{'' if len(left) > 1 else 's'} feedback" if known else ""

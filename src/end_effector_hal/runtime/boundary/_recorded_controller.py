@@ -61,7 +61,7 @@ class RecordedController:
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
         """Record a frame of the link, and process it."""
         taken_at = frame.at if at is None else at
-        self._put(FrameTaken(taken_at, frame.at, frame.seq, frame.device_ms, frame.values))
+        self._put(FrameTaken.of(frame, taken_at))
         return self._decided(self._controller.frame(frame, at))
 
     def pass_over(self, frame: Frame) -> list[Status]:
@@ -102,9 +102,7 @@ _CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
     "start": lambda controller, record: controller.start(
         record.levels, record.at, sensor_fault=record.sensor_fault, grip_error=record.grip_error
     ),
-    "frame": lambda controller, record: controller.frame(
-        Frame(record.stamp, record.seq, record.device_ms, record.values), record.at
-    ),
+    "frame": lambda controller, record: controller.frame(record.frame, record.at),
     "command": lambda controller, record: controller.command(record.name, record.at),
     "refused": lambda controller, record: controller.refused(record.at, unlock=record.unlock),
     "acknowledge": lambda controller, record: controller.acknowledge(record.at),

@@ -14,6 +14,7 @@ from end_effector_hal.control import ControllerSnapshot, Status
 from end_effector_hal.recording import Gap
 from end_effector_hal.runtime.stream import HEALTH, PUBLISHED, READINGS, Entry
 from end_effector_hal.sensing import JudgedReadings
+from end_effector_hal.signals import Frame
 from end_effector_hal.wires.sensors import SensorHealth
 from timed_automata import Begun, Received, Step, Written
 
@@ -67,6 +68,18 @@ class FrameTaken:
     seq: int | None
     device_ms: int | None
     values: Mapping[str, int | bool | None]
+    inactive: tuple[str, ...] = ()
+    """The outputs of a commanded bus that were known to be inactive before these values were requested."""
+
+    @classmethod
+    def of(cls, frame: Frame, at: int) -> FrameTaken:
+        """Return the record of a frame that is processed at ``at`` µs."""
+        return cls(at, frame.at, frame.seq, frame.device_ms, frame.values, frame.inactive)
+
+    @property
+    def frame(self) -> Frame:
+        """The frame."""
+        return Frame(self.stamp, self.seq, self.device_ms, self.values, self.inactive)
 
 
 @dataclass(frozen=True, slots=True)

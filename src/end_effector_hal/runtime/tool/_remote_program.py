@@ -179,7 +179,7 @@ class RemoteProgram:
             self._published = replace(record.status, events=()) if is_first else record.status
             self._publish()
         elif isinstance(record, FrameTaken):
-            self._on_frame(Frame(record.stamp, record.seq, record.device_ms, record.values))
+            self._on_frame(record.frame)
         elif isinstance(record, JudgedReadings):
             self._on_readings(record)
         elif isinstance(record, SensorHealth):

@@ -269,7 +269,7 @@ class BusLines:
                 port.write(request)
             for each in cycles:
                 if each is not None:
-                    self._relay.send(cycle_record(each.answers, each.at))
+                    self._relay.send(cycle_record(each.answers, each.at, each.inactive))
                     self._cycle.set()
             self._tell()
 

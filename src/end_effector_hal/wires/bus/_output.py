@@ -236,6 +236,12 @@ class BusOutput:
             return None
         return self.level
 
+    def was_inactive(self, since: int, at: int) -> bool:
+        """Return whether the output has been inactive since then; without a command only a report can deny it."""
+        if self.level is None:
+            return self.known(at) is not True
+        return self.known(at) is False and self._written_at < since
+
     def bits(self, at: int) -> int | None:
         """Return the bits of an output with a bitmask for a write of its neighbours; None: they are not known.
 

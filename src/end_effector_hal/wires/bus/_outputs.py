@@ -136,6 +136,10 @@ class BusOutputs:
         found = {name: each.known(at) for name, each in self._outputs.items()}
         return {name: level for name, level in found.items() if level is not None}
 
+    def inactive(self, since: int, at: int) -> tuple[str, ...]:
+        """Return the outputs that were inactive at ``since`` and still are, as far as anything shows it."""
+        return tuple(name for name, each in self._outputs.items() if each.was_inactive(since, at))
+
     def unknown(self, at: int) -> frozenset[str]:
         """Return the outputs without a command and without a fresh report."""
         return frozenset(

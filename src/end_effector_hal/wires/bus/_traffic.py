@@ -23,11 +23,19 @@ MOST_KEPT = 512
 
 
 class Cycle(NamedTuple):
-    """One cycle of reads: the time of its end, µs, the raw answers, and the frame if there is one."""
+    """One cycle of reads.
+
+    Attributes:
+        at: the time of its end, µs.
+        answers: the raw answers.
+        frame: the frame, if there is one.
+        inactive: the outputs that were known to be inactive when it began.
+    """
 
     at: int
     answers: tuple[bytes, ...]
     frame: Frame | None
+    inactive: tuple[str, ...]
 
 
 class EchoFilter:
@@ -197,4 +205,5 @@ class BusTraffic:
         frame = frames[-1] if frames else None
         if frame is not None:
             self._outputs.report(frame.values, frame.at, self._master.asked_at)
-        return Cycle(at if frame is None else frame.at, self._master.answers, frame)
+        end, inactive = at if frame is None else frame.at, self._outputs.inactive(self._master.asked_at, at)
+        return Cycle(end, self._master.answers, frame, inactive)

@@ -115,7 +115,7 @@ class Bus:
             request, cycle = self.traffic.poll(self.at)
             for each in (*cycles, cycle):
                 if each is not None:
-                    self.records.append(cycle_record(each.answers, each.at))
+                    self.records.append(cycle_record(each.answers, each.at, each.inactive))
                     self.frames += [each.frame] if each.frame else []
             if request:
                 self.requests.append(request)

@@ -256,6 +256,25 @@ def test_what_is_handed_on_gives_the_same_frames_and_noise_gives_none(bus: Bus) 
     assert len(decoder._rest) < 50_000
 
 
+def test_a_cycle_names_the_outputs_that_were_inactive_when_it_began(bus: Bus) -> None:
+    def named() -> tuple[str, ...]:
+        bus.to(bus.at + 200 * MS)
+        decoder = RelayedBus(bus.codec, [FINGERS]).decoder()  # type: ignore[arg-type]
+        (frame,) = decoder.feed(bus.records[-1], bus.at)
+        return frame.inactive
+
+    assert named() == (FINGERS,), "nothing was commanded, and nothing shows that it is active"
+    bus.command(True)
+    bus.to(bus.at + 10 * S)
+    assert named() == ()
+    bus.command(False)
+    bus.wire = lambda request, answer: answer if request[1] in (3, 4) else b""
+    assert named() == (), "its device has not acknowledged it"
+    bus.wire = lambda request, answer: answer
+    bus.to(bus.at + 1 * S)
+    assert named() == (FINGERS,)
+
+
 def test_a_network_whose_reads_are_not_answered_is_written_to() -> None:
     outputs = BusOutputs(
         {"a": RegisterOutput(unit=2, address=5, command_on=(1,), command_off=(0,))}, 150 * MS
