@@ -20,9 +20,10 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits, Reply, Server, record_line
 
-from ._scenario import FAULTS, Fault, Number, links_that_ask, traits_of
+from ._scenario import FAULTS, Fault, Number, links_with, traits_of
 from ._testbench import Testbench
-from ._units import played_units
+from ._units import Models, chosen_models, played_units, shown_by_models
+from .physics import PRESSURE
 
 
 def possible_faults(description: Description) -> Iterator[str]:
@@ -34,13 +35,18 @@ def possible_faults(description: Description) -> Iterator[str]:
             yield from (f"{offer.name}:{place}" for place in offer.places)
 
 
-def offered_faults(description: Description) -> Iterator[FaultOffer]:
+def offered_faults(description: Description, models: Models | None = None) -> Iterator[FaultOffer]:
     """Yield the faults that a tool can have, with the data that a user interface needs to offer them: meaning, usage,
     places and number.
+
+    Args:
+        models: units that have a model, which shows its own pressures; default: those of `chosen_models`.
     """
-    traits = traits_of(description)
+    own = shown_by_models(description, chosen_models(None, description) if models is None else models)
+    traits = {
+        name: each - {PRESSURE} if name in own else each for name, each in traits_of(description).items()
+    }
     alarms = tuple(name for name, channel in description.channels.items() if channel.alarm)
-    asking = links_that_ask(description)
     named = tuple(description.named_links)
     for fault in FAULTS:
         if fault.on:
@@ -50,12 +56,10 @@ def offered_faults(description: Description) -> Iterator[FaultOffer]:
         elif fault.channel:
             if alarms:
                 yield _offer(fault, alarms, anywhere=False)
-        elif fault.link == "polled":
-            if asking:
-                yield _offer(fault, tuple(name for name in named if name in asking))
         elif fault.link:
-            if description.links or fault.link == "also":
-                yield _offer(fault, named)
+            able = links_with(fault, description)
+            if able or fault.link == "also":
+                yield _offer(fault, tuple(name for name in named if name in able))
         else:
             yield _offer(fault)
 
@@ -91,7 +95,7 @@ class FaultServer:
         """Create the socket, mode 0660, with the group of the line arbiter's socket if that exists; raises nothing."""
         tool = self._description
         try:
-            faults = tuple(offered_faults(tool))
+            faults = tuple(offered_faults(tool, self._bench.models))
             units = tuple(text for text, _ in played_units(tool, self._bench.models))
             header = TestbenchHeader(tool.name, content_hash(tool), faults, units)
             self._header = record_line("header", now_us(), header)

@@ -123,7 +123,8 @@ class Fault:
         changes: returns fields of :class:`Effect` (or of :class:`Scenario`) with values, from the number.
         on: traits of devices; the fault needs a device with one of them; empty: it concerns the whole bench.
         number: the number that must be given.
-        link: a sensor link can have it ("also"), only a link can ("only"), or only a polled link can ("polled").
+        link: a sensor link can have it ("also"), only a link can ("only"), only a polled link ("polled"),
+            or only one that asks Modbus registers ("modbus").
         channel: it concerns a channel that is an alarm.
     """
 
@@ -132,7 +133,7 @@ class Fault:
     changes: Callable[[float], Mapping[str, object]]
     on: tuple[str, ...] = ()
     number: Number | None = None
-    link: Literal["", "also", "only", "polled"] = ""
+    link: Literal["", "also", "only", "polled", "modbus"] = ""
     channel: bool = False
 
     @property
@@ -148,6 +149,8 @@ class Fault:
         )
 
 
+ASKING = {"polled": "polled", "modbus": "Modbus"}
+"""Links that ask, in words."""
 RATE = Number("rate", 0, 1)
 BIT = Number("bit", 0, 1, whole=True)
 
@@ -208,7 +211,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("twice-answers", "this share of the answers of a polled device comes twice", lambda r: {"twice": r},
           number=RATE, link="polled"),
     Fault("wrong-answers", "this share of the answers of a polled device comes from another one, undamaged",
-          lambda r: {"another": r}, number=RATE, link="polled"),
+          lambda r: {"another": r}, number=RATE, link="modbus"),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
@@ -249,7 +252,7 @@ def parse_scenario(text: str, description: Description) -> Scenario:
         UsageError: an unknown fault or actuator, a number that is missing or out of range, a fault that the actuator
             cannot have, or two faults that contradict each other.
     """
-    traits, polled = traits_of(description), links_that_ask(description)
+    traits = traits_of(description)
     whole: dict[str, Any] = {}
     devices: dict[str, dict[str, Any]] = {}
     links: dict[str, dict[str, Any]] = {}
@@ -257,14 +260,16 @@ def parse_scenario(text: str, description: Description) -> Scenario:
     by: dict[tuple[int, str], str] = {}
     for part in (each.strip() for each in text.split(",")):
         fault, name, number = _read(part, traits, description)
-        if fault.link in ("only", "polled") and not description.links:
+        if fault.link not in ("", "also") and not description.links:
             raise UsageError(
                 f"{part!r} is a fault of a sensor link, and {description.name} has none.",
                 todo="Faults of its inputs: shows, frozen-after, invalid, silent-after.",
             )
-        if fault.link == "polled" and (name not in polled if name else not polled):
+        asking = links_with(fault, description)
+        if name not in asking if fault.link and name else not asking and fault.link in ASKING:
+            kind = ASKING[fault.link]
             raise UsageError(
-                f"{part!r} is a fault of a polled link, and {name or description.name} is not polled."
+                f"{part!r} is a fault of a {kind} link, and {name or description.name} is not {kind}."
             )
         named = links if fault.link else alarms if fault.channel else devices
         changed = named.setdefault(name, {}) if name else whole
@@ -282,9 +287,13 @@ def parse_scenario(text: str, description: Description) -> Scenario:
     return replace(every, links={name: LinkEffect(**of_all | changed) for name, changed in links.items()})
 
 
-def links_that_ask(description: Description) -> list[str]:
-    """Return the names of the polled links."""
-    return [name for name in description.links if is_polled(codec_of(description, name))]
+def links_with(fault: Fault, description: Description) -> list[str]:
+    """Return the names of the links that can have a fault."""
+    if fault.link not in ASKING:
+        return [*description.links]
+    codecs = {name: codec_of(description, name) for name in description.links}
+    asked = (name for name, codec in codecs.items() if is_polled(codec))
+    return [name for name in asked if fault.link == "polled" or hasattr(codecs[name], "reads")]
 
 
 def _read(

@@ -73,6 +73,18 @@ def played_units(description: Description, models: Models) -> Iterator[tuple[str
             yield f"unit {place} {how}", (place, name)
 
 
+def shown_by_models(description: Description, models: Models) -> frozenset[str]:
+    """Return the actuators whose pressure sensor is part of a unit that has a model: it has no faults of a sensor."""
+    found = set()
+    for name, part in description.ordered:
+        channel = description.channels.get(part.channel or "")
+        register = channel.modbus if channel else None
+        model = models.get(channel.link or "", {}).get(register.unit) if channel and register else None
+        if model and _model(model).wire is UnitModel.wire:
+            found.add(name)
+    return frozenset(found)
+
+
 class ModelledUnits:
     """Answers for the units of one bus that have a model.
 

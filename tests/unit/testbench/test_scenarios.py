@@ -10,8 +10,27 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Channel, Description, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.faults import FaultOffer
-from end_effector_lab.testbench import FAULTS, Scenario, offered_faults, parse_scenario, possible_faults
+from end_effector_lab.testbench import (
+    FAULTS,
+    Scenario,
+    chosen_models,
+    offered_faults,
+    parse_scenario,
+    possible_faults,
+)
 from end_effector_lab.testbench._scenario import Effect
+from end_effector_lab.testbench._units import shown_by_models
+from tests.support.places import ROOT
+
+ASKED = """
+schema: 2
+name: asked
+link: {port: /dev/ttyS0, period_ms: 50, frame: {text: {ask: "READ\\r"}}}
+channels: {cup: {text: {field: 1}, unit: kPa}}
+sequence: [cup]
+actuators: {cup: {kind: vacuum, line: A, channel: cup}}
+supply: {channel: none}
+"""
 
 
 @pytest.mark.parametrize(
@@ -168,7 +187,8 @@ def test_what_is_offered_can_be_played_and_nothing_else(path: Path) -> None:
                 parse_scenario(text_of(offer, ""), tool)
         else:
             assert offer.name in possible_faults(tool)
-    places = ["", "tool_changer", *tool.actuators, *tool.named_links, *tool.channels]
+    own = shown_by_models(tool, chosen_models(None, tool))  # a testbench may play these from the description
+    places = ["", "tool_changer", *(tool.actuators.keys() - own), *tool.named_links, *tool.channels]
     for fault in FAULTS:
         number = "" if fault.number is None else f"{fault.number.low:g}"
         allowed = offers[fault.name].places if fault.name in offers else ()
@@ -177,6 +197,26 @@ def test_what_is_offered_can_be_played_and_nothing_else(path: Path) -> None:
                 continue
             with pytest.raises(UsageError):
                 parse_scenario(":".join(filter(None, (fault.name, place, number))), tool)
+
+
+def test_a_sensor_in_a_unit_that_has_a_model_cannot_be_faulty() -> None:
+    tool = load_tool(ROOT / "examples/tools/epick_commanded/end_effector.yaml")
+    offered = {*possible_faults(tool)}
+    assert {"leak:cup", "alarm:cup_fault", "wrong-answers"} <= offered
+    assert {"invalid:cup", "shows:cup", "frozen-after:cup", "swapped:cup"}.isdisjoint(offered)
+    assert "invalid:cup" in {
+        f"{each.name}:{place}" for each in offered_faults(tool, {}) for place in each.places
+    }
+
+
+def test_the_answer_of_another_unit_is_a_fault_of_a_modbus_link(tmp_path: Path) -> None:
+    (tmp_path / "tool.yaml").write_text(ASKED)
+    tool = load_tool(tmp_path / "tool.yaml")
+    offered = {*possible_faults(tool)}
+    assert "no-answers" in offered
+    assert "wrong-answers" not in offered
+    with pytest.raises(UsageError, match="is a fault of a Modbus link, and asked is not Modbus"):
+        parse_scenario("wrong-answers:0.5", tool)
 
 
 def test_an_offer_says_what_the_list_says(verdin: Description) -> None:
