@@ -48,8 +48,8 @@ def _faults(context: click.Context) -> Iterable[str]:
     "--port",
     metavar="PORT",
     help="Where frames are sent: a serial device, an address of this machine such as tcp://127.0.0.1:1502, or pty:PATH "
-    "for a new pty with a link at PATH; of several links NAME=PORT,...  [default: the addresses of the description, "
-    "and a pty at every other port; rpi3: /dev/serial0]",
+    "for a new pseudo-terminal with a link at PATH; of several links NAME=PORT,...  [default: the addresses "
+    "of the description, and a pseudo-terminal at every other port; rpi3: /dev/serial0]",
 )
 @click.option(
     "--model",

@@ -299,7 +299,7 @@ def test_an_epick_that_lost_its_part_with_its_arbiter_is_a_lost_grip_or_withdraw
             before = len(rig.device.written)
             rig.kill_arbiter()
         heard = rig.device._heard_at
-        wait_until("it has heard nothing for a second", lambda: now_us() - heard > 1_100_000)
+        wait_until("no communication for a second", lambda: now_us() - heard > 1_100_000)
         rig.arbiter_again()
         with rig.ready() as tool:
             wait_until("the start is over", lambda: tool.status.ee == ends_in)

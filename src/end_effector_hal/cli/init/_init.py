@@ -57,7 +57,9 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
     help="Of a link: a serial device, or an address such as tcp://192.168.1.20 (docs/how-to/network.md).",
 )
 @click.option("--tool-changer/--no-tool-changer", default=None, help="Whether one is fitted.  [default: yes]")
-@click.option("--virtual", is_flag=True, help="On virtual lines and a pty in FOLDER, for `eehal testbench`.")
+@click.option(
+    "--virtual", is_flag=True, help="On virtual lines and a pseudo-terminal in FOLDER, for `eehal testbench`."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the files as JSON.")
 def command(
     folder: Path,

@@ -41,7 +41,9 @@ class PtyPair:
         except OSError as error:
             self._close_ends()
             raise LinkError(
-                f"the pty cannot be linked: {error.strerror}.", where=str(link), todo="Give another path."
+                f"the pseudo-terminal cannot be linked: {error.strerror}.",
+                where=str(link),
+                todo="Give another path.",
             ) from error
 
     def write(self, data: bytes) -> int:
