@@ -319,6 +319,11 @@ def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
     shows(page, "state-word", "GRIPPED")
     page.locator("#held-detail", has_text=re.compile("^secure$")).wait_for()
     page.locator("#panel-state").scroll_into_view_if_needed()
+    words = page.locator(".panel strong > span:not(.shape)")
+    lines = words.evaluate_all(
+        "all => all.map(e => e.offsetHeight / parseFloat(getComputedStyle(e).lineHeight))"
+    )
+    assert max(lines) < 1.5, "no word is broken into two lines"
     shot(page, "page-phone")
     page.context.close()
 
