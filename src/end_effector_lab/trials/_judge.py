@@ -21,8 +21,9 @@ Rule 7 (refusals): a grip is refused while a device still grips, the supply pres
     or the tool is not locked, or absent (IL-05 to IL-07), a resume while the link is silent or the tool is not locked
     or absent; a refusal has a reason.
 Rule 8 (unwound): the actuators that the dead program had engaged are deactivated as declared, while the
-    arbiter lives.
-Rule 9 (told): at rest, lines and state agree; a latched error, a loss and missing sensor data have been reported.
+    arbiter lives; a device that has restarted waits for a Drop, which activates it.
+Rule 9 (told): at rest, lines and state agree, or the evidence shows that a device waits for a Drop; a latched error, a
+    loss and missing sensor data have been reported.
 Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of the tool changer, stay until a reset,
     even if the program or the arbiter dies in between, or the power is lost.
 Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
@@ -45,6 +46,7 @@ from end_effector_hal.vocabulary import (
     SETTLE_US,
     Command,
     EndEffectorState,
+    Evidence,
     to_us,
 )
 from end_effector_lab.virtual import Edge, Switching, VirtualTool, switchings
@@ -239,8 +241,9 @@ class Judge:
             self._unwound()  # the program that began again could not before that was over
         if not still:
             self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
-        elif status.ee == STAND_BY and active and not self._cannot_deactivate(status):
-            self._object("told", f"STAND_BY with {', '.join(active)} active")
+        elif status.ee == STAND_BY and not self._cannot_deactivate(status):
+            if left := [name for name in active if not self._is_known_to_wait(name, status)]:
+                self._object("told", f"STAND_BY with {', '.join(left)} active")
         elif status.ee == GRIPPED:
             self._at_rest_held(status, active)
         elif status.ee in (GRIP_ERROR, RELEASE_ERROR) and not (status.reason or status.alarms):
@@ -252,6 +255,14 @@ class Judge:
         that nothing is held.
         """
         return not self._arbiter.lives and bool(status.alarms)
+
+    def _waits_for_a_drop(self, name: str) -> bool:
+        return self._reality.waits_for_a_drop(name, self._changed_at.get(self._line[name], self._begun))
+
+    def _is_known_to_wait(self, name: str, status: Status) -> bool:
+        """Return whether a device waits for a Drop, and the tool shows that it is not gone."""
+        evidence = status.evidence[self._sequence.index(name)]
+        return self._waits_for_a_drop(name) and evidence is not Evidence.GONE
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         if len(active) < len(self._sequence):
@@ -381,7 +392,8 @@ class Judge:
     def _unwound(self) -> None:
         """Check the outputs after the time of a last will."""
         self._unwound_by = None
-        if left := [name for name in self._sequence if self._active[name] and self._is_unwound(name)]:
+        active = [name for name in self._sequence if self._active[name] and not self._waits_for_a_drop(name)]
+        if left := [name for name in active if self._is_unwound(name)]:
             self._object("unwound", f"{', '.join(left)} stays active after the death of the program")
 
     def _may_be_let_go(self, name: str) -> bool:

@@ -91,6 +91,15 @@ class Reality:
         silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
         return silent or not self.is_known
 
+    def waits_for_a_drop(self, name: str, since: int) -> bool:
+        """Return whether the device of an output that became active at ``since`` µs has restarted: it then obeys only
+        after its activation, which moves it, and which no last will begins.
+        """
+        output, tool = self._description.actuators[name].modbus, self._tool
+        if output is None or output.activation is None:
+            return False
+        return tool.bench.booted(tool.at, output.link or None) > since
+
     @property
     def is_known(self) -> bool:
         """Whether no sensor lies, now or shortly before."""
