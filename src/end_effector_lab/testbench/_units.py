@@ -201,17 +201,18 @@ class ModelledUnits:
                 self.models[read.unit].wire(read.function, read.address, words)
         for channel, unit in self._alarms.items():
             self.models[unit].alarm = self._bench.scenario.alarms.get(channel, 0)
-        return b"".join(
-            model.answer(frame[0], frame[1:-2], at)
-            for frame in self._frames.feed(data, at)
-            for model in self._addressed(frame[0])
-        )
+        return b"".join(self._answered(frame, at) for frame in self._frames.feed(data, at))
 
-    def _addressed(self, unit: int) -> Iterator[UnitModel]:
-        if unit == BROADCAST:
-            yield from self.models.values()
-        elif unit in self.models:
-            yield self.models[unit]
+    def _answered(self, frame: bytes, at: int) -> bytes:
+        """Return the answer of the addressed unit; unit 0 addresses all, and none answers, where it is no unit itself
+        (over Modbus TCP it may be one).
+        """
+        unit, pdu = frame[0], frame[1:-2]
+        if unit in self.models:
+            return self.models[unit].answer(unit, pdu, at)
+        for model in self.models.values() if unit == BROADCAST else ():
+            model.answer(unit, pdu, at)
+        return b""
 
     def _teller(self, unit: int) -> Callable[[int, bool], None]:
         def tell(channel: int, level: bool) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, examine_text
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.testbench import Bench, SensorBoard, chosen_models, text_of
@@ -26,10 +26,15 @@ def gripper() -> Description:
     return load_tool(TOOLS / "gripper_2f85/end_effector.yaml")
 
 
-def board(tool: Description, scenario: str = "nominal", levels: dict[str, bool] | None = None) -> SensorBoard:
+def board(
+    tool: Description,
+    scenario: str = "nominal",
+    levels: dict[str, bool] | None = None,
+    models: str = "9=robotiq-2f85",
+) -> SensorBoard:
     bench = Bench(tool, scenario, levels=levels)
-    models = chosen_models("9=robotiq-2f85", tool)
-    made = SensorBoard.on_bus(tool, "", bench, 0, lambda name, level: bench.line(name, level, 0), models)
+    chosen = chosen_models(models, tool)
+    made = SensorBoard.on_bus(tool, "", bench, 0, lambda name, level: bench.line(name, level, 0), chosen)
     made.begin(levels or {}, 0)
     return made
 
@@ -289,3 +294,23 @@ def test_two_actuators_hang_on_one_unit(tmp_path: Path) -> None:
     assert played.command("drop").accepted
     played.run(8)
     assert not any(played.levels.values())
+
+
+def test_unit_0_is_a_unit_where_a_device_has_it_and_all_of_them_elsewhere(gripper: Description) -> None:
+    """Over Modbus TCP unit 0 is often the device itself; on a line it is the broadcast, which none answers."""
+    read, on_a_line = sealed(bytes.fromhex("00 04 07D0 0003")), board(gripper)
+    assert on_a_line.answer(sealed(bytes.fromhex("00 06 03E8 0100")), 1 * S) is None
+    activates = on_a_line.answer(STATUS, 1 * S + 10_000)
+    assert activates is not None
+    assert activates.data[3] == 0x11, "gACT, and gSTA 1: it was executed"
+    assert on_a_line.answer(read, 2 * S) is None
+    text = (
+        (TOOLS / "gripper_2f85/end_effector.yaml").read_text().replace("/dev/ttyUSB0", "tcp://192.168.1.20")
+    )
+    found = examine_text(
+        text.replace("{device: robotiq-2f85}", "{device: robotiq-2f85, unit: 0}"), "tool.yaml"
+    )
+    assert found.description is not None, found.lines()
+    sent = board(found.description, models="0=robotiq-2f85").answer(read, 1 * S)
+    assert sent is not None
+    assert sent.data.startswith(bytes.fromhex("00 04 06"))

@@ -41,8 +41,10 @@ class Awaited(NamedTuple):
 LAST = 2**63 - 1
 """A time after all others, µs."""
 NOT_READY = "the device was not activated in time"
-MOST_LATE_US = 400_000
-"""Longest delay of an activation after a release that was acknowledged late; after a longer one the bus was lost."""
+MOST_LATE_US, LATE_FOR_US = 400_000, 10_000_000
+"""Longest delay of an activation after a release that was acknowledged late (after a longer one the bus was lost), and
+the time after which that release no longer delays any.
+"""
 
 
 class BusOutput:
@@ -107,7 +109,7 @@ class BusOutput:
         self.level, self.why, self.retry_at = (
             level,
             "",
-            max(self.retry_at, at + (self._late_us if level else 0)),
+            max(self.retry_at, at + (self._late_us if level and at - self._written_at < LATE_FOR_US else 0)),
         )
         self._commanded_at = self._progress_at = at
         self.alone = self._repeats = self.refused = False

@@ -9,7 +9,6 @@ from typing import ClassVar
 from end_effector_lab.testbench.physics import Device
 
 from ._frames import (
-    BROADCAST,
     ILLEGAL_ADDRESS,
     ILLEGAL_FUNCTION,
     ILLEGAL_VALUE,
@@ -96,11 +95,10 @@ class UnitModel(ABC):
         """Execute a write; raises NoSuchRegisterError or BadValueError, and then nothing has changed."""
 
     def answer(self, unit: int, pdu: bytes, at: int) -> bytes:
-        """Execute a request and return the answer as an RTU frame; b"" for a broadcast, which only writes."""
+        """Execute a request and return the answer as an RTU frame."""
         self.advance(at)
         self.hear(at)
-        answer = self._executed(unit, pdu, at)
-        return b"" if unit == BROADCAST else answer
+        return self._executed(unit, pdu, at)
 
     def _executed(self, unit: int, pdu: bytes, at: int) -> bytes:
         function = pdu[0]

@@ -273,9 +273,3 @@ def test_one_request_writes_and_reads() -> None:
     assert answer == "17 04 39 00 00 FF"
     assert gripper.ask("17 07D0 0009 03E8 0003 06 0900 0000 FFFF") == "97 02"
     assert gripper.status.pr == 0xFF, "a wrong request writes nothing"
-
-
-def test_a_broadcast_is_executed_without_an_answer() -> None:
-    gripper = Gripper().activated()
-    assert gripper.ask(CLOSE_PDU, unit=0) == ""
-    gripper.until("obj", 2)

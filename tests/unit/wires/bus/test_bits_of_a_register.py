@@ -118,6 +118,32 @@ def test_two_releases_that_a_lost_unit_owes_are_one_write_when_it_is_back(
     assert bus.outputs.known(bus.at) == {A: False, B: False}
 
 
+def test_a_release_that_was_late_long_ago_delays_no_activation(bus: Bus, device: Registers) -> None:
+    def late_release() -> None:
+        bus.outputs.command({A: True}, bus.at)
+        bus.to(bus.at + 1 * S)
+        answers = bus.server.answer
+        bus.server.answer = lambda data, at: b"" if writes(data) else answers(data, at)  # type: ignore[method-assign]
+        bus.outputs.command({A: False}, bus.at)
+        bus.to(bus.at + 300 * MS)
+        bus.server.answer = answers  # type: ignore[method-assign]
+        bus.to(bus.at + 1 * S)
+
+    def delay_us(wait_us: int) -> int:
+        bus.to(bus.at + wait_us)
+        begun = bus.at
+        bus.outputs.command({A: True}, begun)
+        while not device.words[5] & 0x0004:
+            bus.to(bus.at + 1 * MS)
+        return bus.at - begun
+
+    bus.to(1 * S)
+    late_release()
+    assert delay_us(0) > 200 * MS
+    late_release()
+    assert delay_us(15 * S) < 100 * MS
+
+
 def test_an_activation_that_is_not_due_is_not_written_with_a_neighbour(bus: Bus, device: Registers) -> None:
     bus.to(1 * S)
     bus.outputs.command({A: True, B: True}, bus.at)
