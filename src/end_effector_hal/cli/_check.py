@@ -279,9 +279,7 @@ def _actuators(description: Description) -> Table:
         if coil := each.opposite:
             table.add_row("", "second coil", coil.line, coil.pin)
         if blow_off := kind_of(each).opposing_output(each):
-            table.add_row(
-                "", kind_of(each).opposing.replace("_", "-"), blow_off.line, getattr(blow_off, "pin", "")
-            )
+            table.add_row("", kind_of(each).opposing.replace("_", "-"), blow_off.line, blow_off.pin)
     return table
 
 

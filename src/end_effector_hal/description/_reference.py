@@ -12,7 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.errors import DescriptionError, ReportedError
-from end_effector_hal.kinds.stanza import PRINTABLE, Part
+from end_effector_hal.kinds.stanza import PRINTABLE, Output, Part
 
 from ._fault import CODES
 from ._numbers import limits_of
@@ -38,9 +38,12 @@ def schema() -> dict[str, Any]:
         kinds = dict(each)
         each.clear()
         each |= {"if": {"required": ["device"]}, "then": {"type": "object"}, "else": kinds}
-    for stanza in actuator_stanzas().values():
+    for stanza in stanzas().values():
         # the output is one of the two; of one on the bus the name follows from its place
-        defined = found["$defs"][stanza.__name__]
+        if not issubclass(stanza, Output) or (defined := found["$defs"].get(stanza.__name__)) is None:
+            continue
+        if "oneOf" in defined:
+            continue
         defined["required"].remove("line")
         defined["oneOf"] = [{"required": ["line"]}, {"required": ["modbus"]}]
     return {"$schema": GenerateJsonSchema.schema_dialect, **found, "title": "End-effector description"}

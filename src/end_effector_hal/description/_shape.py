@@ -17,7 +17,7 @@ from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 
 from ._fault import Keys, Places
 
-MAPPINGS: dict[str, type[Part]] = {"channels": Channel, "links": Link}
+MAPPINGS: dict[str, type[Part]] = {"channels": Channel, "links": Link, "outputs": PlainOutput}
 """Stanzas that stand under names chosen by the user."""
 _KIND = re.compile(r"<\w+>")
 
@@ -109,8 +109,8 @@ def stanzas() -> dict[str, type[Part]]:
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():
                     walk(f"actuators.<{kind}>", actuator)
-            elif below == "channels":
-                walk("channels.<name>", Channel)
+            elif below in ("channels", "outputs"):
+                walk(f"{below}.<name>", MAPPINGS[below])
 
     walk("", Description)
     return found
@@ -178,3 +178,11 @@ class Facts:
         if not isinstance(stanzas, dict):
             return []
         return [(name, each["kind"]) for name, each in stanzas.items() if isinstance(each, dict)]
+
+    def outputs(self) -> list[Keys]:
+        """Return the keys of every output that is written and whose stanza can be read."""
+        kinds = [(name, get_kind(kind).opposing) for name, kind in self.actuators()]
+        found: list[Keys] = [("tool_changer",), *(("actuators", name) for name, _ in kinds)]
+        found += [("actuators", name, opposing) for name, opposing in kinds if opposing]
+        found += [("outputs", name) for name in self.names("outputs")]
+        return [each for each in found if self.written(*each) and isinstance(self.get(*each), dict)]

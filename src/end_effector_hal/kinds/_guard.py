@@ -18,7 +18,7 @@ from itertools import islice
 from math import isfinite
 from typing import Any, ClassVar, TypeVar
 
-from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions, Hold, Supply
+from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions, Hold, Output, Supply
 from end_effector_hal.plugins import LONGEST, PluginError, attempt
 from end_effector_hal.signals import PART, ChannelReadings, Kind, clone, memory_of
 from end_effector_hal.vocabulary import LEAK, WEAK, Alarm, Evidence
@@ -263,7 +263,9 @@ class GuardedKind(DeviceKind[Any]):
 
         def checked(output: Any) -> Any:
             if output is not None:
-                _line(output.line), _number(output.gap_s)
+                if not isinstance(output, Output):
+                    raise TypeError(f"{_class(output)} is no Output")
+                _line(output.line), _number(getattr(output, "gap_s", None))
             return output
 
         return self._once("opposing_output()", part, lambda: checked(self._kind.opposing_output(part)))

@@ -33,8 +33,8 @@ class DeviceKind(Generic[Stanza]):
        contain the unit (``lost_kpa``, ``timeout_s``). ``orders`` and ``joint_rules`` define which values exclude each
        other.
     2. **Outputs.** ``line`` is active while the actuator shall grip (a mono-stable valve). ``opposing`` is the key of
-       a stanza ``{line, gap_s}``: an output that is never active together with ``line`` (IL-08). If that stanza has
-       ``duration_s`` and ``until_gone``, a release activates the output, which blows the part off.
+       a stanza that inherits `Output` and has ``gap_s``: it is never active together with ``line`` (IL-08). If that
+       stanza has ``duration_s`` and ``until_gone``, a release activates the output, which blows the part off.
     3. **Channels.** ``channels`` are the keys that name channels. At least one of these channels confirms.
     4. **Evidence.** ``detector`` judges readings: CONFIRMED (the actuator grips), GONE (it is released), PARTIAL
        (neither is proven), UNKNOWN (no fresh, valid reading of a channel that decides). Nothing is confirmed without a

@@ -164,9 +164,9 @@ def lines_of(description: Description) -> list[str]:
     """Return the lines that move something: the tool changer, the actuators and the blow-offs."""
     changer = [description.tool_changer.line] if description.tool_changer else []
     second = [each.line for each in description.opposites.values()]
-    on_bus = description.register_outputs
-    lines = (actuator.line for _, actuator in description.ordered if actuator.line not in on_bus)
-    return [*changer, *lines, *second, *(each.line for each in description.blow_offs.values())]
+    lines = [*changer, *(actuator.line for _, actuator in description.ordered), *second]
+    lines += [each.line for each in description.blow_offs.values()]
+    return [line for line in lines if line not in description.register_outputs]
 
 
 def _renamed(text: str, lines: list[str]) -> dict[str, str]:

@@ -25,6 +25,7 @@ from end_effector_hal.kinds.stanza import (
     Name,
     Names,
     Opposite,
+    Output,
     Part,
     RegisterOutput,
     Supply,
@@ -227,6 +228,16 @@ class Description(Part):
         return self.actuators[name].endings.over(self.endings)
 
     @property
+    def every_output(self) -> dict[tuple[str, ...], Output]:
+        """Every output by its keys: actuators in the order of a grip, the tool changer, blow-offs, plain outputs."""
+        found: dict[tuple[str, ...], Output] = {("actuators", name): part for name, part in self.ordered}
+        found |= {("tool_changer",): self.tool_changer} if self.tool_changer else {}
+        for name, part in self.ordered:
+            if output := kind_of(part).opposing_output(part):
+                found["actuators", name, kind_of(part).opposing] = output
+        return found | {("outputs", name): each for name, each in self.outputs.items()}
+
+    @property
     def blow_off_lines(self) -> dict[str, str]:
         """Line of each blow-off valve by its actuator, in the order of a grip."""
         found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
@@ -248,10 +259,7 @@ class Description(Part):
     @property
     def output_lines(self) -> tuple[str, ...]:
         """Every output: actuators in the order of a grip, the tool changer, blow-offs, plain outputs."""
-        changer = (self.tool_changer.line,) if self.tool_changer else ()
-        gripping = (part.line for _, part in self.ordered)
-        plain = (each.line for each in self.outputs.values())
-        return (*gripping, *changer, *self.blow_off_lines.values(), *plain)
+        return tuple(each.line for each in self.every_output.values())
 
     @property
     def wired_lines(self) -> tuple[str, ...]:
@@ -271,8 +279,8 @@ class Description(Part):
 
     @property
     def register_outputs(self) -> dict[str, RegisterOutput]:
-        """Outputs on all buses by the name used as their `line`, in the order of a grip."""
-        return {part.line: part.modbus for _, part in self.ordered if part.modbus is not None}
+        """Outputs on all buses by the name used as their `line`."""
+        return {each.line: each.modbus for each in self.every_output.values() if each.modbus is not None}
 
     @property
     def may_be_unknown(self) -> frozenset[str]:

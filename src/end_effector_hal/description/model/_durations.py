@@ -11,6 +11,9 @@ from end_effector_hal.vocabulary import SETTLE_US
 
 from ._stanzas import Bounds
 
+BUS_MS = 100
+"""Time in which a device acknowledges a write, ms; the gap before a blow-off begins there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Durations:
@@ -75,6 +78,8 @@ def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
         return None
     gap_ms, late_ms = _ms(output.gap_s), bounds.reaction_ms
     settle_ms, coil = SETTLE_US // 1000, part.opposite
+    if part.modbus or output.modbus:
+        settle_ms += BUS_MS
     if coil is not None and coil.pulse_s is not None and coil.pause_s is not None:
         settle_ms = _ms(coil.pulse_s + coil.pause_s) + late_ms
     rest_ms = gap_ms + settle_ms + late_ms

@@ -11,9 +11,9 @@ from pydantic import ConfigDict, Field
 from end_effector_hal.kinds.stanza import (
     BelowAmbient,
     ChangerEndings,
-    LineName,
     Name,
     Opposite,
+    Output,
     Part,
     RosName,
     Samples,
@@ -25,14 +25,12 @@ from end_effector_hal.kinds.stanza import (
 from ._channels import LinkFrame
 
 
-class ToolChanger(Part):
-    """The tool changer: its line unlocks while active and locks while inactive.
+class ToolChanger(Output):
+    """The tool changer: its output unlocks while active and locks while inactive.
 
     The terms are those of the vocabulary ISO 11593.
     """
 
-    line: LineName = Field(description="name of the GPIO line; active means unlock")
-    pin: Word = Field(default="", description="where it is found on the board; for people")
     opposite: Opposite | None = Field(
         default=None, description="the coil that locks; absent: a spring locks when `line` is inactive"
     )
@@ -227,13 +225,12 @@ class Automata(Part):
     )
 
 
-class PlainOutput(Part):
+class PlainOutput(Output):
     """An output that any client may switch, except while the e-stop is open (IL-13).
 
     It is no step of a grip, and never evidence.
     """
 
-    line: LineName = Field(description="name of the GPIO line; active means on")
     service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")
     on_death: Literal["deactivate", "keep"] = Field(
         default="deactivate",

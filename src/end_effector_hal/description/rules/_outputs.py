@@ -19,44 +19,44 @@ CODE = "EE-229"
 def output_faults(facts: Facts) -> Iterator[Fault]:
     """Yield every fault of an output on the bus."""
     taken: dict[tuple[str | None, int, str, int, int], str] = {}
-    for name, _ in facts.actuators():
-        path = ("actuators", name, "modbus")
+    for output in facts.outputs():
+        path: Keys = (*output, "modbus")
         if not facts.written(*path) or not isinstance(facts.get(*path), dict):
             continue
-        yield from _one_output(facts, name)
+        yield from _one_output(facts, output)
         yield from unit_faults(facts, _bus_of(facts, path), path)
         yield from _commands(facts, path)
-        yield from _activation(facts, name)
+        yield from _activation(facts, output)
         yield from _keeps_alive(facts, path)
         for key in (("verify",), ("activation", "ready"), ("handshake", "taken")):
             yield from _channel(facts, (*path, *key))
         yield from _told_twice(facts, path)
         yield from _masked(facts, path)
-        yield from _shared(facts, name, taken)
+        yield from _shared(facts, output, taken)
 
 
-def _one_output(facts: Facts, name: str) -> Iterator[Fault]:
+def _one_output(facts: Facts, output: Keys) -> Iterator[Fault]:
     for key in ("line", "opposite"):
-        path = ("actuators", name, key)
+        path = (*output, key)
         if facts.written(*path) and facts.get(*path) is not None:
             place, what = facts.places.key(*path), f"{key!r} and 'modbus' exclude each other"
             yield Fault.at(place, CODE, what, found=key, expected="one output: a line, or registers")
     if any(path[:1] in (("link",), ("links",)) for path in facts.broken):
         return
     buses = _buses(facts)
-    place = facts.places.key("actuators", name, "modbus")
+    place = facts.places.key(*output, "modbus")
     if not buses:
         what, expected = "registers need a Modbus link", "link: {port: …, frame: {modbus: {}}}"
         yield Fault.at(place, CODE, what, found="modbus", expected=expected)
         return
-    link, known = facts.get("actuators", name, "modbus", "link"), [str(each[-1]) for each in buses]
-    if ("actuators", name, "modbus", "link") in facts.broken:
+    link, known = facts.get(*output, "modbus", "link"), [str(each[-1]) for each in buses]
+    if (*output, "modbus", "link") in facts.broken:
         return
     if link is None and len(buses) > 1:
         what, expected = "the bus is missing", f"link: {' or '.join(known)}"
         yield Fault.at(place, "EE-206", what, found="", expected=expected)
     elif link is not None and ("links", link) not in buses:
-        place = facts.places.value("actuators", name, "modbus", "link")
+        place = facts.places.value(*output, "modbus", "link")
         one = buses == [("link",)]
         what = "there is one link, and it has no name" if one else "there is no such Modbus link"
         expected = "no link" if one else f"one of {', '.join(known)}"
@@ -111,6 +111,17 @@ def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
             what, expected = "a reset would make it grip", "rows that begin otherwise than 'command_on'"
             yield Fault.at(facts.places.value(*where), CODE, what, expected=expected)
     yield from _handshake(facts, path, coils=coils)
+    if (
+        path[0] == "tool_changer"
+        and not facts.says(*path, "verify")
+        and not facts.get("tool_changer", "latching")
+    ):
+        place, what = (
+            facts.places.key(*path),
+            "the line arbiter cannot see whether the unlock output is active",
+        )
+        expected = "verify: a channel that reads it back (IL-03), or latching: true"
+        yield Fault.at(place, "EE-206", what, found="", expected=expected)
     if not on or not off or any(facts.broken_within(*each) for each, _ in rows):
         return
     place = facts.places.value(*path, "command_off")
@@ -155,15 +166,21 @@ def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
             yield Fault.at(facts.places.value(*keys, "request"), CODE, what, expected=expected)
 
 
-def _activation(facts: Facts, name: str) -> Iterator[Fault]:
+LIMITS = {"actuators": ("timeout_s", "release_s"), "tool_changer": ("prove_s", "prove_s")}
+"""Keys of the time limits for proving that an output became active, and inactive."""
+
+
+def _activation(facts: Facts, output: Keys) -> Iterator[Fault]:
     """Check that an attempt outlasts its activation and handshakes, and a release its handshake."""
-    path = ("actuators", name, "modbus", "activation")
-    shakes = ("actuators", name, "modbus", "handshake", "within_s")
-    limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get("actuators", name, "timeout_s")
+    if output[-1] != "tool_changer" and output[:-1] != ("actuators",):
+        return  # no sensor proves it
+    name, (on, off) = output[-1], LIMITS[str(output[0])]
+    path, shakes = (*output, "modbus", "activation"), (*output, "modbus", "handshake", "within_s")
+    limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get(*output, on)
     if facts.written(*path) and limit_s is not None and whole_s is not None and limit_s >= whole_s:
         place = facts.places.value(*path, "ready_within_s")
         what = "the attempt is over before the device is activated"
-        expected = f"less than timeout_s of {name} = {number(whole_s)}"
+        expected = f"less than {on} of {name} = {number(whole_s)}"
         yield Fault.at(place, "EE-222", what, expected=expected)
         return
     shake_s = facts.get(*shakes) if facts.written(*shakes[:-1]) and shakes not in facts.broken else None
@@ -171,10 +188,10 @@ def _activation(facts: Facts, name: str) -> Iterator[Fault]:
         return
     activated_s = limit_s if facts.written(*path) and limit_s is not None else 0
     for key, most_s in (
-        ("timeout_s", activated_s + shake_s * (2 if activated_s else 1)),
-        ("release_s", shake_s),
+        (on, activated_s + shake_s * (2 if activated_s else 1)),
+        (off, shake_s),
     ):
-        whole_s = facts.get("actuators", name, key)
+        whole_s = facts.get(*output, key)
         if whole_s is not None and most_s >= whole_s:
             what, expected = (
                 "the handshake may last too long",
@@ -210,7 +227,7 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
     channel = facts.get(*path) if facts.written(*path) else None
     if channel is None or path in facts.broken:
         return
-    bus = _bus_of(facts, path[:3])
+    bus = _bus_of(facts, path[: path.index("modbus") + 1])
     channels = [
         name
         for name in facts.names("channels")
@@ -255,9 +272,9 @@ def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
 
 
 def _shared(
-    facts: Facts, name: str, taken: dict[tuple[str | None, int, str, int, int], str]
+    facts: Facts, output: Keys, taken: dict[tuple[str | None, int, str, int, int], str]
 ) -> Iterator[Fault]:
-    path = ("actuators", name, "modbus")
+    path, name = (*output, "modbus"), ".".join(map(str, output[output[0] in ("actuators", "outputs") :]))
     unit, table = facts.get(*path, "unit"), facts.get(*path, "register_type")
     address, row = facts.get(*path, "address"), facts.get(*path, "command_on")
     if None in (unit, table, address) or not row or facts.broken_within(*path):
@@ -282,6 +299,7 @@ def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[
     Also yield one for each bus that is too slow to keep a device alive.
     """
     period_ms = codec.period_us / 1000
+    yield from _outlasts(description)
     for name, part in description.ordered:
         output = part.modbus
         if output is not None and output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
@@ -296,6 +314,23 @@ def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[
         # of a valve on a line it is asked for only where it is written: what it does is known from its wiring
         if output is not None or "on_power_loss" in part.model_fields_set:
             yield from _falls(name, "on_power_loss", part.on_power_loss, "without power")
+
+
+def _outlasts(description: Description) -> Iterator[str]:
+    """Yield a sentence for each output with a longest time that its device may keep active without the bus."""
+    changer, blown = description.tool_changer, {each.line for each in description.blow_offs.values()}
+    limited = {} if changer is None or changer.latching else {changer.line: "tool_changer: the unlock output"}
+    limited |= {
+        line: f"{name}: blow_off: it" for name, line in description.blow_off_lines.items() if line in blown
+    }
+    for line, what in limited.items():
+        output = description.register_outputs.get(line)
+        if output is not None and output.on_link_loss != "release":
+            interlock = "IL-03" if changer is not None and line == changer.line else "IL-08"
+            yield (
+                f"{what} may stay active for longer than its longest time ({interlock}) while the bus is lost: "
+                f"on_link_loss: {output.on_link_loss}"
+            )
 
 
 def _falls(name: str, key: str, what: str, when: str) -> Iterator[str]:

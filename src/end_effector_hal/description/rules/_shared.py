@@ -31,15 +31,12 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     for name, kind in kinds:
         keys = [each.key for each in kind.channels if each.carries is Kind.BIT]
         bits += _claims([("actuators", name)], *(key for key in keys if _is_asked(facts, name, key)))
-    opposing: list[Keys] = [("actuators", name, kind.opposing) for name, kind in kinds if kind.opposing]
-    opposing += [(*stanza, "opposite") for stanza in (*changer, *actuators)]
-    opposing = [each for each in opposing if facts.written(*each)]
+    outputs = facts.outputs()
+    second: list[Keys] = [(*each, "opposite") for each in outputs if facts.written(*each, "opposite")]
     digital: list[Keys] = [("channels", name, "digital") for name in facts.names("channels")]
     digital = [each for each in digital if isinstance(facts.get(*each), dict)]
-    outputs: list[Keys] = [("outputs", name) for name in facts.names("outputs")]
-    outputs = [each for each in outputs if isinstance(facts.get(*each), dict)]
     yield from _called_like_an_actuator(facts)
-    yield from _second(facts, "line", _claims([*changer, *actuators, *opposing, *outputs, *digital], "line"))
+    yield from _second(facts, "line", _claims([*outputs, *second, *digital], "line"))
     yield from _second(facts, "channel", _claims([*supply, *actuators], "channel"))
     yield from _second(facts, "bit", tuple(bits))
     if e_stop:

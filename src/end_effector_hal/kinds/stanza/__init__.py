@@ -3,6 +3,7 @@
 from ._conditions import Condition, EvidenceConditions, stanza_fault
 from ._endings import ChangerEndings, Endings
 from ._line import LineAddress, LineName, line_text
+from ._output import Output
 from ._part import (
     NO_CHANNEL,
     PRINTABLE,
@@ -37,6 +38,7 @@ __all__ = [
     "Name",
     "Names",
     "Opposite",
+    "Output",
     "Part",
     "RegisterOutput",
     "RosName",

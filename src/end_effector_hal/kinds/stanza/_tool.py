@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from math import isnan
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
 from ._line import LineName
+from ._output import Output
 from ._part import Kilopascal, MaybeSeconds, Name, Part, RosName, Seconds, Word
-from ._registers import RegisterOutput, with_line
 
 
 class Opposite(Part):
@@ -31,7 +31,7 @@ class Opposite(Part):
     )
 
 
-class Actuator(Part):
+class Actuator(Output):
     """The keys of every actuator: an output that drives it, a channel that proves it, and its times.
 
     The output is a `line`, or registers of a Modbus device (`modbus`).
@@ -44,15 +44,8 @@ class Actuator(Part):
     if TYPE_CHECKING:  # a field of each kind's own stanza, where it is one word
         kind: str
 
-    line: LineName = Field(
-        description="name of the GPIO line, as gpioinfo shows it; required without `modbus`"
-    )
-    pin: Word = Field(default="", description="where it is found on the board; for people")
     opposite: Opposite | None = Field(
         default=None, description="absent: a spring drives it back when `line` is inactive"
-    )
-    modbus: RegisterOutput | None = Field(
-        default=None, description="instead of `line`: registers of a device on the link"
     )
     device: Word | None = Field(
         default=None,
@@ -90,15 +83,6 @@ class Actuator(Part):
         default=None, description="ROS topic; default: Pressure + name in CamelCase"
     )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _output_has_a_name(cls, given: Any) -> Any:
-        return with_line(given)
-
-    def superseded(self) -> tuple[str, ...]:
-        """Return ``line`` if the output is in registers: its name is made from its address."""
-        return ("line",) if self.modbus else ()
-
 
 class Supply(Part):
     """The compressed-air supply (IL-06)."""
@@ -135,13 +119,12 @@ class Hold(Part):
     )
 
 
-class BlowOff(Part):
+class BlowOff(Output):
     """Compressed air that pushes a part off, never active together with the output that holds it (IL-08).
 
     With `duration_s` a release blows: after the gap, for this time; the release continues after another gap.
     """
 
-    line: LineName = Field(description="name of the GPIO line; active means blowing")
     gap_s: Seconds = Field(
         default=0.05,
         description="IL-08: between the end of suction, or of what else holds, and blowing, and back",

@@ -194,11 +194,13 @@ BUS_FILE = Path(__file__).with_name("bus_output.xml")
 
 
 def bus_networks(description: Description) -> dict[str, Network]:
-    """Return the network of each output on a bus, by the name of its actuator."""
+    """Return the network of each output on a bus, by its name: ``cup``, ``cup.blow_off``, ``tool_changer``."""
     return {
-        name: load_network(BUS_FILE, output_constants(part.modbus))
-        for name, part in description.ordered
-        if part.modbus is not None
+        ".".join(keys[keys[0] in ("actuators", "outputs") :]): load_network(
+            BUS_FILE, output_constants(each.modbus)
+        )
+        for keys, each in description.every_output.items()
+        if each.modbus is not None
     }
 
 
