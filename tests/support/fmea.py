@@ -31,6 +31,7 @@ EVERY: Mapping[str, int] = {
     "double_acting_jaw": 1,
     "epick_commanded": 2,
     "gripper_2f85": 3,
+    "remote_changer": 12,
     "remote_io": 10,
     "six_cups": 16,
     "two_coil_changer": 3,

@@ -1,7 +1,8 @@
 """A remote I/O station of pymodbus in a process of its own: ``python -m tests.support.modbus_server socket 1 2``.
 
 The arguments are the frames (``socket``: Modbus TCP, ``rtu``: RTU over TCP) and the units; it prints its port number.
-Behind every unit: coil 0 moves a lift (discrete inputs 0: down, 1: up), coil 1 a cup (input register 0: -60 kPa).
+Behind every unit: coil 0 moves a lift or unlocks a tool changer (discrete inputs 0: down, 1: up), coil 1 a cup (input
+register 0: -60 kPa); a tool is always there and in its stand (discrete inputs 2 and 3).
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ class Physics:
             self._coils |= {(unit, pdu.address + i): bool(bit) for i, bit in enumerate(pdu.bits)}
         lift, cup = (self._coils.get((unit, coil), False) for coil in (0, 1))
         if sending and pdu.function_code == READ_INPUTS:
-            pdu.bits = [lift, not lift, *pdu.bits[2:]]
+            pdu.bits = [lift, not lift, True, True, *pdu.bits[4:]]
         if sending and pdu.function_code == READ_REGISTERS:
             pdu.registers = [HELD if cup else 0, *pdu.registers[1:]]
         return pdu

@@ -167,6 +167,7 @@ class Bench:
         opposites = self._description.opposites
         self._second = {each.line: self._by_line[line] for line, each in opposites.items()}
         self._two_coils = frozenset(opposites)
+        self._plain = {each.line for each in self._description.outputs.values()}
         self._blow_offs = {
             line: devices[name] for name, line in description.blow_off_lines.items() if name in devices
         }
@@ -184,12 +185,14 @@ class Bench:
         return self._plant.devices
 
     def line(self, name: str, level: bool, at: int) -> None:
-        """Set the level of the line ``name`` from ``at`` (µs) on.
+        """Set the level of the line ``name`` from ``at`` (µs) on; a plain output moves nothing.
 
         Raises:
             UsageError: the description has no device on that line.
         """
         station = self._by_line.get(name) or self._second.get(name)
+        if name in self._plain:
+            return
         if station is None and name not in self._blow_offs:
             raise UsageError(
                 f"no device is connected to the line {name!r}.",

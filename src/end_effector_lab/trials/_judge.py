@@ -60,6 +60,8 @@ GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY
 GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
 MARGIN_US = 1_000_000
+ANSWERED_US = 200_000
+"""Time in which a device on a bus that is read obeys a command, µs: one lost answer, and another attempt."""
 NEAR_US = 5_000
 """Time by which a pause may appear too short, µs: actions that are due at the same time are executed one after the
 other.
@@ -90,6 +92,8 @@ class Judge:
         self._longest_unlock_us = (
             round(changer.unlock_max_s * 1e6) + SETTLE_US if changer and limited else 1 << 62
         )
+        self._unlocks_on_bus = self._changer in description.register_outputs
+        self._longest_unlock_us += ANSWERED_US if self._unlocks_on_bus else 0
         self.objections: dict[str, str] = {}
         self.let_go = False
         self._active = dict.fromkeys(self._sequence, False)
@@ -222,6 +226,8 @@ class Judge:
         self._seen = len(tool.edges), len(tool.statuses)
         if HAL in tool.living:
             self._is_held(tool.statuses[-1])
+        if self._unlocked_since is not None and self._unlocks_on_bus and not self._reality.is_read:
+            self._unlocked_since = tool.at  # a bus that is lost cannot end it
         since = self._unlocked_since
         if self._arbiter.lives and not self._disturbed:  # rule 10
             for what in self._arbiter.unlatched():

@@ -31,7 +31,7 @@ from .conftest import ROOT
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 TOOLS = ROOT / "examples" / "tools"
 DECLARED = ("diy_text", "two_epick", "diy_record")
-COMMANDED = ("gripper_2f85", "epick_commanded", "remote_io")
+COMMANDED = ("gripper_2f85", "epick_commanded", "remote_io", "remote_changer")
 
 
 def eehal(*words: object) -> str:

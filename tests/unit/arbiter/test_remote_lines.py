@@ -288,3 +288,22 @@ def test_a_pause_counts_from_when_the_device_has_switched() -> None:
     with pytest.raises(LineRefusedError, match="within 50 ms after"):
         rules.write(blow, {UNLOCK: True}, None, 401 * MS)
     rules.write(blow, {UNLOCK: True}, None, 451 * MS)
+
+
+LIMITED = replace(POLICY, max_active_us={FINGERS: 3 * S}, roles={})
+
+
+def test_the_longest_time_is_counted_from_the_command_whatever_the_device_reports() -> None:
+    far = Far(False)
+    rules = LineArbiter(ComposedLines(Board(), {FINGERS: far}), LIMITED, 0)
+    session = rules.hello("hal", TOKEN, (FINGERS,), (), 0)
+    rules.write(session, {FINGERS: True}, None, 100 * MS)
+    for at in range(200 * MS, 3 * S, 100 * MS):  # it is acknowledged, and doubted, again and again
+        far.known = None if far.known else True
+        rules.renew(session, at)
+        rules.advance(at)
+    assert far.written == [{FINGERS: True}]
+    rules.advance(3 * S + 100 * MS)
+    assert far.written[-1] == {FINGERS: False}
+    (why,) = rules.predicates.faults.values()
+    assert why.startswith(f"IL-03: {FINGERS} was active for its longest time and is being deactivated")

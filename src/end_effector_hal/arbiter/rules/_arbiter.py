@@ -513,7 +513,8 @@ class LineArbiter:
             self._lines.changed_at[line] = at - self.policy.max_active_us[line] + RETRY_US
         else:
             self._stays.pop(fault, None)
-            why = f"{ended} and was deactivated."
+            told = "is being deactivated, until its device acknowledges it"
+            why = f"{ended} and {told if line in self._lines.owed() else 'was deactivated'}."
         if not again:
             self.trips.append((at, line))
             self.predicates.latch(fault, why)

@@ -117,11 +117,15 @@ class OutputLines:
         return dict.fromkeys(inactive, False) | found
 
     def hear(self, at: int) -> None:
-        """Set the change time of lines that a device has confirmed by now to ``at``: pauses are counted from there."""
+        """Set the change time of lines that a device has confirmed by now to ``at``: pauses are counted from there.
+
+        The longest time of an activation (IL-03) is counted from the command, whatever the device reports meanwhile.
+        """
         if self.remote is None:
             return
         before, self._unsure = self._unsure, self.remote.unsure()
-        self.changed_at |= dict.fromkeys(before - self._unsure, at)
+        timed = {line for line in self._policy.max_active_us if self.levels[line]}
+        self.changed_at |= dict.fromkeys(before - self._unsure - timed, at)
 
     def may_be_active(self, line: str) -> bool:
         """Return whether a line is active or its state is unknown."""

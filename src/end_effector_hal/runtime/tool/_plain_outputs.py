@@ -39,22 +39,26 @@ class PlainOutputs(Closing):
 
     @property
     def levels(self) -> Mapping[str, bool]:
-        """Whether each plain output is active, as the line arbiter reads them back; raises ArbiterError."""
+        """Whether each plain output is active, as the line arbiter reads them back; raises ArbiterError.
+
+        One on a bus is left out while its level is unknown.
+        """
         levels = self._client.levels() if self._client else {}
-        return {name: levels[each.line] for name, each in self._outputs.items()}
+        return {name: levels[each.line] for name, each in self._outputs.items() if each.line in levels}
 
     def set(self, name: str, active: bool) -> Answer:
         """Switch a plain output; raises KeyError for an unknown name.
 
-        A success means only that its line was written: no sensor proves it.
+        A success means only that its line was written, or that its device is commanded: no sensor proves it.
         """
-        line = self._outputs[name].line
+        output = self._outputs[name]
         assert self._client is not None
         try:
-            self._client.set({line: active})
+            self._client.set({output.line: active})
         except WireError as error:
             return Answer(False, str(error), decided=not isinstance(error, ArbiterError))
-        return Answer(True, f"{display_name(name)} is {'on' if active else 'off'}; no sensor proves it.")
+        told = f"is {'commanded ' if output.modbus else ''}{'on' if active else 'off'}"
+        return Answer(True, f"{display_name(name)} {told}; no sensor proves it.")
 
     def close(self) -> None:
         """Close the connection; the line arbiter does what `on_death` declares."""

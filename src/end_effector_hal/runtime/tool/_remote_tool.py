@@ -82,7 +82,8 @@ class RemoteTool(Tool):
         """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
         with ArbiterClient(socket_path(self.description), "outputs", patience_s=0) as arbiter:
             levels = arbiter.levels()
-        return {name: levels[each.line] for name, each in self.description.outputs.items()}
+        plain = self.description.outputs
+        return {name: levels[each.line] for name, each in plain.items() if each.line in levels}
 
     def _switch(self, name: str, active: bool) -> Answer:
         return self._remote.switch(name, active)
