@@ -235,7 +235,16 @@ class Bench:
     def silent(self, at: int, link: str | None = None) -> bool:
         """Return whether a link is silent at ``at`` (µs); for None, whether the inputs of the board are silent."""
         after_us = self.scenario.on_link(link).silent_after_us
-        return self._is_over(after_us, at) or at < self.booted(at, link)
+        return self._is_over(after_us, at) or at < self.booted(at, link) or self.closed(at, link)
+
+    def closed(self, at: int, link: str | None = None) -> bool:
+        """Return whether the device at the address of a link refuses connections at ``at`` (µs)."""
+        return self._is_over(self.scenario.on_link(link).closed_after_us, at)
+
+    def cuts(self, at: int, link: str | None = None) -> bool:
+        """Return whether the connection of a link is reset in the middle of the answer at ``at`` (µs)."""
+        share = self.scenario.on_link(link).cut
+        return share > 0 and self._noise.random(f"cut {link} {at - self._start}").random() < share
 
     def corrupt(self, data: bytes, at: int, link: str | None = None) -> bytes:
         """Return the bytes that arrive if ``data`` is sent over a link at ``at`` (µs)."""
@@ -317,7 +326,12 @@ class Bench:
         effect = self.scenario.on_link(link)
         if effect.disturbs or at < self.booted(at, link):
             return at
-        happen = [effect.silent_after_us, effect.babble_after_us, *self._frozen_after_us]
+        happen = [
+            effect.silent_after_us,
+            effect.babble_after_us,
+            effect.closed_after_us,
+            *self._frozen_after_us,
+        ]
         if effect.reboot_after_us is not None and not self._is_over(effect.reboot_after_us, at):
             happen.append(effect.reboot_after_us)
         dues = [self._since(after_us) for after_us in happen if after_us is not None]

@@ -39,6 +39,14 @@ class Port(Protocol):
         """
         ...
 
+    def cut(self, data: bytes) -> None:
+        """Send the first half, and reset the connection if the port has one; raises LinkError like `send`."""
+        ...
+
+    def refuse(self, *, refuses: bool) -> None:
+        """Refuse connections from now on, and reset those there are; or accept them again."""
+        ...
+
     def receive(self, wait_s: float) -> bytes:
         """Return the bytes that arrived, after at most ``wait_s``; b"" if there are none; raises LinkError like
         `send`.
@@ -50,7 +58,17 @@ class Port(Protocol):
         ...
 
 
-class SerialPort:
+class WithoutConnections:
+    """The part of a `Port` on a wire that concerns connections: it has none."""
+
+    def cut(self: Port, data: bytes) -> None:
+        self.send(data[: len(data) // 2])
+
+    def refuse(self, *, refuses: bool) -> None:
+        pass
+
+
+class SerialPort(WithoutConnections):
     """A serial device as a port.
 
     Args:
@@ -91,7 +109,7 @@ class SerialPort:
             self._serial.close()
 
 
-class PtyPort:
+class PtyPort(WithoutConnections):
     """A new pty, reached by a symbolic link.
 
     Args:

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from typing import Any, Literal
 
 from end_effector_hal.codecs import codec_of, is_polled
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, network_address
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator, named
@@ -63,6 +63,9 @@ class LinkEffect:
     unanswered: float = 0.0
     twice: float = 0.0
     another: float = 0.0
+    closed_after_us: int | None = None
+    cut: float = 0.0
+    """Share of the answers of a device at an address after whose first half the connection is reset."""
 
     @property
     def disturbs(self) -> bool:
@@ -124,7 +127,7 @@ class Fault:
         on: traits of devices; the fault needs a device with one of them; empty: it concerns the whole bench.
         number: the number that must be given.
         link: a sensor link can have it ("also"), only a link can ("only"), only a polled link ("polled"),
-            or only one that asks Modbus registers ("modbus").
+            only one that asks Modbus registers ("modbus"), or only one that asks a device at an address ("network").
         channel: it concerns a channel that is an alarm.
     """
 
@@ -133,7 +136,7 @@ class Fault:
     changes: Callable[[float], Mapping[str, object]]
     on: tuple[str, ...] = ()
     number: Number | None = None
-    link: Literal["", "also", "only", "polled", "modbus"] = ""
+    link: Literal["", "also", "only", "polled", "modbus", "network"] = ""
     channel: bool = False
 
     @property
@@ -149,7 +152,7 @@ class Fault:
         )
 
 
-ASKING = {"polled": "polled", "modbus": "Modbus"}
+ASKING = {"polled": "polled", "modbus": "Modbus", "network": "network"}
 """Links that ask, in words."""
 RATE = Number("rate", 0, 1)
 BIT = Number("bit", 0, 1, whole=True)
@@ -212,6 +215,10 @@ FAULTS: tuple[Fault, ...] = (
           number=RATE, link="polled"),
     Fault("wrong-answers", "this share of the answers of a polled device comes from another one, undamaged",
           lambda r: {"another": r}, number=RATE, link="modbus"),
+    Fault("closed-after", "the device at an address refuses connections, and has reset those it had",
+          lambda s: {"closed_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="network"),
+    Fault("cut-answers", "this share of the answers ends in the middle, with a reset of the connection",
+          lambda r: {"cut": r}, number=RATE, link="network"),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
@@ -292,7 +299,9 @@ def links_with(fault: Fault, description: Description) -> list[str]:
     if fault.link not in ASKING:
         return [*description.links]
     codecs = {name: codec_of(description, name) for name in description.links}
-    asked = (name for name, codec in codecs.items() if is_polled(codec))
+    asked = [name for name, codec in codecs.items() if is_polled(codec)]
+    if fault.link == "network":
+        return [name for name in asked if network_address(description.links[name].port)]
     return [name for name in asked if fault.link == "polled" or hasattr(codecs[name], "reads")]
 
 

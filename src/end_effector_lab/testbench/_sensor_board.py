@@ -57,6 +57,7 @@ class Sent(NamedTuple):
         values: readings of all sensors.
         clean: the bytes before any disturbance.
         late_us: delay of the bytes, µs.
+        reset: whether the connection is reset in the middle of these bytes.
     """
 
     data: bytes
@@ -64,6 +65,7 @@ class Sent(NamedTuple):
     values: Mapping[str, Value]
     clean: bytes
     late_us: int = 0
+    reset: bool = False
 
 
 class SensorBoard:
@@ -164,7 +166,7 @@ class SensorBoard:
                 return None
             self._registers.hear(request, at)
             if done := self._registers.answer(request):
-                return self._sent(done, self.count(at), sample, at)
+                return self._answered(done, sample, at)
             sample |= self._registers.values
         answers += self._device.answer(request, self._carried(sample)) if self._device else b""
         return self._answered(answers, sample, at)
@@ -174,7 +176,12 @@ class SensorBoard:
         if not answers:
             return None
         answers, late_us = self._bench.answered(answers, at, self._link)
-        return self._sent(answers, self.count(at), sample, at)._replace(late_us=late_us)
+        sent = self._sent(answers, self.count(at), sample, at)._replace(late_us=late_us)
+        return sent._replace(reset=self._bench.cuts(at, self._link))
+
+    def closed(self, at: int) -> bool:
+        """Return whether the device refuses connections at ``at`` (µs), and has reset those it had."""
+        return self._bench.closed(at, self._link)
 
     def count(self, at: int) -> int:
         """Return the number of the frame or answer at ``at`` (µs); every call counts."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import select
 import socket
+import struct
+import time
 from contextlib import suppress
 
 from end_effector_hal.description import NetworkAddress
@@ -66,9 +68,32 @@ class ServedPort:
                 self._drop(client)
         return 0
 
+    def cut(self, data: bytes) -> None:
+        """Send the first half of an answer, and reset the connection."""
+        if (client := self._asking) is None:
+            return
+        sent = b"".join(_framed(client.transaction, data)) if self._tcp else data
+        with suppress(OSError):
+            client.connection.send(sent[: len(sent) // 2])
+        self._reset(client)
+
+    def refuse(self, *, refuses: bool) -> None:
+        """Refuse connections from now on, and reset those there are; or accept them again."""
+        if refuses is (self._server is None):
+            return
+        if not refuses:
+            self.open()
+            return
+        for client in list(self._clients):
+            self._reset(client)
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
     def receive(self, wait_s: float) -> bytes:
         """Return the next request, as a frame of RTU, or bytes that arrived; b"" if there are none."""
         if self._server is None:
+            time.sleep(wait_s)
             return b""
         for client in self._clients:
             if request := self._request(client):
@@ -119,6 +144,10 @@ class ServedPort:
         if request:
             self._asking = client
         return request
+
+    def _reset(self, client: ServedClient) -> None:
+        client.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self._drop(client)
 
     def _drop(self, client: ServedClient) -> None:
         if client in self._clients:

@@ -204,13 +204,16 @@ class Testbench:
             with self._lock:
                 now = self._clock.now_us()
                 board.advance(now)
-                sent = board.answer(request, now) if request else None
+                sent, refuses = board.answer(request, now) if request else None, board.closed(now)
+            port.refuse(refuses=refuses)
             if sent is not None and not self._stop.wait(sent.late_us / 1e6):
                 self._put(sent, port)
 
     def _put(self, sent: Sent, port: Port) -> None:
         at = self._clock.now_us()  # before the write: a reader may have it before the write returns
-        if sent.data:
+        if sent.data and sent.reset:
+            port.cut(sent.data)
+        elif sent.data:
             at += port.send(sent.data)
         self._watcher.frame(at, sent.seq, sent.values, bool(sent.data))
 

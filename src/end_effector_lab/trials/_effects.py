@@ -44,10 +44,10 @@ BLIND = SensorView(frozenset({NO}), frozenset({UNKNOWN}), frozenset({UNKNOWN}))
 ANYTHING = SensorView(frozenset({YES, NO}), frozenset({YES, LOST, UNKNOWN}), frozenset({YES, NO, UNKNOWN}))
 LET_GO = SensorView(frozenset({NO}), frozenset({LOST}), _YES)
 """The view of a sensor that never detects a part."""
-SILENCING = {"silent-after", "babble-after"}
+SILENCING = {"silent-after", "babble-after", "closed-after"}
 DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
-    "wrong-answers",
+    "wrong-answers", "cut-answers",
 }  # fmt: skip
 LYING = {"shows", "frozen-after", "swapped", *DAMAGING}
 """Faults under which a sensor reports a wrong state."""

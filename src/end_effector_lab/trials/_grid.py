@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import count, islice, pairwise
 from math import ceil, gcd, sqrt
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, network_address
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import EndEffectorState
@@ -149,7 +149,7 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
             there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
             below = part is not None and kind_of(part).below_ambient
             return ("0", f"{-min(there, 100.0) if below else there:g}")
-        case "frozen-after" | "silent-after" | "babble-after" | "reboot-after":
+        case "frozen-after" | "silent-after" | "babble-after" | "reboot-after" | "closed-after":
             return ("0",)
         case "locked-shows" | "unlocked-shows" | "stand-shows":
             return ("0", "1")
@@ -158,8 +158,9 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
         case "noise" | "flips" | "bursts" | "lost-bytes" | "doubled-bytes":
             return ("0.001", "0.2")
         case "late-answers":
-            return ("50",)
-        case "no-answers" | "twice-answers" | "wrong-answers":
+            slow = any(network_address(link.port) for link in description.links.values())
+            return ("50", "500", "5000") if slow else ("50",)
+        case "no-answers" | "twice-answers" | "wrong-answers" | "cut-answers":
             return ("0.2", "1")
     return ("",)
 

@@ -7,13 +7,15 @@ from typing import cast
 
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, RelayedBus, cycle_record
-from end_effector_hal.description import Description, has_line
+from end_effector_hal.description import Description, has_line, network_address
 from end_effector_hal.signals import Frame
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
 from end_effector_lab.testbench import Bench, Models, SensorBoard, Sent
 
 ADOPT_US, FLUSH_US = 1_000_000, 1_000_000
 """Longest wait of a start for the devices' reports, and of an end for pending writes, µs."""
+FIRST_WAIT_US, LONGEST_WAIT_US, TICK_US = 100_000, 2_000_000, 100_000
+"""Waits before a lost connection is made again, and longest time between two looks at the outputs meanwhile, µs."""
 TURN_US = 100
 """Time that the master needs for one action, µs; it does one at a time."""
 NEVER = 2**62
@@ -70,6 +72,10 @@ class BusDevices:
         """Return the answer of the devices; None: none."""
         return self._board.answer(request, at)
 
+    def closed(self, at: int) -> bool:
+        """Return whether they refuse connections."""
+        return self._board.closed(at)
+
 
 class VirtualBus:
     """A `LineBackend` and `RemoteLines` of registers for one life of the arbiter, as `BusLines` on a real port.
@@ -85,15 +91,16 @@ class VirtualBus:
         self, description: Description, name: str, devices: BusDevices, clock: Callable[[], int]
     ) -> None:
         outputs, link = description.buses[name], description.links[name]
-        codec = cast(BusCodec, codec_of(description, name))
-        master = codec.decoder()
-        assert isinstance(master, ModbusMaster)
+        self._codec = codec = cast(BusCodec, codec_of(description, name))
         self._names, self._devices, self._clock = frozenset(outputs), devices, clock
         self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
-        self._traffic = BusTraffic(master, self._outputs)
+        address = network_address(link.port)
+        self._numbers_requests = address is not None and address.scheme == "tcp"
+        self._connect()
+        self._reopens_at: int | None = None
+        self._looks_at, self._wait_us = NEVER, FIRST_WAIT_US
         self._relayed = RelayedBus(codec, outputs).decoder()
         self._byte_us = 10 * 1_000_000 // line_of(link, codec)[0] if has_line(link.port) else 0
-        self._coming: list[tuple[int, bytes]] = []
         self._busy_until = clock()
         self._adopts_until = clock() + ADOPT_US
         self._ends_at = NEVER
@@ -104,25 +111,62 @@ class VirtualBus:
     @property
     def due(self) -> int:
         """Time at which `frames` must be called, µs."""
+        if self._reopens_at is not None:
+            return min(self._reopens_at, self._looks_at, self._ends_at)
         coming = min((at for at, _ in self._coming), default=NEVER)
         return min(coming, max(self._traffic.due, self._busy_until), self._ends_at)
 
     def frames(self, at: int) -> list[Frame]:
         """Return the frames for the program from the cycles that have ended by ``at`` µs."""
+        if self._reopens_at is not None and not self._reopen(self._reopens_at, at):
+            return []
+        if self._devices.closed(at):
+            self._lose(at)
+            return []
         self._coming.sort()
         cycles = []
         while self._coming and self._coming[0][0] <= at:
             cycles.append(self._traffic.feed(self._coming.pop(0)[1], at))
+            self._wait_us = FIRST_WAIT_US
         request, cycle = self._traffic.poll(at)
         cycles.append(cycle)
         self._busy_until = at + TURN_US
         if request:
+            if self._numbers_requests:  # an answer to an earlier one is none
+                self._coming.clear()
             sent = self._devices.answer(request, at)
-            if sent is not None and sent.data:
+            if sent is not None and sent.reset:
+                self._lose(at)
+            elif sent is not None and sent.data:
                 wire_us = (len(request) + len(sent.data)) * self._byte_us
                 self._coming.append((at + wire_us + sent.late_us, sent.data))
         records = [cycle_record(each.answers, each.at, each.inactive) for each in cycles if each is not None]
         return [frame for record in records for frame in self._relayed.feed(record, at)]
+
+    def _connect(self) -> None:
+        master = self._codec.decoder()
+        assert isinstance(master, ModbusMaster)
+        self._traffic = BusTraffic(master, self._outputs)
+        self._coming: list[tuple[int, bytes]] = []
+
+    def _lose(self, at: int) -> None:
+        """Lose the connection; it is made again after a wait, as on a real port."""
+        self._connect()
+        self._reopens_at, self._looks_at = at + self._wait_us, at + TICK_US
+        self._wait_us = min(2 * self._wait_us, LONGEST_WAIT_US)
+
+    def _reopen(self, due: int, at: int) -> bool:
+        """Return whether there is a connection again; meanwhile commands are given up whose time is over."""
+        self._outputs.advance(at)
+        if at < due:
+            self._looks_at = at + TICK_US
+            return False
+        if self._devices.closed(at):
+            self._lose(at)
+            return False
+        self._reopens_at = None
+        self._outputs.reopened(at)
+        return True
 
     @property
     def adopted(self) -> bool:

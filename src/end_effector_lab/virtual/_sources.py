@@ -136,7 +136,7 @@ class PolledLink:
 
     def _ask(self, request: bytes, at: int) -> None:
         sent = self._board.answer(request, at)
-        if sent is not None and sent.data:
+        if sent is not None and sent.data and not sent.reset:
             wire_us = (len(request) + len(sent.data)) * self._byte_us
             self._coming.append((at + wire_us + sent.late_us, sent.data))
 

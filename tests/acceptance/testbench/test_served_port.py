@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import socket
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -52,3 +54,40 @@ def test_an_address_of_another_machine_is_refused_in_a_sentence(tmp_path: Path) 
         port.open()
     assert "the simulated device cannot be served here" in refused.value.what
     assert "--prepare" in refused.value.todo
+
+
+def test_a_port_that_is_closed_refuses_and_an_answer_may_end_in_the_middle(tmp_path: Path) -> None:
+    described = examine_text(TOOL.read_text(), "tool.yaml").description
+    assert described is not None
+    tool = described.with_virtual(tmp_path / "chip", str(tmp_path / "uart"))
+    address = network_address(tool.links[""].port)
+    assert address is not None
+    request = bytes.fromhex("0007 0000 0006 01 02 0000 0002")
+
+    def asked() -> bytes:
+        """Return what comes for a read before the connection ends, or a whole answer."""
+        with socket.create_connection((address.host, address.port), timeout=5) as near:
+            near.sendall(request)
+            data = b""
+            while len(data) < 10:
+                data += (part := near.recv(100))
+                if not part:
+                    break
+            return data
+
+    with Testbench(tool, open_inputs(None, tool), open_ports(None, tool, None)) as bench:
+        wait_until("it answers", lambda: asked()[:6] == bytes.fromhex("0007 0000 0004"))
+        bench.choose("closed-after:0")
+        wait_until("it refuses", lambda: _raises(ConnectionRefusedError, asked))
+        bench.choose("cut-answers:1")
+        wait_until("it resets", lambda: _raises(ConnectionResetError, asked))
+        bench.choose("nominal")
+        wait_until("it answers again", lambda: len(asked()) == 10)
+
+
+def _raises(kind: type[OSError], asked: Callable[[], bytes]) -> bool:
+    try:
+        asked()
+    except OSError as error:
+        return isinstance(error, kind)
+    return False

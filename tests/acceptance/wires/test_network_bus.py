@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import cast
 
 import pytest
+from pymodbus.client import ModbusTcpClient
 
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.codecs.modbus import BusCodec
@@ -121,6 +122,24 @@ def test_what_is_not_acknowledged_is_unknown_and_a_release_is_done_when_the_netw
             wire.deaf, wire.delay_s, wire.change = False, 0.0, lambda answer: answer
             known(lines, {LIFT: True, CUP: False})
             assert not lines.owed()
+
+
+def test_a_second_client_that_writes_the_same_coils_is_a_trouble_where_they_are_read_back(
+    tmp_path: Path,
+) -> None:
+    with (
+        Station("socket", 1) as station,
+        bus(f"tcp://127.0.0.1:{station.port}", tmp_path) as lines,
+        ModbusTcpClient("127.0.0.1", port=station.port) as other,
+    ):
+        command(lines, {CUP: True})
+        known(lines, {LIFT: False, CUP: True})
+        assert not other.write_coil(1, value=False, device_id=1).isError()
+        wait_until("it is a trouble", lambda: "another program writes to it" in lines.troubles().get(CUP, ""))
+        assert CUP in lines.unsure()
+        command(lines, {CUP: True})
+        known(lines, {LIFT: False, CUP: True})
+        assert not lines.troubles()
 
 
 def test_a_device_that_is_off_at_the_start_delays_nothing_and_is_found_later(tmp_path: Path) -> None:
