@@ -92,9 +92,11 @@ class DescribedModbus(DescribedCodec):
 
     def __init__(self, frame: ModbusFrame, channels: Mapping[str, Channel], line: SerialLine) -> None:
         reads = tuple(reads_of(by_place(channels, "modbus"), frame.gap))
-        silence_us = ModbusMaster.silence_us(line.baudrate)
+        silence_us, pause_us = ModbusMaster.silence_us(line.baudrate), 1000 * frame.pause_ms
         wire_us = [
-            line.wire_us(13 + read.answer_bytes, max(ModbusMaster.BITS, line.byte_bits)) + 2 * silence_us
+            line.wire_us(13 + read.answer_bytes, max(ModbusMaster.BITS, line.byte_bits))
+            + silence_us
+            + max(silence_us, pause_us)
             for read in reads
         ]
         super().__init__(channels, line, sum(wire_us))
@@ -107,6 +109,7 @@ class DescribedModbus(DescribedCodec):
             parity=self.parity,
             period_us=self.period_us,
             timeout_us=1000 * frame.timeout_ms,
+            pause_us=pause_us,
             alike=True,
         )
 

@@ -53,6 +53,7 @@ class ModbusRtu:
         period_us: time from the start of a cycle to the start of the next one; a slow device makes it longer.
         baudrate, parity: settings of the line; parity ``N``, ``E`` or ``O``; baud rate 0: there is none.
         timeout_us: longest wait for an answer.
+        pause_us: least time between an answer, or its time-out, and the next request.
         alike: whether answers to two reads of one unit may have the same form. If so, a read without an answer blocks
             the other reads of that form for one second.
 
@@ -70,11 +71,12 @@ class ModbusRtu:
         period_us: int,
         parity: str = "N",
         timeout_us: int = 30_000,
+        pause_us: int = 0,
         alike: bool = False,
     ) -> None:
         self.name, self.reads = name, tuple(reads)
         self.baudrate, self.parity = baudrate, parity
-        self.period_us, self.timeout_us = period_us, timeout_us
+        self.period_us, self.timeout_us, self.pause_us = period_us, timeout_us, pause_us
         parts = [part for read in self.reads for part in read.registers]
         self.resolution_pa = max(part.step_pa for part in parts)
         names = [name for part in parts for name in part.channels]
@@ -92,7 +94,11 @@ class ModbusRtu:
     def decoder(self) -> ModbusMaster:
         """Return a new polled decoder."""
         return ModbusMaster(
-            self.reads, baudrate=self.baudrate, period_us=self.period_us, timeout_us=self.timeout_us
+            self.reads,
+            baudrate=self.baudrate,
+            period_us=self.period_us,
+            timeout_us=self.timeout_us,
+            pause_us=self.pause_us,
         )
 
     def device(self) -> ModbusDevice:

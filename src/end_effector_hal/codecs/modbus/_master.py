@@ -109,13 +109,15 @@ class ModbusMaster(ReadCycle):
     """Sends the reads one after the other; keeps at most the bytes since the last request that could be its answer.
 
     Args:
-        reads, baudrate, period_us, timeout_us: see `ModbusRtu`.
+        reads, baudrate, period_us, timeout_us, pause_us: see `ModbusRtu`.
     """
 
     BITS = 11
     """Most bits of a byte on the line: start, 8, parity, stop."""
 
-    def __init__(self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int) -> None:
+    def __init__(
+        self, reads: Sequence[Read], *, baudrate: int, period_us: int, timeout_us: int, pause_us: int = 0
+    ) -> None:
         super().__init__(reads, baudrate)
         self.due = 0
         self.free_at: int | None = 0
@@ -125,7 +127,7 @@ class ModbusMaster(ReadCycle):
         self.asked_at = 0
         """Time of the first request of the cycle, µs."""
         self._period_us, self._timeout_us = period_us, timeout_us
-        self.silence_after_us = self.silence_us(baudrate)
+        self.silence_after_us = max(self.silence_us(baudrate), pause_us)
         """Pause on the line after an answer, µs."""
         self._next = 0
         self._unanswered: dict[tuple[int, int, int], tuple[Read, int]] = {}

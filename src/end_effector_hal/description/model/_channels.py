@@ -469,6 +469,11 @@ class ModbusFrame(Part):
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
         default=30, description="longest wait for an answer"
     )
+    pause_ms: Annotated[int, Field(ge=0, le=1000)] = Field(
+        default=0,
+        description="least time between an answer and the next request, for a device that needs more than the silence "
+        "of the standard",
+    )
     gap: Annotated[int, Field(ge=0, le=64)] = Field(
         default=8, description="channels with at most so many other registers between them are read together"
     )
