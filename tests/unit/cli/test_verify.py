@@ -52,11 +52,11 @@ def test_a_model_that_holds() -> None:
     assert lines[0] == "Proving model.xml"
     assert lines[1].startswith("holds  It goes on.  [alive; ")
     assert "  down               0.003 s  0.005 s" in result.stdout
-    assert lines[-1].startswith("all 6 hold; ")
+    assert lines[-1].startswith("all 7 hold; ")
     short = run("--model", "model.xml").stdout
     assert "[alive" not in short
     assert "  down               0.003 s  0.005 s" in short
-    assert re.fullmatch(r"all 6 hold; .*  \(--all lists every requirement\)", short.splitlines()[-1])
+    assert re.fullmatch(r"all 7 hold; .*  \(--all lists every requirement\)", short.splitlines()[-1])
 
 
 def test_what_is_proven_is_written_before_the_proof_begins(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,7 +93,7 @@ def test_a_counterexample_is_told_and_written() -> None:
     assert result.exit_code == 4
     assert "FAILS  It stays up." in result.stdout
     assert "2 ms  P up → down" in result.stdout
-    assert "1 of 5 fail" in result.stdout
+    assert "1 of 6 fail" in result.stdout
     text = Path("found/up/run.txt").read_text(encoding="utf-8")
     assert "2 ms  P up → down" in text
     assert text.endswith("\n\nAt 2 ms: P must be in up, but it is in down.\n")
@@ -302,8 +302,8 @@ def test_a_proof_that_takes_too_much_memory_is_open(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("end_effector_hal.verification.proof._memory.TIMES_LEFT", 0)
     result = run("--model", "model.xml")
     assert result.exit_code == 4
-    assert "5 not decided: stopped after 1,000 states, " in result.stdout
-    assert "0 of 5 hold, 5 are not decided" in result.stdout
+    assert "6 not decided: stopped after 1,000 states, " in result.stdout
+    assert "0 of 6 hold, 6 are not decided" in result.stdout
 
 
 def test_a_verdict_that_was_stopped_is_not_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

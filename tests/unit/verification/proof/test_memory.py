@@ -114,7 +114,7 @@ def test_nothing_of_a_proof_that_was_stopped_is_decided() -> None:
     proof = prove(counting(("A[] n < 5000", "[range] Small.")), executed=("P",), most_bytes=1)
     assert proof.stopped
     assert not proof.holds
-    assert [each.id for each in proof.findings] == ["range", "locations", "edges", "channels", "time"]
+    assert [each.id for each in proof.findings] == ["range", "locations", "edges", "channels", "names", "time"]
     assert not any(each.decided or each.holds for each in proof.findings)
     assert proof.findings[0].remark.startswith("not decided: stopped after 1,000 states, ")
 
@@ -141,7 +141,7 @@ def test_what_was_decided_before_it_was_stopped_stays() -> None:
     assert proof.stopped
     assert open_of(proof) == ["few", "ever"]
     assert {each.id: each.holds for each in proof.findings if each.decided} == {
-        "soon": True, "locations": True, "edges": True, "channels": True, "time": True,
+        "soon": True, "locations": True, "edges": True, "channels": True, "names": True, "time": True,
     }  # fmt: skip
 
 
