@@ -23,7 +23,8 @@ def seen(steps: Sequence[SeenStep]) -> str:
         edges += _edge(number, f"s{number + 1}", texts)
         for channel in labels.get("never", "").split():
             edges += _edge(number, "trap", {"synchronisation": channel})
-    ends = f'<location id="s{len(steps)}"><name>End</name></location><location id="trap"><name>Trap</name></location>'
+    ends = f'<location id="s{len(steps)}"><name>End</name></location>'
+    ends += '<location id="trap"><name>Trap</name><committed/></location>'  # nothing is searched beyond it
     head = "<template><name>Seen</name><declaration>clock z;</declaration>"
     return f'{head}{locations}{ends}<init ref="s0"/>{edges}</template>'
 
