@@ -39,6 +39,14 @@ def install(prefix: Path, *options: object) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.fixture
+def units_only(prefix: Path) -> Path:
+    """One whose tool has no fault, and no automata of its own: what it takes to find that out is tested above."""
+    for name in ("eehal", "python"):
+        (prefix / "bin" / name).write_text("#!/bin/sh\n")
+    return prefix
+
+
 def with_ros(prefix: Path, program: str) -> None:
     (prefix / "bin" / program).write_text("#!/bin/sh\n")
     (prefix / "bin" / program).chmod(0o755)
@@ -107,30 +115,30 @@ def test_another_description_takes_the_place_of_the_installed_one_if_it_has_no_f
     ],
 )
 def test_the_nodes_are_those_of_the_ros_that_the_folder_was_built_for(
-    prefix: Path, program: str, units: set[str]
+    units_only: Path, program: str, units: set[str]
 ) -> None:
-    with_ros(prefix, program)
-    done = install(prefix, "-t", profile_path())
+    with_ros(units_only, program)
+    done = install(units_only, "-t", profile_path())
     assert (done.returncode, done.stderr) == (0, "")
-    assert installed_units(prefix) == {"eehal-arbiter", *units}
+    assert installed_units(units_only) == {"eehal-arbiter", *units}
 
 
-def test_without_ros_only_the_line_arbiter_is_installed_and_the_rest_is_named(prefix: Path) -> None:
-    done = install(prefix, "-t", profile_path())
+def test_without_ros_only_the_line_arbiter_is_installed_and_the_rest_is_named(units_only: Path) -> None:
+    done = install(units_only, "-t", profile_path())
     assert done.returncode == 0
-    assert installed_units(prefix) == {"eehal-arbiter"}
+    assert installed_units(units_only) == {"eehal-arbiter"}
     first, *lacks, last = done.stderr.splitlines()
     assert first.startswith("Left out: eehal-hal-ros2 eehal-logger-ros2 eehal-hal. ")
-    assert lacks == [f"  {prefix}/bin/eehal-hal", f"  {prefix}/bin/eehal-hal-ros2"]
+    assert lacks == [f"  {units_only}/bin/eehal-hal", f"  {units_only}/bin/eehal-hal-ros2"]
     assert last.endswith("eehal run /etc/eehal/end_effector.yaml")
 
 
-def test_nodes_whose_workspace_was_not_built_are_left_out(prefix: Path) -> None:
-    with_ros(prefix, "eehal-hal")
-    (prefix / "ros/setup.bash").unlink()
-    done = install(prefix, "-t", profile_path())
-    assert installed_units(prefix) == {"eehal-arbiter"}
-    assert f"  {prefix}/ros/setup.bash" in done.stderr.splitlines()
+def test_nodes_whose_workspace_was_not_built_are_left_out(units_only: Path) -> None:
+    with_ros(units_only, "eehal-hal")
+    (units_only / "ros/setup.bash").unlink()
+    done = install(units_only, "-t", profile_path())
+    assert installed_units(units_only) == {"eehal-arbiter"}
+    assert f"  {units_only}/ros/setup.bash" in done.stderr.splitlines()
 
 
 def test_systemctl_gets_only_units_that_are_installed() -> None:
