@@ -13,7 +13,7 @@ from end_effector_lab.virtual import VirtualTool
 TOOL = """
 schema: 2
 name: two_cups
-link: {port: /dev/ttyUSB0, baudrate: 115200, period_ms: 50, frame: {modbus: {}}}
+link: {port: /dev/ttyUSB0, baudrate: 115200, period_ms: 100, frame: {modbus: {}}}
 channels:
   vac_a: {modbus: {unit: 65, address: 18}, unit: Pa, scale: -101.325, range: [-101325, 0]}
   vac_b: {modbus: {unit: 65, address: 19}, unit: Pa, scale: -101.325, range: [-101325, 0]}

@@ -15,7 +15,7 @@ from end_effector_hal.cli.model._model import command as model
 from end_effector_hal.description import load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.verification.lemmas import COILS_FILE, coil_constants
-from end_effector_hal.verification.proof import Proof, prove
+from end_effector_hal.verification.proof import Proof, kept_verdict, prove
 from tests.support.nightly import first_of
 from tests.unit.figures.layout_faults import layout_faults
 from timed_automata import load_document, load_network
@@ -120,14 +120,20 @@ def test_the_constants_are_those_of_the_tool(tmp_path: Path) -> None:
     }
 
 
-def test_eehal_verify_proves_the_tool_and_its_coils(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_eehal_verify_proves_the_tool_and_its_coils_and_keeps_the_verdict(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    result = run(verify, str(tool(tmp_path)), "--json")
+    path = tool(tmp_path)
+    result = run(verify, str(path), "--json")
     assert result.exit_code == 0
     answer = json.loads(result.stdout)
     ids = [each["id"] for each in answer["requirements"]]
     assert {"held", "pusher.never-both", "pusher.position", "pusher.edges"} <= set(ids)
     assert answer["bounds"]["pusher.assumed_off_s"] == {"computed": 0.249, "declared": 0.4}
+    verdict = kept_verdict(load(path))
+    assert verdict is not None
+    assert (verdict.holds, verdict.requirements) == (True, len(ids))
 
 
 @pytest.mark.thinned  # long

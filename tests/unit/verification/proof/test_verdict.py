@@ -8,20 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description, load
+from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import content_hash
 from end_effector_hal.verification.proof import (
     Finding,
     Proof,
-    Verdict,
     keep_verdict,
     kept_verdict,
     proof_verdict,
 )
-from tests.support.places import ROOT
-
-TOOL = ROOT / "tests" / "unit" / "kinds" / "tools" / "vacuum_switch.yaml"
 
 
 def proof(*holds: bool | None) -> Proof:
@@ -85,17 +81,3 @@ def test_where_nothing_can_be_written_it_is_said(
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
     with pytest.raises(UsageError, match="The verdict cannot be stored: it is a link, or no directory"):
         keep_verdict(proof_verdict(content_hash(verdin), proof(True)))
-
-
-def test_the_command_keeps_it() -> None:
-    from click.testing import CliRunner
-
-    from end_effector_hal.cli._verify import command
-
-    tool = load(TOOL)
-    result = CliRunner().invoke(command, [str(TOOL)], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    verdict = kept_verdict(tool)
-    assert isinstance(verdict, Verdict)
-    assert verdict.holds
-    assert f"all {verdict.requirements} hold" in result.stdout
