@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board mutants image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board mutants image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-buses kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -163,6 +163,13 @@ kill-matrix-ros2: PROCESSES = 2-one 2-five
 kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and with five (9 minutes)
 	@for ros in $(PROCESSES); do \
 		$(APART) PATH=$(CURDIR)/$(ROS2)/bin:$$PATH python -m tests.acceptance.kill_matrix.run --ros $$ros || exit; done
+
+# Tools whose only outputs are registers; the second is played by the model of its device
+OF_BUSES = remote_io gripper_2f85
+kill-matrix-buses: setup ## the same without ROS, on a tool over Modbus TCP and on a 2F-85 (12 minutes)
+	@$(ROS_ENV) && for tool in $(OF_BUSES); do \
+		python -m tests.acceptance.kill_matrix.run --ros none --systems 2 -o runs/kill-matrix-$$tool.json \
+			--description examples/tools/$$tool/end_effector.yaml || exit; done
 
 matrix-processes: setup ## some cells of `eehal matrix` on real processes: they must end as in virtual time (SAMPLE=50)
 	@$(ROS_ENV) && python -m tests.acceptance.matrix.run --sample $(or $(SAMPLE),50)

@@ -1,7 +1,7 @@
 """Tools that are not the paper's are killed: the program, the line arbiter, both at once.
 
 What has to follow is computed from each description by the rules of the kill matrix. Each process dies once in each
-state, each time of another tool. CI takes two coils, a bistable valve, a tool changer of two coils and a commanded
+state, each time of another tool. CI takes coils over Modbus TCP, two coils, a bistable valve, a tool changer of two coils and a commanded
 device, `make nightly` the others. All of it:
 `python -m tests.acceptance.kill_matrix.run --ros none --description FILE`.
 """
@@ -24,6 +24,7 @@ from .conftest import ROOT
 
 pytestmark = [pytest.mark.wall, pytest.mark.thinned, pytest.mark.timeout(600)]
 KILLED = {
+    "remote_io": (("HAL", "GRIPPED"), ("LineArbiter", "GRIPPED"), (BOTH, "RELEASING")),
     "double_acting_jaw": (("HAL", "GRIPPING jaw"), (BOTH, "GRIPPED"), ("LineArbiter", "RELEASING")),
     "bistable_and_magnet": ((BOTH, "GRIPPING magnet"), ("LineArbiter", "GRIPPED"), ("HAL", "RELEASING")),
     "two_coil_changer": (("HAL", "unlocking"), (BOTH, "unlocking")),
@@ -60,7 +61,7 @@ def rows(
         yield dict(zip(asked, found, strict=True))
 
 
-@pytest.mark.parametrize("name", first_of(KILLED, 3, 0))
+@pytest.mark.parametrize("name", first_of(KILLED, 4, 0))
 def test_what_is_declared_happens_and_the_tool_is_usable(name: str, rows: dict[str, list[Row]]) -> None:
     for row in rows[name]:
         assert row.ok, f"{row.cell}: expected {row.expected}; observed {row.observed}"
