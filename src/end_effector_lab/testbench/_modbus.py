@@ -126,6 +126,8 @@ class CommandedRegisters:
             row = values[start : start + len(each.command_on)]
             if each.bitmask:  # an output that has not changed is not commanded again
                 row = tuple(value & each.bitmask for value in row)
+            if each.pulse_s and row == each.rest:  # the valve stays where the pulse has moved it
+                left -= set(range(start, start + len(row)))
             if row in (each.values(level=True), each.values(level=False)):
                 left -= set(range(start, start + len(row)))
                 level = row == each.values(level=True)

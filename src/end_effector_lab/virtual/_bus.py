@@ -9,6 +9,7 @@ from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, RelayedBus, cycle_record
 from end_effector_hal.description import Description, has_line, network_address
 from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import to_us
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
 from end_effector_lab.testbench import Bench, Models, SensorBoard, Sent
 
@@ -93,6 +94,7 @@ class VirtualBus:
         outputs, link = description.buses[name], description.links[name]
         self._codec = codec = cast(BusCodec, codec_of(description, name))
         self._names, self._devices, self._clock = frozenset(outputs), devices, clock
+        self._longest_pulse_us = max(to_us(each.pulse_s or 0) for each in outputs.values())
         self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
         address = network_address(link.port)
         self._numbers_requests = address is not None and address.scheme == "tcp"
@@ -181,7 +183,7 @@ class VirtualBus:
 
     def end(self) -> None:
         """Begin the proper end of the arbiter: pending writes get some time."""
-        self._ends_at = self._clock() + FLUSH_US
+        self._ends_at = self._clock() + FLUSH_US + self._longest_pulse_us
 
     @property
     def over(self) -> bool:

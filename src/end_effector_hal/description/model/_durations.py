@@ -77,11 +77,11 @@ def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
     if duration_s is None:
         return None
     gap_ms, late_ms = _ms(output.gap_s), bounds.reaction_ms
-    settle_ms, coil = SETTLE_US // 1000, part.opposite
+    settle_ms, coil = SETTLE_US // 1000, part.modbus or part.opposite
+    if coil is not None and coil.pulse_s is not None and (part.modbus or coil.pause_s):
+        settle_ms = _ms(coil.pulse_s + (coil.pause_s or 0)) + late_ms
     if part.modbus or output.modbus:
         settle_ms += BUS_MS
-    if coil is not None and coil.pulse_s is not None and coil.pause_s is not None:
-        settle_ms = _ms(coil.pulse_s + coil.pause_s) + late_ms
     rest_ms = gap_ms + settle_ms + late_ms
     return BlowOffTimes(output.line, gap_ms, rest_ms, _ms(duration_s), output.until_gone, late_ms)
 

@@ -32,6 +32,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
             yield from _channel(facts, (*path, *key))
         yield from _told_twice(facts, path)
         yield from _masked(facts, path)
+        yield from _pulsed(facts, path)
         yield from _shared(facts, output, taken)
 
 
@@ -269,6 +270,21 @@ def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
         if row and not facts.broken_within(*path, key) and (len(row) > 1 or row[0] & ~highest):
             what, expected = "this is no value of the bits", f"one value of at most {highest}"
             yield Fault.at(facts.places.value(*path, key), "EE-208", what, expected=expected)
+
+
+def _pulsed(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """Check an output whose commands are pulses: zeros end them, and nothing of it can be read back."""
+    if not facts.written(*path, "pulse_s") or facts.get(*path, "pulse_s") is None:
+        return
+    for key in ("verify", "bitmask", "activation", "handshake", "acknowledge"):
+        if facts.written(*path, key) and facts.get(*path, key) is not None:
+            place, what = facts.places.key(*path, key), f"{key!r} and 'pulse_s' exclude each other"
+            yield Fault.at(place, CODE, what, found=key, expected="coils or registers that are pulsed only")
+    for key in ("command_on", "command_off"):
+        row = facts.get(*path, key)
+        if row and not facts.broken_within(*path, key) and not any(row):
+            place, what = facts.places.value(*path, key), f"{key!r} is the end of a pulse"
+            yield Fault.at(place, CODE, what, expected="a value that is not zero, such as [1, 0] and [0, 1]")
 
 
 def _shared(

@@ -66,8 +66,10 @@ def _pulses(facts: Facts) -> Iterator[Fault]:
     """Check that a pulse and its pause are over before the output is to change again."""
     stanzas: list[tuple[Keys, tuple[str, ...]]] = [(("tool_changer",), ("unlock_max_s", "prove_s"))]
     stanzas += [(("actuators", name), ("timeout_s", "reset_s", "release_s")) for name, _ in facts.actuators()]
-    for stanza, keys in stanzas:
-        path, pause = (*stanza, "opposite", "pulse_s"), (*stanza, "opposite", "pause_s")
+    for stanza, output, keys in (
+        (stanza, output, keys) for stanza, keys in stanzas for output in ("opposite", "modbus")
+    ):
+        path, pause = (*stanza, output, "pulse_s"), (*stanza, output, "pause_s")
         pulse_s = facts.get(*path) if facts.written(*path) else None
         pause_s = facts.get(*pause) if facts.written(*pause) else None
         if not isinstance(pulse_s, int | float):

@@ -86,6 +86,15 @@ class RegisterOutput(Part):
     )
     command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
     command_off: Registers = Field(description="values that make it release; as many")
+    pulse_s: Annotated[float | None, Field(ge=0.01, le=2)] = Field(
+        default=None,
+        description="a command is active for so long, then zeros are written: the two coils of a bistable valve, "
+        "`command_on: [1, 0]` and `command_off: [0, 1]`; null: until the next command",
+    )
+    pause_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
+        default=None,
+        description="after a pulse nothing is written for so long, and a command waits; null: no pause",
+    )
     verify: Name | None = Field(
         default=None,
         description="bit channel: on while the device says that command_on is what it was told; null: it cannot be "
@@ -107,6 +116,11 @@ class RegisterOutput(Part):
         default="undefined",
         description="effect of a lost link, by its manual; hold: what is held stays held; keep: it stays as it was",
     )
+
+    @property
+    def rest(self) -> tuple[int, ...]:
+        """The values that end a pulse."""
+        return (0,) * len(self.command_on)
 
     @property
     def activation_bits(self) -> dict[int, int]:

@@ -73,6 +73,7 @@ class BusLines:
         self._link, self._relay_path, self._group = link, relay, group
         self._outputs = BusOutputs(outputs, fresh_for_us(link.codec.period_us))
         self._names = frozenset(outputs)
+        self._longest_pulse_s = max(each.pulse_s or 0.0 for each in outputs.values())
         self._lock = threading.Lock()
         self._cycle = threading.Event()
         self._ended = False
@@ -172,7 +173,7 @@ class BusLines:
         thread, self._thread = self._thread, None
         if thread is None:
             return
-        until = time.monotonic() + FLUSH_S
+        until = time.monotonic() + FLUSH_S + self._longest_pulse_s
         while self._pending and (left := until - time.monotonic()) > 0:
             self._cycle.wait(min(left, 0.05))
             self._cycle.clear()

@@ -83,6 +83,12 @@ class BusOutput:
         self._open = stanza.handshake is not None  # a handshake may have begun and not ended
         self._repeats = False  # a handshake of this command has begun again
         self._activates = stanza.commands_activate
+        self.rests = stanza.pulse_s is not None
+        """Whether a pulse is to be ended next; also at the start: an earlier master may have begun one."""
+        self._pulses = (
+            False  # a command of the pulsed output may have reached the device, and its end has not
+        )
+        self._quiet_until = 0  # the end of the pulse, or of the pause after it
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = self._written_at = self._late_us = 0
         self._reports: dict[str, tuple[bool, int, int]] = {}
@@ -115,12 +121,14 @@ class BusOutput:
         self.alone = self._repeats = self.refused = False
         self.refusal, self.in_vain = "", 0
         self._sent = None  # the device may have restarted since, and have lost what it had
+        self.rests = self.rests or self._pulses
         activation, handshake = self.stanza.activation, self.stanza.handshake
         # a command that would activate the device is not written before that shows that it is active
         asks = level or self._drop or self._activates
         self._undecided = (activation is not None and asks) or (self._drop and bool(self.stanza.acknowledge))
         limit_s = activation.ready_within_s if activation else 0.0
         limit_s += handshake.within_s * (2 if activation else 1) if handshake else 0.0
+        limit_s += (self.stanza.pulse_s or 0) + (self.stanza.pause_s or 0)  # of the command before
         # what shall release does so, however late; but it activates nothing late
         ends = level or (self._drop and activation is not None)
         self._give_up_at = at + GIVE_UP_US + round(limit_s * 1e6) if ends else None
@@ -205,20 +213,29 @@ class BusOutput:
         """Return whether an activation has been in progress for longer than one write takes."""
         return self._may_activate and not self.why and at - self._commanded_at > RETRY_US
 
+    def reopened(self, at: int) -> None:
+        """Record that the port is open again: what is pending is due now, after a pulse or pause that is not over."""
+        self.retry_at = max(at, self._quiet_until)
+
     def next_row(self, at: int) -> Row | None:
         """Return the registers to write now; None: nothing."""
-        step = self._steps[0] if self._steps else None
+        step = self._rest if self.rests else self._steps[0] if self._steps else None
         return step if isinstance(step, Row) and at >= self.retry_at else None
 
     def sent(self, row: Row) -> None:
         """Record that a row was sent."""
         handshake = self.stanza.handshake
         self._sent = row
+        self._pulses = self._pulses or (self.stanza.pulse_s is not None and row != self._rest)
         self._open = self._open or (handshake is not None and row == self._control(handshake.request))
 
     def acknowledged(self, at: int) -> None:
         """Record that the device has acknowledged the last write."""
-        if self._sent is not None and self._steps and self._steps[0] == self._sent:
+        if self.rests and self._sent == self._rest:
+            self.rests = self._pulses = False
+            self.alone, self.refused, self.in_vain = False, False, 0
+            self._be_quiet(at, self.stanza.pause_s)
+        elif self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
             self.alone, self.refused, self.in_vain = False, False, 0
@@ -226,6 +243,9 @@ class BusOutput:
             self._late_us = (
                 0 if self.level or self.pending or self._drop else late_us
             )  # a Drop ends all attempts
+            if self._pulses:
+                self.rests = True
+                self._be_quiet(at, self.stanza.pulse_s)
 
     def known(self, at: int) -> bool | None:
         """Return the level if command and device agree; None: the state is unknown."""
@@ -264,6 +284,8 @@ class BusOutput:
             return f"was not activated: {self.why}"
         if self.pending:
             return self._lateness(at)
+        if self._pulses and at - max(self._progress_at, self._quiet_until) > DOUBT_US:
+            return "was pulsed, and no device acknowledges the end of the pulse: its coil may still be active"
         if at - self._progress_at <= DOUBT_US:
             return ""
         activation = self.stanza.activation
@@ -279,6 +301,15 @@ class BusOutput:
     def gives_up_at(self) -> int | None:
         """The time at which `advance` gives up the pending command; None: never."""
         return self._give_up_at if self.pending else None
+
+    @property
+    def _rest(self) -> Row:
+        """The row that ends a pulse."""
+        return Row(self.stanza.address, self.stanza.rest)
+
+    def _be_quiet(self, at: int, seconds: float | None) -> None:
+        """Write nothing for some time: while a pulse is active, or during the pause after it."""
+        self.retry_at = self._quiet_until = at + round((seconds or 0) * 1e6)
 
     @property
     def _may_activate(self) -> bool:
@@ -391,6 +422,7 @@ class BusOutput:
             self._steps.clear()
             return
         self.why, self._undecided = why, False
+        self.rests = self.rests or self._pulses
         handshake = self.stanza.handshake
         # or the device would take later what was asked of it
         self._steps = deque([self._control(handshake.end)] if handshake and self._open else [])

@@ -93,7 +93,7 @@ class BusOutputs:
     def reopened(self, at: int) -> None:
         """Record that the port is open again: all that is pending is due now, in the order of the commands."""
         for each in self._outputs.values():
-            each.retry_at = at
+            each.reopened(at)
 
     def sent(self, write: RegisterWrite) -> None:
         """Record that a write was sent."""
@@ -153,8 +153,8 @@ class BusOutputs:
 
     @property
     def pending(self) -> bool:
-        """Whether a command is not done yet."""
-        return any(each.pending for each in self._outputs.values())
+        """Whether a command is not done yet, or a pulse has not ended."""
+        return any(each.pending or each.rests for each in self._outputs.values())
 
     @property
     def due(self) -> int | None:
@@ -170,11 +170,14 @@ class BusOutputs:
         found, units, stuck = list[BusOutput](), set[int](), set[int]()
         for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.retry_at)):
             unit = each.stanza.unit
-            if unit in units or (unit in stuck and each.level) or each.next_row(LAST) is None:
+            waits = unit in units or (unit in stuck and each.level)
+            if (waits and not each.rests) or each.next_row(LAST) is None:
                 continue
             if each.stanza.bitmask and self._register(each) is None:
                 continue
             found.append(each)
+            if not each.pending:
+                continue  # the end of a pulse keeps nothing waiting
             if each.in_vain >= MOST_IN_VAIN:
                 stuck.add(unit)
             elif not each.refused:
