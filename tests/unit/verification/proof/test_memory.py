@@ -114,7 +114,14 @@ def test_nothing_of_a_proof_that_was_stopped_is_decided() -> None:
     proof = prove(counting(("A[] n < 5000", "[range] Small.")), executed=("P",), most_bytes=1)
     assert proof.stopped
     assert not proof.holds
-    assert [each.id for each in proof.findings] == ["range", "locations", "edges", "channels", "names", "time"]
+    assert [each.id for each in proof.findings] == [
+        "range",
+        "locations",
+        "edges",
+        "channels",
+        "names",
+        "time",
+    ]
     assert not any(each.decided or each.holds for each in proof.findings)
     assert proof.findings[0].remark.startswith("not decided: stopped after 1,000 states, ")
 
