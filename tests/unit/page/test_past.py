@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -134,16 +133,22 @@ def test_a_folder_that_is_not_there_has_none(tmp_path: Path) -> None:
     assert list_recordings(tmp_path / "none")["recordings"] == []
 
 
-@pytest.fixture
-def app(tmp_path: Path) -> Iterator[ASGIApp]:
-    tool = RecordedTool(tmp_path / "runs" / "traced", "nominal")
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("past")
+    tool = RecordedTool(folder / "runs" / "traced", "nominal")
     tool.run(0.5)
     tool.close()
-    written_at(tmp_path / "runs" / "tables", NOMINAL, 1000.0)
-    written_at(tmp_path / "secret", NEVER, 1000.0)
-    (tmp_path / "runs" / "linked").mkdir()
-    (tmp_path / "runs" / "linked" / "states.csv").symlink_to(tmp_path / "secret" / "states.csv")
-    return Starlette(routes=past_routes(PastRecordings(tmp_path / "runs", profile_path())))
+    written_at(folder / "runs" / "tables", NOMINAL, 1000.0)
+    written_at(folder / "secret", NEVER, 1000.0)
+    (folder / "runs" / "linked").mkdir()
+    (folder / "runs" / "linked" / "states.csv").symlink_to(folder / "secret" / "states.csv")
+    return folder / "runs"
+
+
+@pytest.fixture
+def app(runs: Path) -> ASGIApp:
+    return Starlette(routes=past_routes(PastRecordings(runs, profile_path())))
 
 
 @pytest.mark.wall
