@@ -26,15 +26,15 @@ from tests.support.virtual_tool import VirtualTool
     ),
 )
 def test_it_says_beforehand_what_it_answers(verdin: Description, scenario: str) -> None:
-    """Asked every 0.3 s of a run, of a controller and of its copy, which is then given the command."""
+    """Asked every 0.6 s of a run, of a controller and of its copy, which is then given the command."""
     tool, network = VirtualTool(verdin, scenario), network_of(verdin)
     said = set()
-    for moment in range(50):
-        if moment in (5, 30):
-            tool.command("grip" if moment == 5 else "drop")
-        if moment in (40, 44):
-            tool.command("unlock" if moment == 40 else "lock")
-        tool.run(0.3)
+    for moment in range(25):
+        if moment in (2, 15):
+            tool.command("grip" if moment == 2 else "drop")
+        if moment in (20, 22):
+            tool.command("unlock" if moment == 20 else "lock")
+        tool.run(0.6)
         before = tool.controller.snapshot()
         assert before is not None
         for word in COMMANDS:
