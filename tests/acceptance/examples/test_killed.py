@@ -1,8 +1,8 @@
 """Tools that are not the paper's are killed: the program, the line arbiter, both at once.
 
 What has to follow is computed from each description by the rules of the kill matrix. Each process dies once in each
-state, each time of another tool. CI takes coils over Modbus TCP, two coils, a bistable valve, a tool changer of two coils and a commanded
-device, `make nightly` the others. All of it:
+state, each time of another tool. CI takes coils over Modbus TCP, two coils, a bistable valve, a tool changer of two
+coils and a commanded device, `make nightly` the others. All of it:
 `python -m tests.acceptance.kill_matrix.run --ros none --description FILE`.
 """
 
