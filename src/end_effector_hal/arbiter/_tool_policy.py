@@ -63,6 +63,11 @@ def arbiter_policy(description: Description) -> Policy:
             line: SecondCoil(each.line, to_us(each.pulse_s or 0), to_us(each.pause_s or 0))
             for line, each in description.opposites.items()
         },
+        release_us={
+            part.line: to_us(part.release_s)
+            for _, part in description.ordered
+            if part.line in description.register_outputs
+        },
         proven=proven_by_arbiter(description, carrier_of(description)),
         needs={line: needs for line in description.output_lines if (needs := _needs(description, line))},
     )

@@ -8,14 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import (
-    EndEffectorState,
-    Evidence,
-    LastWill,
-    LastWillStep,
-    display_name,
-    to_us,
-)
+from end_effector_hal.vocabulary import EndEffectorState, LastWill, LastWillStep, display_name, to_us
 
 from ._status import Status
 from .words import left_active
@@ -30,13 +23,11 @@ class GripLastWill:
 
     An output of a held part, or one that an unwinding has left active, stays active unless the description declares
     otherwise (IL-09). Before GRIPPED the declared endings apply; while releasing, the release is completed. The line
-    arbiter reads no sensors for this, so every step gets the full time that a release allows it. A device on a bus may
-    not have obeyed yet: until it is gone, its release is a step as well, and the next one waits for it.
+    arbiter reads no sensors for this, so every step gets the full time that a release allows it.
     """
 
     def __init__(self, description: Description) -> None:
         actuators, place = description.actuators, description.sequence.index
-        self._on_bus = [part.line in description.register_outputs for _, part in description.ordered]
         self._blow_offs = {place(name): each.line for name, each in description.blow_offs.items()}
         self._parts = [
             (
@@ -54,7 +45,7 @@ class GripLastWill:
         after_us = 0
         releasing = status.ee == EndEffectorState.RELEASING
         for index, line, release_us, endings in self._parts:
-            if not status.outputs[index] and not (releasing and self._may_be_owed(index, status)):
+            if not status.outputs[index]:
                 continue
             if status.held or index in status.kept:
                 released = getattr(endings.held, on) == "release"
@@ -64,9 +55,6 @@ class GripLastWill:
                 steps.append(LastWillStep(line, after_us=after_us))
                 after_us += release_us
         return tuple(steps)
-
-    def _may_be_owed(self, index: int, status: Status) -> bool:
-        return self._on_bus[index] and status.evidence[index] is not Evidence.GONE
 
 
 def changer_will(description: Description, status: Status, *, on: str = "process_death") -> LastWill:

@@ -495,9 +495,19 @@ class LineArbiter:
             self._end_session(session, will, at)
 
     def _end_session(self, session: Session, will: LastWill, at: int) -> None:
+        if self.policy.release_us:
+            will = self._after_releases(session, will)
         session.ended, session.will = True, will
         session.queue.extend([Write(at + step.after_us, {step.line: step.level}) for step in will])
         self.advance(at)
+
+    def _after_releases(self, session: Session, will: LastWill) -> LastWill:
+        """Return a last will whose steps wait for the releases that no device has acknowledged yet."""
+        owed = self._lines.owed() & session.lines
+        wait_us = max((self.policy.release_us.get(line, 0) for line in owed), default=0)
+        return tuple(
+            step if step.line in owed else step._replace(after_us=step.after_us + wait_us) for step in will
+        )
 
     def _end_activation(self, line: str, at: int) -> None:
         interlock = self.policy.bounded_by(line)

@@ -78,6 +78,7 @@ class Policy:
         labels: by line, the device that it drives, for messages.
         roles: by line, its role, for the next arbiter, which may be started with another description.
         opposites: by line of an output, its second coil; no client writes these coils.
+        release_us: by line of an output on a bus, how long its release takes, µs.
         proven: predicates that the arbiter proves from lines that it reads itself; reports of other processes are
             refused.
     """
@@ -94,6 +95,7 @@ class Policy:
     labels: Mapping[str, str] = field(default_factory=dict)
     roles: Mapping[str, Role] = field(default_factory=dict)
     opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
+    release_us: Mapping[str, int] = field(default_factory=dict)
     proven: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
