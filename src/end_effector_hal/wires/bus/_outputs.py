@@ -28,6 +28,12 @@ class BusOutputs:
 
     def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
+        every = self._outputs.values()
+        # looked for once: a bus may have many outputs, and each of its requests asks for them
+        self._neighbours = {
+            each.name: [o for o in every if o is not each and o.stanza.unit == each.stanza.unit]
+            for each in every
+        }
         self._drops = set[str]()
         self._sent: list[BusOutput] = []  # those of the write that is on its way
         self._heard = frozenset[int]()  # the units that answered a read of the last cycle
@@ -186,11 +192,7 @@ class BusOutputs:
 
     def _others(self, output: BusOutput) -> list[BusOutput]:
         """Return the other outputs of the same unit."""
-        return [
-            each
-            for each in self._outputs.values()
-            if each is not output and each.stanza.unit == output.stanza.unit
-        ]
+        return self._neighbours[output.name]
 
     def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
         """Return a write of this row and of all due rows with adjacent registers that were commanded with it."""
