@@ -9,6 +9,8 @@ from end_effector_hal.signals import Value
 
 from .devices import ILLEGAL_VALUE, RegisterRequest, done_answer, exception_answer, read_request
 
+MASK_WRITE = 22
+
 
 class CommandedRegisters:
     """Executes command_on and command_off of every output whose unit is activated; refuses other writes.
@@ -104,10 +106,16 @@ class CommandedRegisters:
 
     def _done(self, request: RegisterRequest) -> bool:
         values, coils, left = request.values or (), request.function in (5, 15), set(range(request.size))
-        self._rise(request.unit, request.address, () if coils else values)
+        written = 0xFFFF
+        if request.function == MASK_WRITE:
+            keeps, bits = values
+            values, written = (bits,), ~keeps & 0xFFFF
+        self._rise(request.unit, request.address, () if coils or written != 0xFFFF else values)
         for name, each in self._outputs.items():
             start = each.address - request.address
             if each.unit != request.unit or coils != (each.register_type == "coil"):
+                continue
+            if not (each.bitmask or 0xFFFF) & written:
                 continue
             if self._shakes(name, request.address, values):
                 left.clear()

@@ -14,6 +14,7 @@ from pymodbus.pdu.bit_message import (
     WriteSingleCoilRequest,
 )
 from pymodbus.pdu.register_message import (
+    MaskWriteRegisterRequest,
     ReadHoldingRegistersRequest,
     ReadHoldingRegistersResponse,
     ReadInputRegistersRequest,
@@ -53,7 +54,9 @@ def request(read: Read) -> bytes:
 
 
 def write_request(write: RegisterWrite) -> bytes:
-    """Return the request for a write, address to CRC: function 16 or 15 for several values, 6 or 5 for one."""
+    """Return the request for a write, address to CRC: function 16 or 15 for several values, 6 or 5 for one, 22 for bits
+    of a register.
+    """
     return _frame(write, *_writing(write))
 
 
@@ -73,6 +76,9 @@ def _writing(write: RegisterWrite) -> tuple[int, bytes]:
         bits = [value != 0 for value in values]
         coils = WriteSingleCoilRequest if one else WriteMultipleCoilsRequest
         return (5 if one else 15), coils(address=write.address, bits=bits).encode()
+    if write.mask is not None:
+        keeps = ~write.mask & 0xFFFF
+        return 22, MaskWriteRegisterRequest(address=write.address, and_mask=keeps, or_mask=values[0]).encode()
     registers = WriteSingleRegisterRequest if one else WriteMultipleRegistersRequest
     return (6 if one else 16), registers(address=write.address, registers=values).encode()
 

@@ -163,6 +163,7 @@ class RegisterWrite:
         values: 0 to 65535 each; 0 or 1 for coils.
         coils: whether coils are written.
         multiple: whether the Modbus function for several values is used even for one.
+        mask: bits of one register that are set, with the function Mask Write Register; None: whole registers.
     """
 
     unit: int
@@ -170,8 +171,9 @@ class RegisterWrite:
     values: tuple[int, ...]
     coils: bool = False
     multiple: bool = False
+    mask: int | None = None
 
     @property
     def single(self) -> bool:
-        """Whether the Modbus function for a single value is used."""
+        """Whether the Modbus function for a single value is used, whose answer repeats the request."""
         return len(self.values) == 1 and not self.multiple

@@ -250,7 +250,13 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
 def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check an output that is a part of a register."""
     bitmask, place = facts.get(*path, "bitmask"), facts.places.key(*path, "bitmask")
+    alone = facts.get(*path, "use_mask_write") is True
     if bitmask is None:
+        if alone and (*path, "bitmask") not in facts.broken:
+            place, what = facts.places.key(*path, "use_mask_write"), "function 22 writes bits of a register"
+            yield Fault.at(
+                place, CODE, what, found="use_mask_write", expected="bitmask: the bits of this output"
+            )
         return
     if facts.get(*path, "register_type") == "coil":
         yield Fault.at(place, CODE, "a coil has no bits", found="bitmask", expected="register_type: holding")
@@ -258,12 +264,21 @@ def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
         if facts.written(*path, key) and facts.get(*path, key) is not None:
             what = f"'bitmask' and {key!r} exclude each other"
             yield Fault.at(place, CODE, what, found="bitmask", expected="whole registers, or one command")
-    if not facts.says(*path, "verify"):
+    if not alone and not facts.says(*path, "verify"):
         what, expected = (
             "its neighbours in the register cannot be written",
-            "verify: a channel that reads it back",
+            "verify: a channel that reads it back, or use_mask_write: true",
         )
         yield Fault.at(place, "EE-206", what, found="", expected=expected)
+    others = [(*each, "modbus") for each in facts.outputs() if facts.get(*each, "modbus", "bitmask")]
+    same = ("link", "unit", "address")
+    mates = [each for each in others if all(facts.get(*path, key) == facts.get(*each, key) for key in same)]
+    if alone and not all(facts.get(*each, "use_mask_write") for each in mates):
+        written, what = (
+            facts.places.key(*path, "use_mask_write"),
+            "another output of this register does without it",
+        )
+        yield Fault.at(written, CODE, what, found="use_mask_write", expected="it in all of them, or in none")
     highest = bitmask >> lowest_bit(bitmask)
     for key in ("command_on", "command_off"):
         row = facts.get(*path, key)
@@ -276,7 +291,8 @@ def _pulsed(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check an output whose commands are pulses: zeros end them, and nothing of it can be read back."""
     if not facts.written(*path, "pulse_s") or facts.get(*path, "pulse_s") is None:
         return
-    for key in ("verify", "bitmask", "activation", "handshake", "acknowledge"):
+    together = () if facts.get(*path, "use_mask_write") else ("bitmask",)
+    for key in ("verify", *together, "activation", "handshake", "acknowledge"):
         if facts.written(*path, key) and facts.get(*path, key) is not None:
             place, what = facts.places.key(*path, key), f"{key!r} and 'pulse_s' exclude each other"
             yield Fault.at(place, CODE, what, found=key, expected="coils or registers that are pulsed only")

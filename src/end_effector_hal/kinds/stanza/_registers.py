@@ -84,6 +84,11 @@ class RegisterOutput(Part):
         "each, of these bits, and `verify` reads them back. Outputs of one register are written together; bits of no "
         "output are 0. null: whole registers",
     )
+    use_mask_write: bool = Field(
+        default=False,
+        description="the bits are written alone, with function 22 (mask write register), if the device has it; the "
+        "other bits stay as they are, and `verify` may be left out",
+    )
     command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
     command_off: Registers = Field(description="values that make it release; as many")
     pulse_s: Annotated[float | None, Field(ge=0.01, le=2)] = Field(

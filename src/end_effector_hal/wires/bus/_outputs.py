@@ -179,7 +179,7 @@ class BusOutputs:
             waits = unit in units or (unit in stuck and each.level)
             if (waits and not each.rests) or each.next_row(LAST) is None:
                 continue
-            if each.stanza.bitmask and self._register(each) is None:
+            if each.stanza.bitmask and not each.stanza.use_mask_write and self._register(each) is None:
                 continue
             found.append(each)
             if not each.pending:
@@ -197,6 +197,8 @@ class BusOutputs:
     def _together(self, first: BusOutput, row: Row, at: int) -> RegisterWrite:
         """Return a write of this row and of all due rows with adjacent registers that were commanded with it."""
         unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
+        if first.stanza.use_mask_write:
+            return RegisterWrite(unit, address, values, mask=first.stanza.bitmask)
         if (whole := self._register(first)) is not None:
             return RegisterWrite(unit, address, (whole,), multiple=first.stanza.use_write_multiple)
         ready = {
@@ -231,7 +233,7 @@ class BusOutputs:
         for each in self._outputs.values():
             row = each.next_row(LAST)
             same = (each.stanza.unit, each.stanza.register_type == "coil") == (write.unit, write.coils)
-            if row is None or not same:
+            if row is None or not same or (write.mask is not None and write.mask != each.stanza.bitmask):
                 continue
             start, mask = row.address - write.address, each.stanza.bitmask
             if mask:

@@ -46,7 +46,7 @@ class EchoFilter:
     proves little.
     """
 
-    SAME_ANSWER = (5, 6)
+    SAME_ANSWER = (5, 6, 22)
     MOST_MISSED = 3
 
     def __init__(self) -> None:
