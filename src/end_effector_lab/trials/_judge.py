@@ -206,7 +206,10 @@ class Judge:
 
     def _stays_without_power(self, name: str) -> bool:
         """Return whether a valve with two coils is, or is moving, where its first coil moves it: it stays there."""
-        if self._description.actuators[name].line not in self._description.opposites:
+        part = self._description.actuators[name]
+        pulsed = part.modbus is not None and part.modbus.pulse_s is not None
+        kept = pulsed and part.on_power_loss in ("hold", "keep")
+        if part.line not in self._description.opposites and not kept:
             return False
         valve = self._tool.bench.devices[name].valve
         return valve.is_open == valve.settled
