@@ -247,6 +247,22 @@ class BusOutput:
                 self.rests = True
                 self._be_quiet(at, self.stanza.pulse_s)
 
+    def failed(self, at: int) -> None:
+        """Record that the last write was not acknowledged: it is repeated.
+
+        The device may have it all the same. So a pulse and its end follow each other also then, until both are
+        acknowledged: no coil stays active, and a release is done by a device that cannot be heard.
+        """
+        self.retry_at = at + RETRY_US
+        if not self._pulses:
+            return
+        if self._sent != self._rest:
+            self.rests = True
+            self._be_quiet(self.retry_at, self.stanza.pulse_s)
+        elif self.pending:
+            self.rests = False
+            self._be_quiet(self.retry_at, self.stanza.pause_s)
+
     def known(self, at: int) -> bool | None:
         """Return the level if command and device agree; None: the state is unknown."""
         seen = self.reported(self.stanza.verify, at)

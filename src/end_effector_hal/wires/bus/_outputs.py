@@ -10,7 +10,7 @@ from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
-from ._output import LAST, RETRY_US, BusOutput, Row
+from ._output import LAST, BusOutput, Row
 
 LONGEST_WRITE = 100
 """Most registers in one write; the standard allows 123, and one output has at most 16."""
@@ -119,7 +119,8 @@ class BusOutputs:
         ``for_good``: the exception says that the device will refuse the same write again.
         """
         for each in self._sent:  # also where something else is commanded by now: its answer may come late
-            each.retry_at, each.alone = at + RETRY_US, each.alone or len(self._sent) > 1
+            each.failed(at)
+            each.alone = each.alone or len(self._sent) > 1
             each.refusal, each.refused = refusal, for_good
             each.in_vain += each.stanza.unit in self._heard
 

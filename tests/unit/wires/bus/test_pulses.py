@@ -117,6 +117,19 @@ def test_a_release_is_pulsed_as_soon_as_the_bus_is_back(bus: Bus, valve: Timed) 
     assert not bus.outputs.pending
 
 
+def test_a_device_that_cannot_be_heard_obeys_a_release_by_pulses_that_end(bus: Bus, valve: Timed) -> None:
+    bus.outputs.command({A: True}, bus.at)
+    bus.to(bus.at + 1 * S)
+    bus.wire = lambda request, answer: b""
+    bus.outputs.command({A: False}, bus.at)
+    bus.to(bus.at + 10 * S)
+    assert bus.outputs.owed == {A}
+    assert valve.rows[:6] == [ON, REST, OFF, REST, OFF, REST]
+    pairs = list(zip(valve.pulses, valve.pulses[1:], strict=False))
+    assert all(after - before <= 400 * MS for (row, before), (_, after) in pairs if row != REST)
+    assert all(after - before >= 400 * MS for (row, before), (_, after) in pairs if row == REST)
+
+
 def test_a_coil_whose_pulse_does_not_end_is_said(bus: Bus, valve: Timed) -> None:
     bus.outputs.command({A: True}, bus.at)
     bus.to(bus.at + 50 * MS)
