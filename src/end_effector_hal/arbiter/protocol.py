@@ -31,9 +31,10 @@ so that the next client adopts lines that do not change.
 ``set`` is atomic and leaves a last will (left out: the previous one stays valid); an empty last will holds. ``"drop":
 true`` means that a person asked for the deactivations: they are written even where the line counts as inactive
 already, and a device on a bus may be acknowledged and activated first, as described, unless an interlock refuses an
-activation now. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is refused, because its
-sender has stopped waiting for it. ``renew`` renews the lease, and its reply has the latched ``faults``; ``set`` renews
-the lease too.
+activation now. ``"part": "panel"`` is the name of the part that is gripped; the arbiter keeps it for the next program,
+which gets it in the reply to ``levels``. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is
+refused, because its sender has stopped waiting for it. ``renew`` renews the lease, and its reply has the latched
+``faults``; ``set`` renews the lease too.
 
 ``bye`` ends the session in order: its last will is executed at once, and the earlier last will is void. If the socket
 is closed without ``bye``, or the lease expires, the client counts as dead, and its last will is executed. The last
@@ -229,6 +230,7 @@ class Request(NamedTuple):
     will: LastWill | None = None
     until_us: int | None = None
     drop: bool = False
+    part: str = ""
     predicates: Mapping[str, bool] = {}
     at_us: int = 0
     fault: str = ""
@@ -285,14 +287,17 @@ def _read_hello(message: Mapping[str, Any]) -> Request:
 
 def _read_set(message: Mapping[str, Any]) -> Request:
     levels, until_us = message.get("levels", {}), message.get("until_us")
-    drop = message.get("drop", False)
+    drop, part = message.get("drop", False), message.get("part", "")
     if not (_is_flags(levels, MOST_LINES) and (levels or "will" in message)):
         raise UsageError(f"levels must be an object of at most {MOST_LINES} line names, each true or false.")
     if until_us is not None and type(until_us) is not int:
         raise UsageError("until_us must be a time in µs.")
     if not isinstance(drop, bool):
         raise UsageError("drop must be true or false.")
-    return Request("set", levels=levels, will=_read_last_will(message), until_us=until_us, drop=drop)
+    if part != "" and not is_name(part):
+        raise UsageError("part must be a name of at most 64 printable characters.")
+    will = _read_last_will(message)
+    return Request("set", levels=levels, will=will, until_us=until_us, drop=drop, part=str(part))
 
 
 def _read_predicates(message: Mapping[str, Any]) -> Request:

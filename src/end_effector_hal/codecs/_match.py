@@ -81,7 +81,15 @@ def match_codec(description: Description, faulty: Collection[str] = ()) -> Codec
         codec.name, codec.channels, codec.period_us, stale_s, shows_noise(codec), declared, frozenset(faulty)
     )
     return CodecMatch(
-        tuple(sorted([*unproven(description, channels), *_hidden(description), *_too_short(description)])),
+        tuple(
+            sorted(
+                {
+                    *(fault for each in description.per_part for fault in unproven(each, channels)),
+                    *_hidden(description),
+                    *_too_short(description),
+                }
+            )
+        ),
         tuple(not_fitted(description, channels)),
         (*slow(description, channels), *lost_by_silence(description, channels), *_slowly_seen(description)),
     )

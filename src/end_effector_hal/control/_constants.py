@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from end_effector_hal.codecs import Carrier, carrier_of
 from end_effector_hal.description import Description
@@ -11,7 +11,7 @@ from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import LEASE_US
 
-Constants = dict[str, "int | bool | list[int]"]
+Constants = dict[str, "int | Sequence[int] | Sequence[Sequence[int]]"]
 
 
 def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
@@ -21,13 +21,16 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
     """
     carried = (carrier or carrier_of(description)).channels
     actuators = [actuator for _, actuator in description.ordered]
+    parts = [[actuator for _, actuator in each.ordered] for each in description.per_part]
     changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds
     required = description.durations
     fitted = changer is not None and changer.locked_bit in carried and changer.unlocked_bit in carried
     constants: Constants = {
         "N": len(actuators),
-        "ATTEMPTS": [actuator.attempts for actuator in actuators],
-        "T_CONFIRM": [_ms(actuator.timeout_s) for actuator in actuators],
+        "PARTS": len(parts),
+        "USES": [list(description.uses(name)) for name in description.part_names],
+        "ATTEMPTS": [[actuator.attempts for actuator in each] for each in parts],
+        "T_CONFIRM": [[_ms(actuator.timeout_s) for actuator in each] for each in parts],
         "T_RESET": [_ms(actuator.reset_s) for actuator in actuators],
         "T_GONE": [_ms(actuator.release_s) for actuator in actuators],
         "RELEASE_ORDER": [description.sequence.index(name) for name in description.releasing],
@@ -44,7 +47,7 @@ def model_constants(description: Description, carrier: Carrier | None = None) ->
         "IL_05": locks.il_05 and fitted,
         "IL_06": locks.il_06 and description.supply.channel in carried,
         "IL_07": locks.il_07,
-        "SHOWS_EMPTY": any(_shows_empty(actuator, carried) for actuator in actuators),
+        "SHOWS_EMPTY": any(_shows_empty(actuator, carried) for each in parts for actuator in each),
         **_blow_offs(description),
         **_endings(description),
     }

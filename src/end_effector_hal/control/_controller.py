@@ -19,7 +19,7 @@ from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observa
 from ._events import COMMANDS
 from ._status import Answer, Status
 from ._status_builder import StatusBuilder
-from .words import blocking, no_maintenance, refusal
+from .words import blocking, no_maintenance, no_part, refusal
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,6 @@ FIRST_FRAME_US = 5_000_000
 
 It is long because the reader of the link may start later.
 """
-_COMMANDS = tuple(map(Event, COMMANDS))
 
 
 class Controller:
@@ -68,6 +67,7 @@ class Controller:
         "_commanded": tuple[bool, ...],
         "_sensor_fault": bool,
         "_adopt_by": int | None,
+        "_found_part": int,
         "_at": int,
     }
 
@@ -90,6 +90,7 @@ class Controller:
         """Which actuators are commanded to be active, in sequence order."""
         self._sensor_fault = False
         self._adopt_by: int | None = None
+        self._found_part = 0
         self._at = 0
 
     @property
@@ -104,7 +105,13 @@ class Controller:
         return min([time for time in due if time is not None], default=None)
 
     def start(
-        self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False, grip_error: bool = False
+        self,
+        levels: Mapping[str, bool],
+        at: int,
+        *,
+        sensor_fault: bool = False,
+        grip_error: bool = False,
+        part: str = "",
     ) -> list[Status]:
         """Start with the levels of the lines as they were found; adoption follows once the sensors are read.
 
@@ -113,8 +120,13 @@ class Controller:
             at: time, µs.
             sensor_fault: one of the tool changer's sensors was latched before (IL-04); only a reset clears it.
             grip_error: GRIP_ERROR was latched before the program restarted by itself: what is active is not GRIPPED.
+            part: the part that is held by the record; empty, or unknown: there is no record.
         """
         self._at, self._sensor_fault = at, sensor_fault
+        names = self._description.part_names
+        self._found_part = names.index(part) if part in names else -1
+        self._statuses.knows_part = self._found_part >= 0
+        self._senses.use(max(self._found_part, 0))
         self._statuses.found, self._statuses.was_error = dict(levels), grip_error
         self._statuses.know({})
         down_us = self._senses.now.readings.down_us
@@ -175,30 +187,55 @@ class Controller:
         told = self._statuses.noticed(self._at)
         return statuses if statuses or not told else [self.status()]
 
-    def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
-        """Execute a command, given by its channel; an edge of the automaton decides about acceptance."""
+    def command(self, name: str, at: int, part: str = "") -> tuple[Answer, list[Status]]:
+        """Execute a command, given by its channel; an edge of the automaton decides about acceptance.
+
+        Args:
+            name: the channel.
+            at: time, µs.
+            part: name of the part that is to be gripped; empty: the default one.
+        """
         at = max(at, self._at)
         statuses = self._due_before(at)
-        event = Event(name)
-        if name == "grip" and (why := self._faulty(at)) and self._execution.takes(event):
+        if name == "grip" and (why := self._no_grip(at, part)):
             return Answer(False, why), statuses
-        reaction = self._execution.receive(event, at)
+        reaction = self._execution.receive(self._event(name, part), at)
         if not reaction.taken:
             why = self._refusal(name, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
+        if name == "grip":
+            self._senses.use(self._number(part))
         if name in ("grip", "drop"):
             self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
         return Answer(True), statuses + self._told(reaction.steps)
 
-    def refusal(self, name: str) -> str:
+    def refusal(self, name: str, part: str = "") -> str:
         """Return why a command would be refused now, as in its refusal; empty: it would be accepted.
 
-        The call changes nothing.
+        The call changes nothing. ``part``: the part that is to be gripped; empty: the default one.
         """
-        if self._execution.takes(Event(name)):
-            return self._faulty(self._at) if name == "grip" else ""
-        return self._refusal(name, self._at)
+        if name == "grip":
+            return self._no_grip(self._at, part)
+        return "" if self._execution.takes(Event(name)) else self._refusal(name, self._at)
+
+    def _event(self, name: str, part: str) -> Event:
+        return self._senses.grip_event(self._number(part)) if name == "grip" else Event(name)
+
+    def _number(self, part: str) -> int:
+        return self._description.part_names.index(part) if part else 0
+
+    def _no_grip(self, at: int, part: str) -> str:
+        """Return why a part may not be gripped now; empty: it may."""
+        if part and part not in self._description.part_names:
+            return no_part(self._description, part)
+        if self._execution.takes(self._event("grip", part)):
+            return self._faulty(at)
+        before = self._senses.now.part
+        self._senses.now.use(self._number(part))
+        why = self._refusal("grip", at)
+        self._senses.now.use(before)
+        return why
 
     @property
     def blocking(self) -> dict[str, str]:
@@ -252,7 +289,8 @@ class Controller:
     def look_ahead(self) -> Iterator[object]:
         """Compute the results of possible next inputs, one portion per item; the state does not change."""
         takes = self._execution.inputs
-        events = [event for event in (*self._senses.events, *_COMMANDS) if event.channel in takes]
+        commands = [self._event(name, "") for name in COMMANDS]
+        events = [event for event in (*self._senses.events, *commands) if event.channel in takes]
         return self._execution.look_ahead(events)
 
     @property
@@ -284,7 +322,8 @@ class Controller:
 
     def _refusal(self, name: str, at: int) -> str:
         senses, fault = self._senses.now, self._statuses.fault
-        return refusal(self._description, name, self.status(), senses, at, fault=fault)
+        tool = self._description.per_part[senses.part]
+        return refusal(tool, name, self.status(), senses, at, fault=fault)
 
     def _faulty(self, at: int) -> str:
         """Return why a device prevents a grip, as a sentence; empty: none does."""
@@ -358,6 +397,7 @@ class Controller:
             adopted["adopted_unlock"] = int(found.get(changer.line, changer.line in unknown and not locked))
             adopted["adopted_fault"] = int(self._sensor_fault)
         adopted["adopted_error"] = int(self._statuses.was_error)
+        adopted["adopted_part"] = self._found_part
         self._execution.write(adopted)  # before the event: its receiver reads these levels
         return self._receive(Event("adopt"), at)
 
@@ -366,6 +406,9 @@ class Controller:
         for step in steps:
             self._at = max(self._at, step.at)
             statuses.append(self._statuses.step(step, self._at))
+        if self._statuses.adopted:
+            for event in self._senses.use(self._statuses.values["part"]):
+                statuses += self._receive(event, self._at)
         return statuses + self._switched() if statuses and self._on_bus else statuses
 
     def _switched(self) -> list[Status]:

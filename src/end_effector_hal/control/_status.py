@@ -65,6 +65,8 @@ class Status:
     reason: str = ""
     lift_allowed: bool = False
     held: bool = False
+    part: str = ""
+    """Name of the part that is gripped, held or released; empty: none, or it has no name."""
     kept: tuple[int, ...] = ()
     """Actuators, by position in the sequence, that the present unwinding leaves active, as declared."""
     blowing: tuple[int, ...] = ()

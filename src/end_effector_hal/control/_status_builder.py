@@ -37,7 +37,7 @@ _CHANGER_STATES = {int(each): each for each in ChangerState}
 _CHANGER_FAULTS = {int(each): each for each in ChangerFault}
 _SCALARS = (
     "ee", "command", "cause", "cause_at", "changer", "changer_command", "changer_fault", "unlock_valve", "armed",
-    "dropped",
+    "dropped", "part",
 )  # fmt: skip
 
 
@@ -53,6 +53,7 @@ class StatusBuilder:
         values: variables of the automata, by name.
         found: levels of the lines as they were found at the start.
         was_error: whether GRIP_ERROR was latched before the start.
+        knows_part: whether it was recorded at the start which part is held.
         adopted: whether the automata have received these levels.
         held: whether a part is held; outputs found active count as holding until they are adopted and judged.
     """
@@ -61,6 +62,7 @@ class StatusBuilder:
         "values": dict[str, int],
         "found": dict[str, bool],
         "was_error": bool,
+        "knows_part": bool,
         "adopted": bool,
         "held": bool,
         "_noticed": tuple[Alarm, ...],
@@ -102,13 +104,14 @@ class StatusBuilder:
         self._of_changer = frozenset(
             each.index for each in execution.network.processes if each.template in _OF_CHANGER
         )
-        self._allowed = [part.attempts for _, part in description.ordered]
+        self._tools, self._names = description.per_part, description.part_names
         self.values = {
             name: execution.value(name)
             for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
         }
         self.found: Mapping[str, bool] = {}
         self.was_error = False
+        self.knows_part = True
         self.adopted = False
         self.held = False
         self._steps, self._events = StepLog(description.sequence), EventReader()
@@ -171,9 +174,7 @@ class StatusBuilder:
         if cause == Cause.KEPT:  # what it ended for is told already
             self._left = self._left or left_active(self._description, self._outputs)
         elif (cause, cause_at) != (self._cause, self._cause_at):
-            self._reason = self._before(cause) or explain(
-                self._description, cause, cause_at, self._senses.now, at
-            )
+            self._reason = self._before(cause) or explain(self._tool, cause, cause_at, self._senses.now, at)
             self._cause, self._cause_at, self._left = cause, cause_at, ""
 
     def _before(self, cause: int) -> str:
@@ -192,6 +193,11 @@ class StatusBuilder:
             f"At the start nothing was known of the output of {', '.join(names)}, and the sensors prove neither a grip "
             "nor a release: in doubt it counts as active. Whether a part is held is not known."
         )
+
+    @property
+    def _tool(self) -> Description:
+        """The tool as it grips the present part."""
+        return self._tools[self.values["part"]]
 
     @property
     def steps(self) -> StepLog:
@@ -220,13 +226,14 @@ class StatusBuilder:
             evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
-            attempts_allowed=self._allowed[step] if step >= 0 else 0,
+            attempts_allowed=self._tool.ordered[step][1].attempts if step >= 0 else 0,
             deadline=deadline,
             cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
             lift_allowed=proven and hold.allows_lift,
             held=self.held,
+            part=self._part,
             kept=self._kept,
             blowing=self._blowing,
             dropped=values["dropped"],
@@ -247,6 +254,13 @@ class StatusBuilder:
             steps=steps.steps,
             events=events,
         )
+
+    @property
+    def _part(self) -> str:
+        """Name of the part that is gripped, held or released; empty: none."""
+        at_rest = self.values["ee"] in (EndEffectorState.OFF, EndEffectorState.STAND_BY)
+        unproven = self._cause == Cause.UNPROVEN_AT_START and self.values["ee"] == EndEffectorState.GRIP_ERROR
+        return "" if at_rest or (unproven and not self.knows_part) else self._names[self.values["part"]]
 
     def noticed(self, at: int) -> bool:
         """Return whether the alarms about the readings have changed since the last call."""

@@ -87,6 +87,16 @@ class Places:
                 return replace(self.keys[around], path=path)
         return replace(self.values.get(around, Place()), path=path)
 
+    def for_part(self, name: str) -> Places:
+        """Return the places of the tool as it grips a part: its actuators' keys stand under the part."""
+        prefix = ("parts", name, "actuators")
+
+        def moved(places: dict[Keys, Place]) -> dict[Keys, Place]:
+            own = {path[2:]: place for path, place in places.items() if path[:3] == prefix and len(path) > 4}
+            return {**places, **own}
+
+        return replace(self, keys=moved(self.keys), values=moved(self.values))
+
     def where(self, *path: str | int) -> str:
         """Return the place of a value as ``file:line:column``."""
         place = self.value(*path)

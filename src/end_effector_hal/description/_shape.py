@@ -11,13 +11,18 @@ from pydantic.fields import FieldInfo
 
 from end_effector_hal.description.model._channels import Channel
 from end_effector_hal.description.model._description import Description
-from end_effector_hal.description.model._stanzas import Link, PlainOutput
+from end_effector_hal.description.model._stanzas import GrippedPart, Link, PlainOutput
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, Condition, Part
 
 from ._fault import Keys, Places
 
-MAPPINGS: dict[str, type[Part]] = {"channels": Channel, "links": Link, "outputs": PlainOutput}
+MAPPINGS: dict[str, type[Part]] = {
+    "channels": Channel,
+    "links": Link,
+    "parts": GrippedPart,
+    "outputs": PlainOutput,
+}
 """Stanzas that stand under names chosen by the user."""
 _KIND = re.compile(r"<\w+>")
 
@@ -62,6 +67,7 @@ def top_mappings() -> dict[str, list[type[Part]]]:
         "links": [Link],
         "channels": [Channel],
         "actuators": [*actuator_stanzas().values()],
+        "parts": [GrippedPart],
         "outputs": [PlainOutput],
     }
 
@@ -109,7 +115,7 @@ def stanzas() -> dict[str, type[Part]]:
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():
                     walk(f"actuators.<{kind}>", actuator)
-            elif below in ("channels", "outputs"):
+            elif below in ("channels", "parts", "outputs"):
                 walk(f"{below}.<name>", MAPPINGS[below])
 
     walk("", Description)

@@ -55,6 +55,7 @@ class ScriptCommand:
         output: the plain output to switch; empty: none.
         active: the level that the output gets.
         scenario: the scenario for the testbench of a simulated tool; empty: none.
+        part: the part that is to be gripped; empty: the default one.
     """
 
     command: Command | None = None
@@ -69,6 +70,7 @@ class ScriptCommand:
     output: str = ""
     active: bool = False
     scenario: str = ""
+    part: str = ""
 
 
 def read_script(text: str) -> tuple[ScriptCommand, ...]:
@@ -101,6 +103,8 @@ def read_command(text: str) -> ScriptCommand:
         known = f"There are: {plain}, set <output> on|off, wait <seconds>, scenario <text>."
         todo = f"Did you mean {close[0]!r}?" if close else known
         raise UsageError(f"{verb or text!r} is not a command.", todo=todo)
+    if verb == "grip" and len(rest) == 1:
+        return ScriptCommand(Command.GRIP, background=background, part=rest[0])
     if rest:
         between = (
             "Separate commands by ';', also behind an '&'." if "&" in text else "Separate commands by ';'."

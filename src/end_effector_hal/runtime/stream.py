@@ -19,8 +19,9 @@ after each frame and whenever a reading turns stale), ``health`` (of the links, 
 0.4 s without another record, while the program works). After a loss of records, ``header`` and a new ``state`` are sent
 again.
 
-A request has a ``command`` and, where it concerns one actuator or one plain output, its ``name``. Only the automata
-accept or refuse a command; in maintenance the answer comes when the line is written, before a sensor shows anything.
+A request has a ``command`` and, where it concerns one actuator, one plain output or one part, its ``name``. Only the
+automata accept or refuse a command; in maintenance the answer comes when the line is written, before a sensor shows
+anything.
 """
 
 from __future__ import annotations
@@ -78,6 +79,7 @@ class ProgramCommand(RpcRequest):
 
     command: Annotated[str, Field(max_length=40)]
     name: Annotated[str, Field(max_length=100)] = ""
+    """Of the actuator, the output, or the part that is to be gripped."""
 
 
 def program_socket(description: Description) -> Path:
@@ -88,9 +90,9 @@ def program_socket(description: Description) -> Path:
     return arbiter.with_name(f"{arbiter.name}.{HAL}")
 
 
-def ask_program(path: Path, command: str) -> Answer:
+def ask_program(path: Path, command: str, name: str = "") -> Answer:
     """Send a command to a program and wait for the answer; if none comes, return an undecided answer."""
-    return Answer(*ask(path, "The HAL", command=command))
+    return Answer(*ask(path, "The HAL", command=command, name=name))
 
 
 Entry = tuple[str, int, object]

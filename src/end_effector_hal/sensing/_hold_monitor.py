@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from operator import attrgetter
 from typing import ClassVar
 
@@ -31,22 +31,36 @@ class HoldMonitor:
         carrier: carries its channels.
     """
 
-    MEMORY: ClassVar = {"_log": PART, "_watches": PART, "_since": int | None}
+    MEMORY: ClassVar = {"_log": PART, "_of_parts": PART, "_since": int | None}
 
     def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold
         self._devices = senses.now.faults.channels
         self._names = description.sequence
         self._log = AlarmLog()
-        watches = (
-            kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel))
-            for _, part in description.ordered
+        self._of_parts = tuple(
+            self._watches_of(tool, description.uses(name), carrier)
+            for name, tool in zip(description.part_names, description.per_part, strict=True)
         )
-        self._watches = {index: watch for index, watch in enumerate(watches) if watch is not None}
         self._guarded = tuple(
-            (self._names[index], watch) for index, watch in self._watches.items() if is_guarded(watch)
+            (self._names[index], watch)
+            for watches in self._of_parts
+            for index, watch in watches.items()
+            if is_guarded(watch)
         )
         self._since: int | None = None
+
+    def _watches_of(self, tool: Description, used: Sequence[bool], carrier: Carrier) -> dict[int, HoldWatch]:
+        watches = (
+            kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel)) if uses else None
+            for (_, part), uses in zip(tool.ordered, used, strict=True)
+        )
+        return {index: watch for index, watch in enumerate(watches) if watch is not None}
+
+    @property
+    def _watches(self) -> dict[int, HoldWatch]:
+        """The watches over the part that is held."""
+        return self._of_parts[self._senses.now.part]
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
@@ -93,7 +107,8 @@ class HoldMonitor:
             self._since = at if self._since is None else self._since
             if Evidence.UNKNOWN in now.evidence or self._log.active("evidence.unread"):
                 for index, name in enumerate(self._names):
-                    self._readable(index, name, at)
+                    if now.used[index]:
+                        self._readable(index, name, at)
             for index, watch in self._watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
                     name = self._names[index]

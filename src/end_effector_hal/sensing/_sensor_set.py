@@ -63,9 +63,15 @@ class SensorSet:
         """Refuses frames because of their stamp."""
         self._wanted = tuple(name for name in used_channels(description) if name in carrier.channels)
         self._channels = {
-            name: frozenset(kind_of(part).channel_names(part)) for name, part in description.ordered
+            name: frozenset(
+                channel
+                for tool in description.per_part
+                for channel in kind_of(tool.actuators[name]).channel_names(tool.actuators[name])
+            )
+            for name in description.sequence
         }
         self._parts, self._named = description.ordered, bool(description.named_links)
+        self._several = len(description.part_names) > 1
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """Counter that grows whenever something may have changed."""
@@ -96,6 +102,24 @@ class SensorSet:
             "vented": int(now.nothing_gripped),
             "parked": int(now.in_stand),
         }
+
+    def grip_event(self, part: int) -> Event:
+        """Return the event that begins a grip of a part, with what the newest readings prove by its values.
+
+        Args:
+            part: position of the part in the description.
+        """
+        evidence = self.now.evidence_of(part)
+        levels = {f"evidence[{i}]": int(level) for i, level in enumerate(evidence)} if self._several else {}
+        return Event("grip", {**levels, "wanted": part})
+
+    def use(self, part: int) -> list[Event]:
+        """Judge by the values of a part from now on; return the events of what they prove otherwise."""
+        if part == self.now.part:
+            return []
+        before = self.now.evidence, self.now.tool, self.now.emptied
+        self.now.use(part)
+        return self._changed_from(before)
 
     @property
     def conclusive(self) -> bool:

@@ -12,6 +12,7 @@ from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import detector_of, fault_of, is_guarded, kind_of
 from end_effector_hal.kinds.conditions import ConditionDetector
+from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.sensing._device_faults import DeviceFaults
 from end_effector_hal.sensing._link_rules import LinkRules
 from end_effector_hal.sensing._output_gate import OutputGate
@@ -28,8 +29,9 @@ class SensorState:
 
     Attributes:
         readings: readings of all channels.
+        part: position of the part in the description whose values count; `use` changes it.
         faults: the channels that are alarms of a device.
-        conditional: positions in the sequence of actuators that are judged by conditions.
+        conditional: whether any actuator is judged by conditions.
         supply: whether a grip may start (IL-06).
         evidence: evidence of each actuator, in sequence order.
         withheld: positions in the sequence of actuators whose sensors say that they are gone, but whose devices have
@@ -45,6 +47,8 @@ class SensorState:
         "_rules": PART,
         "_gate": PART,
         "_detectors": PART,
+        "part": int,
+        "_levels": tuple[Evidence, ...],
         "_tool": PART,
         "_release": PART,
         "supply": PART,
@@ -63,15 +67,26 @@ class SensorState:
         self._gate, self._on_bus = OutputGate(description), bool(description.register_outputs)
         self._parts = description.ordered
         self.faults = DeviceFaults(description)
-        self._detectors = tuple(detector_of(part, description.supply) for _, part in description.ordered)
-        self.conditional = tuple(
-            [i for i, each in enumerate(self._detectors) if isinstance(each, ConditionDetector)]
+        # all parts are judged all the time: what is proven of another one is known when it is asked for
+        stanzas, self._uses = (
+            list[tuple[int, Actuator]](),
+            tuple(map(description.uses, description.part_names)),
         )
+        for tool in description.per_part:
+            stanzas += [each for each in enumerate(part for _, part in tool.ordered) if each not in stanzas]
+        self._owners = tuple(index for index, _ in stanzas)
+        self._chosen = tuple(
+            tuple(stanzas.index(each) for each in enumerate(part for _, part in tool.ordered))
+            for tool in description.per_part
+        )
+        self._detectors = tuple(detector_of(part, description.supply) for _, part in stanzas)
+        self.conditional = any(isinstance(each, ConditionDetector) for each in self._detectors)
         self._guarded = tuple(
-            (index, name)
-            for index, name in enumerate(description.sequence)
-            if is_guarded(self._detectors[index])
+            (number, description.sequence[index])
+            for number, index in enumerate(self._owners)
+            if is_guarded(self._detectors[number])
         )
+        self.part = 0
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
@@ -84,7 +99,8 @@ class SensorState:
         self._was_clear = False
         self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
-        self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
+        self._levels: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
+        self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._parts)
         self.withheld: tuple[int, ...] = ()
         self.tool = ToolEvidence.UNCLEAR
         self.emptied: tuple[int, ...] = ()
@@ -114,13 +130,7 @@ class SensorState:
     def switch(self, index: int, at: int, *, active: bool) -> None:
         """Change this state to the one after a command to an actuator, by its position in the sequence."""
         self._gate.switch(index, at, active=active)
-        self._withhold(self.evidence, self.withheld)
-
-    def _withhold(self, evidence: Sequence[Evidence], before: tuple[int, ...] = ()) -> None:
-        """Set the evidence: what counts as gone too early is neither gone nor confirmed."""
-        self.withheld = (*before, *self._gate.withheld(evidence))
-        early = self.withheld
-        self.evidence = tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(evidence)])
+        self._judge()
 
     def wait(self, at: int) -> None:
         """Change this state to the one after a silence until ``at`` µs; call this method at :meth:`deadline`."""
@@ -155,9 +165,28 @@ class SensorState:
     @property
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
         """Detectors that judge by conditions, with the position of their actuator in the sequence."""
-        return tuple(
-            [(i, each) for i in self.conditional if isinstance(each := self._detectors[i], ConditionDetector)]
-        )
+        chosen = [(i, self._detectors[number]) for i, number in enumerate(self._chosen[self.part])]
+        return tuple([(i, each) for i, each in chosen if isinstance(each, ConditionDetector)])
+
+    @property
+    def used(self) -> tuple[bool, ...]:
+        """Whether each actuator grips the part."""
+        return self._uses[self.part]
+
+    def evidence_of(self, part: int) -> tuple[Evidence, ...]:
+        """Return what the newest readings prove of each actuator by the values of a part.
+
+        What counts as gone too early is neither gone nor confirmed.
+        """
+        levels = tuple([self._levels[number] for number in self._chosen[part]])
+        if not (self._on_bus and (early := self._gate.withheld(levels))):
+            return levels
+        return tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(levels)])
+
+    def use(self, part: int) -> None:
+        """Judge by the values of a part from now on; the evidence is that of the newest readings."""
+        self.part = part
+        self._judge()
 
     def empty(self, index: int) -> str:
         """Return the kind's clause if an actuator has gripped nothing; empty: that is not proven."""
@@ -166,8 +195,10 @@ class SensorState:
 
     @property
     def confirmed(self) -> bool:
-        """Whether every actuator is proven to grip."""
-        return self.evidence.count(Evidence.CONFIRMED) == len(self.evidence)
+        """Whether every actuator that grips the part is proven to grip."""
+        return all(
+            level is Evidence.CONFIRMED for level, used in zip(self.evidence, self.used, strict=True) if used
+        )
 
     @property
     def conclusive(self) -> bool:
@@ -186,22 +217,28 @@ class SensorState:
         tool = self._tool.sample(self.readings, at) if self._tool else self.tool
         self._was_clear = self._was_clear or tool is not ToolEvidence.UNCLEAR
         too_early = self._was_clear and tool is ToolEvidence.UNCLEAR and self._lock_is_read(at)
-        evidence = []
-        for detector, before in zip(self._detectors, self.evidence, strict=True):
+        levels = []
+        for detector, before in zip(self._detectors, self._levels, strict=True):
             level = detector.sample(self.readings, at)
             # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
-            evidence.append(before if level is Evidence.CONFIRMED and too_early else level)
+            levels.append(before if level is Evidence.CONFIRMED and too_early else level)
         if self.faults.channels and (unproven := self.faults.unproven(self.readings, at)):
-            for index, (name, _) in enumerate(self._parts):
-                evidence[index] = Evidence.UNKNOWN if name in unproven else evidence[index]
-        self.evidence, self.tool = tuple(evidence), tool
-        if self._on_bus:
-            self._withhold(evidence)
-        if self.conditional:
-            found = [i for i, each in self.by_conditions if each.empty]
-            self.emptied = tuple([i for i in found if evidence[i] is not Evidence.CONFIRMED])
+            for number, index in enumerate(self._owners):
+                levels[number] = Evidence.UNKNOWN if self._parts[index][0] in unproven else levels[number]
+        self._levels, self.tool = tuple(levels), tool
+        self._judge()
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
         self.in_stand = self._is_in_stand(at)
+
+    def _judge(self) -> None:
+        """Set the evidence of the part from the newest levels of the detectors."""
+        self.evidence = self.evidence_of(self.part)
+        if self._on_bus:
+            shown = [self._levels[number] for number in self._chosen[self.part]]
+            self.withheld = self._gate.withheld(shown)
+        if self.conditional:
+            found = [i for i, each in self.by_conditions if each.empty]
+            self.emptied = tuple([i for i in found if self.evidence[i] is not Evidence.CONFIRMED])
 
     def _lock_is_read(self, at: int) -> bool:
         """Return whether all channels that IL-05 needs have fresh readings."""

@@ -52,19 +52,23 @@ class VirtualConnection:
         """Return the levels of all lines, read back."""
         return self._call(lambda arbiter, _: arbiter.rules.read_levels())
 
+    def recorded_part(self) -> str:
+        """Return the name of the part that was gripped last; empty: none, or it has no name."""
+        return self._call(lambda arbiter, _: arbiter.rules.part)
+
     def declared_dead(self) -> bool:
         """Return whether the arbiter has declared this program dead since the last call."""
         declared, self._declared_dead = self._declared_dead, False
         return declared
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
     ) -> Callable[[], int]:
         """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
         steps = read_last_will(will)
 
         def written(arbiter: VirtualArbiter, session: Session) -> int:
-            return arbiter.rules.write(session, levels, steps, self._clock(), drop=drop)
+            return arbiter.rules.write(session, levels, steps, self._clock(), drop=drop, part=part)
 
         try:
             delay_us = self._call(written)

@@ -138,11 +138,11 @@ class VirtualTool:
         """The latched faults of the arbiter: sentences by name."""
         return dict(self._arbiters.now.rules.predicates.faults) if self._arbiters.now else {}
 
-    def command(self, name: str, look: Callable[[], object] = lambda: None) -> Answer:
+    def command(self, name: str, look: Callable[[], object] = lambda: None, part: str = "") -> Answer:
         """Give ``grip``, ``drop``, ``cancel``, ``resume``, ``lock``, ``unlock``, ``arm`` or ``reset`` (of the changer).
 
         An unlock waits for the proof that nothing is gripped, as in the product; meanwhile time advances, and ``look``
-        is called at each instant.
+        is called at each instant. ``part`` is the part that is to be gripped; empty: the default one.
         """
         if (program := self._program) is None:
             return Answer(False, "The program is not running.", decided=False)
@@ -154,7 +154,7 @@ class VirtualTool:
                 return release_is_decided(program.status)
 
             self.run_until(limit, decided)
-        return program.command(name)
+        return program.command(name, part)
 
     def reset(self) -> Answer:
         """Clear the latched faults of the arbiter, and ended alarms about a held part."""

@@ -183,7 +183,7 @@ def test_a_template_is_drawn_with_the_constants_of_the_description() -> None:
     edited("tool.yaml", timeout_s="7.5")
     assert run("show", "tool.yaml", "--template", "Gripper", "-o", "drawings").exit_code == 0
     svg = Path("drawings/Gripper.svg").read_text(encoding="utf-8")
-    assert "T_CONFIRM = {7500, 5000, 5000}" in svg
+    assert "T_CONFIRM = {{7500, 5000, 5000}}" in svg
     assert "CANCEL_KEEPS = {false, false, false}" in svg
     assert "STAND_BY =" not in svg  # Table II is no matter of the description
 
@@ -256,7 +256,7 @@ def test_the_constants_of_another_description_are_put_in() -> None:
     changed = [
         after.split("//")[0].rstrip() for before, after in zip(old, new, strict=True) if before != after
     ]
-    assert changed == ["const int T_CONFIRM[N] = {7500, 5000, 5000};", "const int D = 20;"]
+    assert changed == ["const int T_CONFIRM[PARTS][N] = {{7500, 5000, 5000}};", "const int D = 20;"]
     # what was written is a model, and a fixed point
     assert run("check", "out.xml").exit_code == 0
     assert run("export", "tool.yaml").stdout_bytes == Path("out.xml").read_bytes()

@@ -66,7 +66,7 @@ def test_the_number_of_steps_is_that_of_the_description(edited: Callable[..., De
 
 def test_an_edge_of_the_xml_is_the_behaviour(edited: Callable[..., Description]) -> None:
     def one_attempt_less(text: str) -> str:
-        for guard in ("attempt &lt; ATTEMPTS[i]", "attempt == ATTEMPTS[i]"):
+        for guard in ("attempt &lt; ATTEMPTS[part][i]", "attempt == ATTEMPTS[part][i]"):
             assert guard in text
             text = text.replace(guard, guard + " - 1")
         return text

@@ -316,7 +316,7 @@ def test_clocks_have_their_bounds_as_the_constants_say(verdin: Description) -> N
     assert watched.tool.command("grip").accepted
     watched.tool.run(0.2)
     (clock,) = watched.shown()["automata"]["Gripper"]["clocks"]
-    assert (clock["name"], clock["bound"], clock["limit_ms"]) == ("t", "T_CONFIRM[i] + D", 5050)
+    assert (clock["name"], clock["bound"], clock["limit_ms"]) == ("t", "T_CONFIRM[part][i] + D", 5050)
     assert 150_000 <= watched.now - clock["since"] <= 250_000
 
 

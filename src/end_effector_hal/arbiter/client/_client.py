@@ -111,6 +111,10 @@ class ArbiterClient:
         """
         return dict(self._call("levels")["levels"])
 
+    def recorded_part(self) -> str:
+        """Return the name of the part that was gripped last; empty: none, or it has no name."""
+        return str(self._call("levels").get("part", ""))
+
     def declared_dead(self) -> bool:
         """Return whether, since the last call, the arbiter declared this client dead and executed its last will."""
         with self._lock:
@@ -118,7 +122,7 @@ class ArbiterClient:
         return declared
 
     def set(
-        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False
+        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False, part: str = ""
     ) -> WriteResult:
         """Write some of the lines together.
 
@@ -126,6 +130,7 @@ class ArbiterClient:
             levels: levels by line; True is active.
             will: the last will that the arbiter executes if this client dies from now on; None: unchanged.
             drop: a person asked for the deactivations; see `LineArbiter.write`.
+            part: name of the part that is gripped; empty: as before.
 
         Raises:
             LineRefusedError: an interlock refuses; the message begins with its id. Nothing has changed.
@@ -138,10 +143,15 @@ class ArbiterClient:
             self._raise_lost()
             if not self._arbiter.connected:
                 self._connect()
-            return self._written(steps, self._begin_set(levels, steps, drop=drop))
+            return self._written(steps, self._begin_set(levels, steps, drop=drop, part=part))
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep] | None = None, *, drop: bool = False
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep] | None = None,
+        *,
+        drop: bool = False,
+        part: str = "",
     ) -> Callable[[], int]:
         """Do `set` in two parts: send now, without waiting; the returned function waits for the reply.
 
@@ -152,12 +162,12 @@ class ArbiterClient:
         """
         steps = None if will is None else tuple(will)
         if not self._lock.acquire(blocking=False):
-            return lambda: self.set(levels, steps, drop=drop).delay_us
+            return lambda: self.set(levels, steps, drop=drop, part=part).delay_us
         if self._lost is not None or not self._arbiter.connected:
             self._lock.release()
-            return lambda: self.set(levels, steps, drop=drop).delay_us
+            return lambda: self.set(levels, steps, drop=drop, part=part).delay_us
         try:
-            failed = self._begin_set(levels, steps, drop=drop)
+            failed = self._begin_set(levels, steps, drop=drop, part=part)
         except BaseException:  # what cannot be sent: nothing waits for its reply
             self._lock.release()
             raise
@@ -304,13 +314,17 @@ class ArbiterClient:
             lost, self._lost = self._lost, None
             raise lost
 
-    def _begin_set(self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool) -> OSError | None:
+    def _begin_set(
+        self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: str
+    ) -> OSError | None:
         """Send the write; return the error if sending failed."""
         fields: dict[str, object] = {"levels": dict(levels)}
         # this side gives up after the time-out: it must not be executed later
         fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
         if drop:
             fields["drop"] = True
+        if part:
+            fields["part"] = part
         if will is not None:
             fields["will"] = [step.as_json() for step in will]
         return self._arbiter.request("set", fields)

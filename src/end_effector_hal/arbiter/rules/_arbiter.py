@@ -68,6 +68,8 @@ class LineArbiter:
         self.predicates = SensorPredicates(needs, policy.fresh_us, state.faults, policy.faults, policy.proven)
         self.sessions: list[Session] = []
         self.trips: deque[tuple[int, str]] = deque(maxlen=100)
+        self.part = state.part
+        """Name of the part that was gripped last; empty: none, or it has no name."""
         self._stays: dict[str, str] = {}  # faults of lines that the hardware does not deactivate
         self._dead: deque[tuple[str, str]] = deque(state.dead, maxlen=100)
         self._lines = OutputLines(backend, policy, at, before_change, state.pulsed)
@@ -127,6 +129,7 @@ class LineArbiter:
                 line: self._lines.changed_at[line] for line in self.policy.max_active_us if self.levels[line]
             },
             owed=tuple(sorted(owed)),
+            part=self.part,
         )
 
     # Requests of clients
@@ -199,12 +202,14 @@ class LineArbiter:
         at: int,
         *,
         drop: bool = False,
+        part: str = "",
     ) -> int:
         """Write some lines at once, and leave a last will (None: keep the previous one). Without levels only the last
         will changes.
 
         ``drop`` means that a person asked for the deactivations. They are written even to lines that are inactive, and
         the device of a remote line may be acknowledged and activated first, unless an interlock refuses an activation.
+        ``part`` is the name of the part that is gripped; empty: as before.
 
         Returns:
             µs until this write and all before it are applied; 0: they are applied.
@@ -229,6 +234,7 @@ class LineArbiter:
                 f"IL-10: too many pending writes (at most {MOST_WAITING} of a client): they wait for their lines to "
                 "settle. Send fewer, or wait."
             )
+        self.part = part or self.part
         if will is not None:
             self._set_last_will(session, will)
         if session.queue:

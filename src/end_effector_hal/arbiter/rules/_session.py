@@ -61,6 +61,7 @@ class ArbiterState:
         driven: by line, its role and whether it may be active; empty: not recorded.
         since: by line, the time of its activation, µs; only active lines that have a longest time.
         owed: lines whose deactivation was commanded, and which their device has not acknowledged.
+        part: name of the part that was gripped last; empty: none, or it has no name.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -74,6 +75,7 @@ class ArbiterState:
     driven: Driven = field(default_factory=dict)
     since: Mapping[str, int] = field(default_factory=dict)
     owed: tuple[str, ...] = ()
+    part: str = ""
 
     def as_json(self) -> dict[str, object]:
         """Return the state as JSON for the session record. ``doubt`` is left out: it arises when the record is read."""
@@ -93,6 +95,7 @@ class ArbiterState:
             | ({"driven": dict(self.driven)} if self.driven else {})
             | ({"since": dict(self.since)} if self.since else {})
             | ({"owed": self.owed} if self.owed else {})
+            | ({"part": self.part} if self.part else {})
         )
 
 
@@ -111,6 +114,7 @@ def read_arbiter_state(given: Any) -> ArbiterState:
         return ArbiterState(
             faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread,
             driven=read_driven(given), since=since, owed=tuple(map(str, given.get("owed", ()))),
+            part=printable(str(given.get("part", ""))),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"this is not the state of a line arbiter: {error}.") from error

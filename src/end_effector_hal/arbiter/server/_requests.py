@@ -84,7 +84,7 @@ class RequestHandler:
                 about = {"pid": os.getpid(), "unclean": self._unclean}
                 return {"status": about | status_report(arbiter, at)}
             case "levels":
-                return {"levels": self._read_levels()}
+                return {"levels": self._read_levels(), "part": arbiter.part}
             case "reset":
                 _log.info("%s resets the faults", connection.process)
                 return {"stays": arbiter.reset(at, self._records.troubles())}
@@ -108,9 +108,10 @@ class RequestHandler:
                 if request.until_us is not None and at > request.until_us:
                     why = f" ({CLOCKS})" if at - request.until_us >= SKEW_US else ""
                     raise ArbiterError(f"this write came too late and was not executed{why}.")
-                return {
-                    "delay_us": arbiter.write(session, request.levels, request.will, at, drop=request.drop)
-                }
+                delay_us = arbiter.write(
+                    session, request.levels, request.will, at, drop=request.drop, part=request.part
+                )
+                return {"delay_us": delay_us}
             case "renew":
                 arbiter.renew(session, at)
                 return {"faults": dict(arbiter.predicates.faults)}

@@ -179,7 +179,7 @@ class RunSession:
             # not in this thread: a signal must not interrupt the program of the tool in the middle of a step
             ended = threading.Event()
             self._running.append(ended)
-            self._commands.give(self._run(order.command, ended))
+            self._commands.give(self._run(order.command, order.part, ended))
             if wait:
                 self._wait(ended)
 
@@ -217,12 +217,12 @@ class RunSession:
         why = f"It was not carried out to its end: {str(error) or type(error).__name__}. `status` shows the state."
         self._answered(command.name if command is not None else "COMMAND", Answer(False, why, decided=False))
 
-    def _run(self, command: Command, ended: threading.Event) -> Iterator[None]:
+    def _run(self, command: Command, part: str, ended: threading.Event) -> Iterator[None]:
         try:
             if command is Command.CANCEL:
                 self._answered(command.name, self._tool.cancel())
                 return
-            result: Result | RunningGoal = self._tool.begin(command)
+            result: Result | RunningGoal = self._tool.begin(command, part)
             while isinstance(result, RunningGoal):
                 try:
                     result = result.wait(0.0)

@@ -252,7 +252,7 @@ class JsonLines:
         self._print(
             "status", status.at, state=int(status.ee), state_name=status.ee.name, command=int(status.command),
             command_name=status.command.name, tool_changer=int(status.changer),
-            tool_changer_name=status.changer.name, held=status.held, lift_allowed=status.lift_allowed,
+            tool_changer_name=status.changer.name, held=status.held, part=status.part, lift_allowed=status.lift_allowed,
             arbiter_lost=status.arbiter_lost, secure=status.secure, link_up=status.link_up, reason=status.reason,
             alarms=[alarm.as_json() for alarm in status.alarms],
             actuators=actuators, steps=[asdict(step) for step in status.steps],
@@ -282,17 +282,20 @@ Voice = Words | JsonLines
 
 def status_lines(description: Description, status: Status) -> Iterator[str]:
     """Yield the lines that show the status of a tool."""
-    doing = f", executing {status.command.name}" if status.command != Command.NONE else ""
+    named = f" {status.part}" if status.part and status.command is Command.GRIP else ""
+    doing = f", executing {status.command.name}{named}" if status.command != Command.NONE else ""
     lost = ", as last known" if status.arbiter_lost else ""
     unproven = status.cause is Cause.UNPROVEN_AT_START or status.ee is EndEffectorState.OFF
-    held = "; whether a part is held is not known" if unproven else f"; a part is held{lost}"
+    held = (
+        "; whether a part is held is not known" if unproven else f"; {status.part or 'a part'} is held{lost}"
+    )
     held = held if status.held else ""
     lift = ", lift allowed" if status.lift_allowed else ", lift not allowed" if status.held else ""
     yield f"{description.name}: {status.ee.name}{doing}{held}{lift}"
     seconds = {step.name: step for step in status.steps}
     width = max(len(display_name(name)) for name in description.sequence)
     for (name, part), state, evidence in zip(
-        description.ordered, status.actuators, status.evidence, strict=True
+        description.for_part(status.part).ordered, status.actuators, status.evidence, strict=True
     ):
         step = seconds.get(name)
         times = (

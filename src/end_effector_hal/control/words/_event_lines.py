@@ -18,9 +18,10 @@ _OF_THE_CHANGER = (Command.LOCK, Command.UNLOCK)
 """Commands of the tool changer; they cause no transition of the end-effector."""
 
 
-def transition(old: str, new: str, command: int, reason: str) -> str:
-    """Return a transition such as ``STAND_BY -> GRIPPING (GRIP)``, with the reason if there is one."""
-    doing = f" ({Command(command).name})" if command != Command.NONE else ""
+def transition(old: str, new: str, command: int, reason: str, part: str = "") -> str:
+    """Return a transition such as ``STAND_BY -> GRIPPING (GRIP panel)``, with the reason if there is one."""
+    named = f" {part}" if part and command == Command.GRIP else ""
+    doing = f" ({Command(command).name}{named})" if command != Command.NONE else ""
     return f"{old} -> {new}{doing}{f': {reason}' if reason else ''}"
 
 
@@ -36,8 +37,9 @@ def unanswered(what: str, why: str) -> str:
 
 def event_lines(description: Description, status: Status) -> Iterator[str]:
     """Yield the lines for the events that led to a status, in order of time."""
+    tool = description.for_part(status.part)
     for event in status.events:
-        if (text := event_text(description, event)) or (text := _transition(description, status, event)):
+        if (text := event_text(tool, event)) or (text := _transition(description, status, event)):
             yield text
 
 
@@ -81,7 +83,8 @@ def _transition(description: Description, status: Status, event: ToolEvent) -> s
     if event.kind is EventKind.STATE_CHANGED:
         old, new = EndEffectorState(event.old), EndEffectorState(event.new)
         command = Command.NONE if status.command in _OF_THE_CHANGER else status.command
-        return transition(old.name, new.name, command, "" if new in _QUIET else status.reason)
+        reason = "" if new in _QUIET else status.reason
+        return transition(old.name, new.name, command, reason, status.part)
     if event.kind is EventKind.CHANGER_CHANGED:
         before, now = ChangerState(event.old), ChangerState(event.new)
         command = status.command if status.command in _OF_THE_CHANGER else Command.NONE

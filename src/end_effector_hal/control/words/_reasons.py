@@ -6,7 +6,7 @@ from end_effector_hal.control._status import Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import confirmed_words, kind_of, lost_words, present_words
 from end_effector_hal.sensing import SensorState
-from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, display_name
+from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, display_name, printable
 
 from ._changer_reasons import changer_refusal, feedback, loose, unlock_blocking
 
@@ -48,6 +48,13 @@ def left_active(description: Description, outputs: tuple[bool, ...]) -> str:
 def held_words(state: EndEffectorState) -> str:
     """Return a clause about the held part: only in GRIPPED the sensors prove it, else it is possible."""
     return "a part is held" if state is EndEffectorState.GRIPPED else "a part is held, or may be"
+
+
+def no_part(description: Description, name: str) -> str:
+    """Return that there is no such part, and what there is."""
+    known = ", ".join(description.parts)
+    there = f"there are: {known}." if known else "this tool names no parts."
+    return f"There is no part {printable(name)!r}; {there}"
 
 
 def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
@@ -122,10 +129,11 @@ def _resume_refusal(
 ) -> str:
     if status.ee is not EndEffectorState.GRIP_ERROR:
         return f"Nothing was lost: a resume is accepted in GRIP_ERROR only; the end-effector is {_name(status.ee)}."
-    if status.cause is not Cause.LOST or not all(status.outputs):
+    active = all(level or not used for level, used in zip(status.outputs, senses.used, strict=True))
+    if status.cause is not Cause.LOST or not active:
         return f"A resume is accepted only after a loss that left every output active. {status.reason} Drop first."
-    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
-        if level is not Evidence.CONFIRMED:
+    for (name, part), level, used in zip(description.ordered, senses.evidence, senses.used, strict=True):
+        if used and level is not Evidence.CONFIRMED:
             shows = confirmed_words(part, description.supply, senses.readings, at)
             return f"{display_name(name)} is not confirmed again: {shows}."
     if why := loose(description, senses, unlocking=status.unlock_output, fault=fault):

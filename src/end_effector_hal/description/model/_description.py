@@ -39,6 +39,7 @@ from ._stanzas import (
     Bounds,
     EStop,
     Freshness,
+    GrippedPart,
     Interlocks,
     Lines,
     Link,
@@ -107,6 +108,11 @@ class Description(Part):
     sequence: Names = Field(min_length=1, description="actuators in the order of a grip")
     release_order: Names | None = Field(default=None, description="default: the sequence reversed")
     actuators: dict[Name, AnyActuator] = Field(description="by name")
+    parts: dict[Name, GrippedPart] = Field(
+        default={},
+        description="what is gripped, by name; a grip names one, and the first one is the default. Absent: one part "
+        "without a name, gripped by the whole sequence",
+    )
     outputs: dict[Name, PlainOutput] = Field(
         default={}, description="beside the grip, by name: lamps, fans, air knives; no step drives them"
     )
@@ -123,6 +129,13 @@ class Description(Part):
     automata: Automata = Field(default=Automata(), description="the UPPAAL file")
 
     _places: Places = PrivateAttr(default_factory=lambda: Places(Path("<description>")))
+    _of_parts: dict[str, Description] = PrivateAttr(default_factory=dict)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Description:
+        """Return a copy with some values changed."""
+        copied = super().model_copy(update=update, deep=deep)
+        copied._of_parts = {}
+        return copied
 
     @property
     def source(self) -> Path:
@@ -214,6 +227,49 @@ class Description(Part):
         return tuple((name, self.actuators[name]) for name in self.sequence)
 
     @property
+    def part_names(self) -> tuple[str, ...]:
+        """Names of the parts, the default first; a tool without `parts` has one without a name."""
+        return tuple(self.parts) or ("",)
+
+    @property
+    def per_part(self) -> tuple[Description, ...]:
+        """The tool as it grips each part, in the order of `part_names`: with the values of the part."""
+        return tuple(map(self.for_part, self.part_names))
+
+    def for_part(self, name: str) -> Description:
+        """Return the tool as it grips a part; an empty name is the default; raises KeyError for an unknown one.
+
+        Its actuators have the values of that part, and the places of faults are those of these values.
+        """
+        name = name or self.part_names[0]
+        if not name:
+            return self
+        if name not in self._of_parts:
+            self._of_parts[name] = self._changed_for(name)
+        return self._of_parts[name]
+
+    def _changed_for(self, name: str) -> Description:
+        own = self.parts[name].actuators
+        actuators = {
+            each: type(stanza).model_validate(with_keys(stanza.model_dump(by_alias=True), own[each]))
+            if each in own
+            else stanza
+            for each, stanza in self.actuators.items()
+        }
+        changed = self.model_copy(update={"actuators": actuators, "parts": {}})
+        changed._places = self._places.for_part(name)
+        return changed
+
+    def uses(self, part: str) -> tuple[bool, ...]:
+        """Return for each actuator of the sequence whether it grips a part; an empty name is the default.
+
+        Raises KeyError for an unknown one.
+        """
+        part = part or self.part_names[0]
+        used = self.parts[part].uses if part else None
+        return tuple(used is None or name in used for name in self.sequence)
+
+    @property
     def releasing(self) -> tuple[str, ...]:
         """Names of the actuators in the order of a release."""
         return self.release_order if self.release_order is not None else self.sequence[::-1]
@@ -221,7 +277,11 @@ class Description(Part):
     @property
     def durations(self) -> Durations:
         """Longest time of a grip, a release and a cancel: as in ``bounds``, else computed."""
-        return durations([step for _, step in self.ordered], self.bounds)
+        grips = [
+            [step for (_, step), used in zip(tool.ordered, self.uses(name), strict=True) if used]
+            for name, tool in zip(self.part_names, self.per_part, strict=True)
+        ]
+        return durations([step for _, step in self.ordered], grips, self.bounds)
 
     def endings_of(self, name: str) -> Endings:
         """Return the effect of each ending on one actuator; raises KeyError for an unknown one."""
@@ -357,6 +417,13 @@ class Description(Part):
             self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
         )
         return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+
+def with_keys(stanza: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of an actuator with those of a part in their place; under ``modbus`` key by key."""
+    bus, given = stanza.get("modbus"), own.get("modbus")
+    both = {**bus, **given} if isinstance(bus, Mapping) and isinstance(given, Mapping) else given
+    return {**stanza, **own, **({"modbus": both} if "modbus" in own else {})}
 
 
 def _moved(link: Link, port: str) -> Link:

@@ -86,8 +86,13 @@ def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
     return BlowOffTimes(output.line, gap_ms, rest_ms, _ms(duration_s), output.until_gone, late_ms)
 
 
-def durations(steps: Sequence[Actuator], bounds: Bounds) -> Durations:
-    """Return the time limits of a tool with these steps (`docs/explanation/verification.md`, worst cases).
+def durations(steps: Sequence[Actuator], grips: Sequence[Sequence[Actuator]], bounds: Bounds) -> Durations:
+    """Return the time limits of a tool (`docs/explanation/verification.md`, worst cases).
+
+    Args:
+        steps: its actuators, all of which a release may have to wait for.
+        grips: the actuators that grip, for each of its parts.
+        bounds: the limits that the description writes.
 
     A grip is longest if every attempt of each step times out and is followed by its pause, except for the last
     attempt, and the last step fails as well. A release is longest if each blow-off runs for its full time and no
@@ -99,9 +104,12 @@ def durations(steps: Sequence[Actuator], bounds: Bounds) -> Durations:
     released = sum(_ms(step.release_s) + late for step in steps) + sum(
         each.whole_ms for each in blown if each
     )
-    decided = sum(
-        step.attempts * (_ms(step.timeout_s) + late) + (step.attempts - 1) * (_ms(step.reset_s) + late)
-        for step in steps
+    decided = max(
+        sum(
+            step.attempts * (_ms(step.timeout_s) + late) + (step.attempts - 1) * (_ms(step.reset_s) + late)
+            for step in gripping
+        )
+        for gripping in grips
     )
     longest = {"grip_s": decided + released, "release_s": released, "cancel_s": released}
     written = {key: getattr(bounds, key) for key in longest if getattr(bounds, key) is not None}

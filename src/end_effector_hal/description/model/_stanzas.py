@@ -4,7 +4,7 @@ refused and proved.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -12,6 +12,7 @@ from end_effector_hal.kinds.stanza import (
     BelowAmbient,
     ChangerEndings,
     Name,
+    Names,
     Opposite,
     Output,
     Part,
@@ -206,6 +207,8 @@ class Automata(Part):
             "tool",
             "supply_ok",
             "adopted",
+            "adopted_part",
+            "wanted",
             "adopted_unlock",
             "adopted_fault",
             "adopted_error",
@@ -219,9 +222,35 @@ class Automata(Part):
             "armed",
             "command",
             "actuator",
+            "part",
             "kept",
         ),
         description="variables that the executed processes share with the rest",
+    )
+
+
+SAME_FOR_ALL_PARTS = (
+    "kind", "device", "line", "pin", "opposite", "on_power_loss", "channel", "frozen_s", "reset_s", "release_s",
+    "blow_off", "endings", "service", "topic",
+)  # fmt: skip
+"""Keys of an actuator that no part may change: its wires, its release, and its names."""
+OF_THE_COMMAND = ("command_on", "verify")
+"""Keys under ``modbus`` that a part may change."""
+
+
+class GrippedPart(Part):
+    """A part that the tool grips: which actuators grip it, and with which values."""
+
+    summary: Word = Field(default="", description="a few words, for people")
+    uses: Names | None = Field(
+        default=None,
+        min_length=1,
+        description="actuators that grip it; the others stay inactive. Default: the whole sequence",
+    )
+    actuators: dict[Name, dict[str, Any]] = Field(
+        default={},
+        description="by name: keys of the actuator that have another value for this part, such as thresholds, "
+        "`timeout_s`, `attempts`, `evidence`, and `command_on` and `verify` under `modbus`",
     )
 
 

@@ -14,6 +14,7 @@ from end_effector_hal.description.devices._expand import expand
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules._order import order_faults
 from end_effector_hal.description.rules._outputs import output_faults
+from end_effector_hal.description.rules._parts import part_faults, whole_parts
 from end_effector_hal.description.rules._shared import shared_faults
 from end_effector_hal.description.rules._stanzas import limit_faults, rule_faults
 from end_effector_hal.description.rules.frames._declared import channel_faults
@@ -101,18 +102,35 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
         *(fault for path, fault in found if not _follows(path, fault, refused, guessed, plain)),
     ]
     facts = Facts(tree, places, broken)
-    rules = (
-        limit_faults,
-        order_faults,
-        rule_faults,
-        shared_faults,
-        frame_faults,
-        channel_faults,
-        output_faults,
-    )
-    faults += [fault for rule in rules for fault in rule(facts)]
+    faults += [fault for rule in _RULES for fault in rule(facts)]
+    of_parts = [*part_faults(facts), *_of_parts(facts, refused)]
     broken |= {("actuators", name) for name in guessed}
+    if not set(of_parts) <= set(faults):
+        faults += of_parts
+        tree = {key: value for key, value in tree.items() if key != "parts"}
     return likely(tree, places, broken) if faults else description, faults, broken
+
+
+_RULES = (
+    limit_faults,
+    order_faults,
+    rule_faults,
+    shared_faults,
+    frame_faults,
+    channel_faults,
+    output_faults,
+)
+
+
+def _of_parts(facts: Facts, refused: set[Keys]) -> list[Fault]:
+    """Return the faults that a tool has as it grips each of its parts, apart from those that it has anyway."""
+    faults: list[Fault] = []
+    for part in whole_parts(facts):
+        broken = set(facts.broken)
+        _, found = _validate(part.tree, part.places, broken)
+        faults += [fault for path, fault in found if not _follows(path, fault, refused, set(), set())]
+        faults += [fault for rule in _RULES for fault in rule(Facts(part.tree, part.places, broken))]
+    return faults
 
 
 def _kinds(

@@ -15,7 +15,7 @@ from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, N
 from ._log import in_file
 
 _BOUND = re.compile(r"\b(?P<clock>[A-Za-z_]\w*)\s*<=?\s*(?P<bound>[^&|]+)")
-_TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(\[(?P<index>\w+)\])?")
+_TERM = re.compile(r"(?P<number>\d+)|(?P<name>[A-Z]\w*)(?P<indices>(\[\w+\])*)")
 _WRITTEN = re.compile(r"([A-Za-z_]\w*)(?:\[[^\]]*\])?\s*:?=(?!=)")
 _AT_PLACES = ("invariant",)
 _ON_EDGES = ("select", "guard", "synchronisation", "assignment", "comments")
@@ -136,8 +136,8 @@ class AutomataView:
             if found is None:
                 return None
             value: Any = int(term) if found["number"] else self._constants.get(found["name"])
-            if found["index"] is not None:
-                index = variables.get(f"{process}.{found['index']}", -1)
+            for name in re.findall(r"\w+", found["indices"] or ""):
+                index = variables.get(f"{process}.{name}", variables.get(name, -1))
                 value = value[index] if isinstance(value, list) and 0 <= index < len(value) else None
             if not isinstance(value, int):
                 return None

@@ -51,11 +51,19 @@ class RecordedController:
         return self._controller.discrete_state
 
     def start(
-        self, levels: Mapping[str, bool], at: int, *, sensor_fault: bool = False, grip_error: bool = False
+        self,
+        levels: Mapping[str, bool],
+        at: int,
+        *,
+        sensor_fault: bool = False,
+        grip_error: bool = False,
+        part: str = "",
     ) -> list[Status]:
         """Record the start, and start the controller."""
-        self._put(Start(at, dict(levels), sensor_fault, grip_error))
-        started = self._controller.start(levels, at, sensor_fault=sensor_fault, grip_error=grip_error)
+        self._put(Start(at, dict(levels), sensor_fault, grip_error, part))
+        started = self._controller.start(
+            levels, at, sensor_fault=sensor_fault, grip_error=grip_error, part=part
+        )
         return self._decided(started)
 
     def frame(self, frame: Frame, at: int | None = None) -> list[Status]:
@@ -83,10 +91,10 @@ class RecordedController:
         self._put(TimeAdvanced(at))
         return self._decided(self._controller.advance(at))
 
-    def command(self, name: str, at: int) -> tuple[Answer, list[Status]]:
-        """Record and execute a command, given by the name of its channel."""
-        self._put(Commanded(at, name))
-        answer, statuses = self._controller.command(name, at)
+    def command(self, name: str, at: int, part: str = "") -> tuple[Answer, list[Status]]:
+        """Record and execute a command, given by the name of its channel; ``part``: what is to be gripped."""
+        self._put(Commanded(at, name, part))
+        answer, statuses = self._controller.command(name, at, part)
         self._decided(statuses)
         self._put(Answered(at, answer.accepted, answer.reason))
         return answer, statuses
@@ -100,10 +108,14 @@ class RecordedController:
 AnyController = Controller | RecordedController
 _CALLS: Mapping[str, Callable[[AnyController, Any], object]] = {
     "start": lambda controller, record: controller.start(
-        record.levels, record.at, sensor_fault=record.sensor_fault, grip_error=record.grip_error
+        record.levels,
+        record.at,
+        sensor_fault=record.sensor_fault,
+        grip_error=record.grip_error,
+        part=record.part,
     ),
     "frame": lambda controller, record: controller.frame(record.frame, record.at),
-    "command": lambda controller, record: controller.command(record.name, record.at),
+    "command": lambda controller, record: controller.command(record.name, record.at, record.part),
     "refused": lambda controller, record: controller.refused(record.at, unlock=record.unlock),
     "acknowledge": lambda controller, record: controller.acknowledge(record.at),
     "time": lambda controller, record: controller.advance(record.at),

@@ -32,16 +32,20 @@ class RecordedLines:
             self._put(ArbiterSeen(now_us(), there=True))
         return levels
 
+    def recorded_part(self) -> str:
+        """Return the name of the part that was gripped last; empty: none, or it has no name."""
+        return self._lines.recorded_part()
+
     def declared_dead(self) -> bool:
         """Return whether the line arbiter has declared this program dead since the last call."""
         return self._lines.declared_dead()
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
     ) -> Callable[[], int]:
         """Begin to write levels and the last will."""
         at = now_us()
-        asked = self._lines.ask(levels, will, drop=drop)
+        asked = self._lines.ask(levels, will, drop=drop, part=part)
 
         def wait() -> int:
             error = ""

@@ -57,6 +57,8 @@ class Start:
     """Whether a sensor fault of the tool changer was latched before."""
     grip_error: bool = False
     """Whether GRIP_ERROR was latched before the program restarted by itself."""
+    part: str = ""
+    """Name of the part that is held by the record of the line arbiter; empty: there is no record."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +90,8 @@ class Commanded:
 
     at: int
     name: str
+    part: str = ""
+    """Name of the part that is to be gripped; empty: the default one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,13 +23,16 @@ class LineWriter(Protocol):
     def levels(self) -> Mapping[str, bool]:
         """Return the level of every line."""
 
+    def recorded_part(self) -> str:
+        """Return the name of the part that was gripped last; empty: none, or it has no name."""
+
     def declared_dead(self) -> bool:
         """Return whether the line arbiter has declared this program dead since the last call."""
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
     ) -> Callable[[], int]:
-        """Begin to write levels and the last will of this program; ``drop``: see `LineArbiter.write`.
+        """Begin to write levels and the last will of this program; ``drop`` and ``part``: see `LineArbiter.write`.
 
         The returned function waits for the reply, and returns the time until all writes of this program are applied
         (IL-10), µs; 0: they are.
@@ -131,7 +134,7 @@ class Outputs:
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
             ):
                 continue
-            self._ask({**self._undone, **changes}, will, status.at, drop=drop)
+            self._ask({**self._undone, **changes}, will, status.at, drop=drop, part=status.part)
             return statuses[number + 1 :]
         return ()
 
@@ -228,13 +231,19 @@ class Outputs:
         )
 
     def _ask(
-        self, changes: dict[str, bool], will: tuple[LastWillStep, ...], at: int, *, drop: bool = False
+        self,
+        changes: dict[str, bool],
+        will: tuple[LastWillStep, ...],
+        at: int,
+        *,
+        drop: bool = False,
+        part: str = "",
     ) -> None:
         if self.lost:
             self._fail(changes)
             return
         try:
-            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will, drop=drop))
+            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will, drop=drop, part=part))
         except ReportedError as error:
             self._asked = _Asked(changes, will, at, _nothing, error)
 

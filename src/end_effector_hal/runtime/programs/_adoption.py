@@ -79,7 +79,7 @@ class Adoption:
         """
         try:
             levels = {**dict.fromkeys(self._activated, True), **self._lines.levels()}
-            found = sensor_fault()
+            found, part = sensor_fault(), self._lines.recorded_part()
         except WireError as error:
             self._unreachable = isinstance(error, ArbiterError)
             self.alarm = (
@@ -89,7 +89,7 @@ class Adoption:
             return []
         self.begun, self._unreachable, self.alarm, self._begin_at = True, False, None, None
         self.outputs.found(levels, self.controller.status())
-        return self.controller.start(levels, at, sensor_fault=found, grip_error=self.grip_error)
+        return self.controller.start(levels, at, sensor_fault=found, grip_error=self.grip_error, part=part)
 
     def time_passed(self, at: int) -> list[Status]:
         """Do everything that is due at ``at``; the lines must be adopted."""

@@ -259,14 +259,16 @@ class Program:
 
         return self._ask(question)
 
-    def command(self, name: str, until_us: int | None = None) -> Answer:
+    def command(self, name: str, part: str = "", *, until_us: int | None = None) -> Answer:
         """Give a command and wait for the decision of the automaton; after ``until_us`` the command is refused.
+
+        ``part`` is the part that a grip is for; empty: the default one.
 
         An unlock first waits for its proof (IL-01), unless the program has no thread.
         """
         if self._waits and name == "unlock" and (changer := self._description.tool_changer):
             await_release(self._latest, changer)
-        return self._ask(partial(self._decide, name, until_us), waits=name not in ACTIVATING)
+        return self._ask(partial(self._decide, name, part, until_us), waits=name not in ACTIVATING)
 
     def close(self, ending: str = "sigterm") -> None:
         """End in good order: the line arbiter does what the description declares for this ending."""
@@ -374,7 +376,7 @@ class Program:
             return f"The end-effector is {status.ee.name}: this needs STAND_BY."
         return self._maintenance.notice
 
-    def _decide(self, name: str, until_us: int | None = None) -> tuple[Answer, list[Status]]:
+    def _decide(self, name: str, part: str, until_us: int | None) -> tuple[Answer, list[Status]]:
         at = self._clock()
         if until_us is not None and at > until_us:
             return Answer(False, TOO_LATE), []
@@ -383,7 +385,7 @@ class Program:
             adoption.look(at)
         if obstacle := self._obstacle(name, at):
             return Answer(False, obstacle, decided=not adoption.lost), []
-        answer, statuses = adoption.controller.command(name, at)
+        answer, statuses = adoption.controller.command(name, at, part)
         self._commanded = answer.accepted and bool(statuses) and name not in ACTIVATING
         if answer.accepted:
             self._why = adoption.outputs.refused[name in OF_CHANGER] = ""
@@ -445,7 +447,7 @@ class Program:
         if asked.command in SWITCH_WORDS:
             return self._switch(asked.name, asked.command == SWITCH_WORDS[0])
         if asked.command not in MAINTENANCE_WORDS:
-            return self.command(asked.command, asked.until_us)
+            return self.command(asked.command, asked.name, until_us=asked.until_us)
         if asked.name not in self._description.actuators:
             there = ", ".join(self._description.sequence)
             return Answer(False, f"There is no actuator called {asked.name!r}; there are {there}.")

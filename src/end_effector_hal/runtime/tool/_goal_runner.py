@@ -69,8 +69,11 @@ class CommandedProgram(Protocol):
     def alive(self) -> bool:
         """Whether the program works."""
 
-    def command(self, name: str) -> Answer:
-        """Give the program a command by its channel; the first statuses are published before the answer."""
+    def command(self, name: str, part: str = "") -> Answer:
+        """Give the program a command by its channel; the first statuses are published before the answer.
+
+        ``part``: the part that is to be gripped; empty: the default one.
+        """
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:
         """Block until a status satisfies ``until``; return False on a time-out or when the program has ended."""
@@ -102,8 +105,8 @@ class GoalRunner:
         if self._ended is None and is_over(status) and status.count >= self._count:
             self._ended = status
 
-    def begin(self, command: Command) -> Refused | RunningGoal:
-        """Give a command and wait for the decision, not for its end.
+    def begin(self, command: Command, part: str = "") -> Refused | RunningGoal:
+        """Give a command and wait for the decision, not for its end; ``part``: what is to be gripped.
 
         Raises:
             UsageError: it is not GRIP, RELEASE, LOCK or UNLOCK.
@@ -115,7 +118,7 @@ class GoalRunner:
             self._look()
             self._keep(self._goals.begin(goal, now_us()))
             if goal.result is None:
-                answer = self._program.command(CHANNELS[command])
+                answer = self._program.command(CHANNELS[command], part)
                 self._ended, self._count = None, answer.count
                 self._goals.see(self._program.status, now_us())
                 self._keep(self._goals.answer(goal, answer, now_us()))

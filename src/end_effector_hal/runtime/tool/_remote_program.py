@@ -102,9 +102,9 @@ class RemoteProgram:
         """Block until a status satisfies ``until``; return False on a time-out or after `close`."""
         return self._latest.wait(until, timeout_s)
 
-    def command(self, name: str) -> Answer:
-        """Give the program a command by its channel, and return its decision."""
-        return self._ask(name)
+    def command(self, name: str, part: str = "") -> Answer:
+        """Give the program a command by its channel, and return its decision; ``part``: what is to be gripped."""
+        return self._ask(name, part)
 
     def acknowledge(self) -> None:
         """Acknowledge the alarms that are over."""
@@ -203,7 +203,8 @@ class RemoteProgram:
 
 
 def _check(description: Description, status: Status) -> None:
-    """Raise ValueError if a status does not fit the actuators of the tool."""
+    """Raise ValueError or KeyError if a status does not fit the actuators and the parts of the tool."""
+    description.for_part(status.part)
     each = zip(description.ordered, status.actuators, status.outputs, status.evidence, strict=True)
     for (_, part), state, _, _ in each:
         kind_of(part).states(state)

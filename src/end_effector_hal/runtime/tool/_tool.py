@@ -123,16 +123,20 @@ class Tool(Closing):
                 todo="eehal doctor prints what is missing.",
             )
 
-    def begin(self, command: Command) -> Refused | RunningGoal:
+    def begin(self, command: Command, part: str = "") -> Refused | RunningGoal:
         """Begin GRIP, RELEASE, LOCK or UNLOCK; return when it is accepted or refused, before it ends.
 
         One command runs at a time. Raises UsageError for another command.
-        """
-        return self._goals.begin(command)
 
-    def grip(self) -> Result:
-        """Grip, and wait until the grip has ended."""
-        return self.begin(Command.GRIP).wait()
+        Args:
+            command: the command.
+            part: name of the part that is to be gripped; empty: the default one.
+        """
+        return self._goals.begin(command, part)
+
+    def grip(self, part: str = "") -> Result:
+        """Grip a part, the default one if it is not named, and wait until the grip has ended."""
+        return self.begin(Command.GRIP, part).wait()
 
     def drop(self) -> Result:
         """Release the held part, and wait until the release is proven."""
@@ -169,11 +173,11 @@ class Tool(Closing):
         self._audience_changed()
         return reset_tool(self.description, self._program)
 
-    def command(self, name: str) -> Answer:
+    def command(self, name: str, part: str = "") -> Answer:
         """Give a command by its channel (`control.goals.CHANNELS`) and return the decision; for a caller that follows
-        the statuses from `Answer.count` by itself.
+        the statuses from `Answer.count` by itself. ``part``: what is to be gripped.
         """
-        answer = self._program.command(name)
+        answer = self._program.command(name, part)
         return replace(answer, count=answer.count or self._program.status.count)
 
     def arm(self) -> Answer:

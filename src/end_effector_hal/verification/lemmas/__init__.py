@@ -113,7 +113,9 @@ lines.
 _GRIPPING = ("Gripper", "Actuator")
 """The templates of the tool that correspond to Fig. 5."""
 _DEVICES = 3
-_TIMES = ("ATTEMPTS", "T_CONFIRM", "T_RESET", "T_GONE", "D", "COMMAND_GAP")
+_TIMES_OF_PARTS = ("ATTEMPTS", "T_CONFIRM")
+"""By part and actuator; Fig. 5 knows one part."""
+_TIMES = ("T_RESET", "T_GONE", "D", "COMMAND_GAP")
 _ENVIRONMENT = ("Sensor", "Supervisor")  # templates
 
 
@@ -162,7 +164,8 @@ def fig5_network(description: Description) -> Network:
         )
         raise UsageError(what, where=str(description.source))
     constants = model_constants(description)
-    return load_network(FIG5_FILE, {name: constants[name] for name in _TIMES})
+    of_parts = {name: constants[name][0] for name in _TIMES_OF_PARTS}  # type: ignore[index]
+    return load_network(FIG5_FILE, {name: constants[name] for name in _TIMES} | of_parts)
 
 
 def grips_as_fig5(network: Network, templates: tuple[str, ...], fig5: Network) -> Inclusion:

@@ -202,7 +202,7 @@ def test_each_wire_of_an_output_is_in_the_table() -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("</nta>", ""), ("ATTEMPTS[i]", "ATTEMPTZ[i]"), ("<template>", "<tmplate>")],
+    [("</nta>", ""), ("ATTEMPTS[part]", "ATTEMPTZ[part]"), ("<template>", "<tmplate>")],
     ids=["cut off", "unknown name", "unknown element"],
 )
 def test_broken_automata_are_found(check: Check, tmp_path: Path, old: str, new: str) -> None:

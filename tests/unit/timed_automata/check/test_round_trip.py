@@ -16,8 +16,9 @@ ENDINGS = ("CANCEL", "TIMEOUT", "ABORT", "LOSS", "START", "DEATH", "HELD_DEATH")
 def constants(n: int) -> dict[str, object]:
     return {
         "N": n,
-        "ATTEMPTS": [1 + i % 4 for i in range(n)],
-        "T_CONFIRM": [1000 * (i + 1) for i in range(n)],
+        "USES": [[True] * n],
+        "ATTEMPTS": [[1 + i % 4 for i in range(n)]],
+        "T_CONFIRM": [[1000 * (i + 1) for i in range(n)]],
         "T_RESET": [10 * i for i in range(n)],
         "T_GONE": [2000] * n,
         "RELEASE_ORDER": [(i + 1) % n for i in range(n)],

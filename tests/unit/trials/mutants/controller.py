@@ -229,7 +229,8 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "grip; wait 2; scenario silent-after:0", "evidence",
     ),
     "an attempt too many": WrongProduct(
-        _constants(ATTEMPTS=lambda each: [number + 1 for number in each]), "control/_constants.py: ATTEMPTS",
+        _constants(ATTEMPTS=lambda each: [[number + 1 for number in part] for part in each]),
+        "control/_constants.py: ATTEMPTS",
         "scenario never-confirms:bottom_vacuum; grip", "activation",
         cell="fails:cylinder:3 @ rest + none",
     ),

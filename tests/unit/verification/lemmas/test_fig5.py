@@ -65,10 +65,10 @@ def compared(network: Network, tool: Description, **constants: object) -> Inclus
 
 
 CHANGED = {
-    "two attempts": ({"ATTEMPTS": [3, 2, 3]}, 11010, "ee 1 → 2, command 2 → 3"),
+    "two attempts": ({"ATTEMPTS": [[3, 2, 3]]}, 11010, "ee 1 → 2, command 2 → 3"),
     "a shorter pause": ({"T_RESET": [1000, 1000, 900]}, 5910, "actuator[2] 0 → 1, valve[2] 0 → 1"),
-    "a longer time-out": ({"T_CONFIRM": [6000, 5000, 5000]}, 5061, "the implementation lets time pass"),
-    "a shorter time-out": ({"T_CONFIRM": [4999, 5000, 5000]}, 5009, "actuator[0] 1 → 0, valve[0] 1 → 0"),
+    "a longer time-out": ({"T_CONFIRM": [[6000, 5000, 5000]]}, 5061, "the implementation lets time pass"),
+    "a shorter time-out": ({"T_CONFIRM": [[4999, 5000, 5000]]}, 5009, "actuator[0] 1 → 0, valve[0] 1 → 0"),
     "another release order": ({"RELEASE_ORDER": [0, 1, 2]}, 20, "input drop: ee 3 → 4"),
     "an output that stays active after a time-out": (
         {"TIMEOUT_KEEPS": [True, False, False], "MIXED": True},

@@ -46,8 +46,9 @@ class Tool:
     def constants(self) -> dict:
         return {
             "N": len(self.attempts),
-            "ATTEMPTS": list(self.attempts),
-            "T_CONFIRM": list(self.confirm),
+            "USES": [[True] * len(self.attempts)],
+            "ATTEMPTS": [list(self.attempts)],
+            "T_CONFIRM": [list(self.confirm)],
             "T_RESET": list(self.reset),
             "T_GONE": list(self.gone),
             "RELEASE_ORDER": list(self.release_order),

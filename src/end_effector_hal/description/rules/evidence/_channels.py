@@ -44,7 +44,7 @@ def used_channels(description: Description) -> tuple[str, ...]:
 
     Other channels of a link do not matter to this tool.
     """
-    return tuple(dict.fromkeys(use.channel for use in _uses(description)))
+    return tuple(dict.fromkeys(use.channel for each in description.per_part for use in _uses(each)))
 
 
 def _uses(description: Description) -> Iterator[Use]:

@@ -1,0 +1,83 @@
+"""Rules of the parts that a tool grips, and the tool as it grips each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from end_effector_hal.description._fault import Fault, did_you_mean
+from end_effector_hal.description._shape import Facts
+from end_effector_hal.description.model._description import with_keys
+from end_effector_hal.description.model._stanzas import OF_THE_COMMAND, SAME_FOR_ALL_PARTS
+
+
+def part_faults(facts: Facts) -> Iterator[Fault]:
+    """Yield a fault for each part that names another actuator, or changes what is the same for all parts."""
+    sequence, used = facts.names("sequence"), set[str]()
+    parts, read = _parts(facts), ("sequence",) not in facts.broken and bool(sequence)
+    for name, stanza in parts.items() if read else ():
+        own = stanza.get("uses")
+        uses = [str(each) for each in own] if isinstance(own, list) else sequence
+        used |= set(uses)
+        for index, each in enumerate(uses if isinstance(own, list) else ()):
+            place = facts.places.value("parts", name, "uses", index)
+            if each not in sequence:
+                expected, hint = f"one of {', '.join(sequence)}", did_you_mean(each, sequence)
+                yield Fault.at(
+                    place, "EE-220", "uses names no actuator of the sequence", expected=expected, hint=hint
+                )
+            elif each in uses[:index]:
+                yield Fault.at(place, "EE-220", f"actuator {each!r} is repeated in uses", expected="it once")
+        actuators = stanza.get("actuators")
+        for each, keys in actuators.items() if isinstance(actuators, dict) else ():
+            path = ("parts", name, "actuators", str(each))
+            if each not in uses and set(uses) <= set(sequence):
+                expected = f"one of {', '.join(uses)}"
+                what = f"no actuator that grips {name}"
+                yield Fault.at(
+                    facts.places.key(*path), "EE-220", what, expected=expected, hint=did_you_mean(each, uses)
+                )
+            elif isinstance(keys, dict):
+                yield from _shared_keys(facts, path, keys)
+    for each in sequence if parts and read else ():
+        if each not in used and None not in [facts.unbroken("parts", name) for name in parts]:
+            place, what = (
+                facts.places.value("sequence", sequence.index(each)),
+                f"no part uses the actuator {each!r}",
+            )
+            yield Fault.at(place, "EE-220", what, expected="it in the uses of a part, or not in the sequence")
+
+
+def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> Iterator[Fault]:
+    inside = keys.get("modbus")
+    bus = (
+        [(*path, "modbus", key) for key in inside if key not in OF_THE_COMMAND]
+        if isinstance(inside, dict)
+        else []
+    )
+    for each in [*((*path, key) for key in keys if key in SAME_FOR_ALL_PARTS), *bus]:
+        what = f"{each[-1]!r} is the same for all parts"
+        expected = f"it under actuators.{path[-1]}"
+        yield Fault.at(facts.places.key(*each), "EE-205", what, found=str(each[-1]), expected=expected)
+
+
+def whole_parts(facts: Facts) -> Iterator[Facts]:
+    """Yield the description as it is for each part: with the part's values in the stanzas of the actuators."""
+    actuators = facts.get("actuators")
+    for name, stanza in _parts(facts).items() if isinstance(actuators, dict) else ():
+        own = stanza.get("actuators")
+        changed = {
+            str(each): with_keys(actuators[each], keys)
+            for each, keys in (own.items() if isinstance(own, dict) else ())
+            if isinstance(keys, dict) and isinstance(actuators.get(each), dict)
+        }
+        if changed:
+            tree = {key: value for key, value in facts.tree.items() if key != "parts"}
+            yield Facts({**tree, "actuators": {**actuators, **changed}}, facts.places.for_part(name))
+
+
+def _parts(facts: Facts) -> dict[str, dict[str, Any]]:
+    """Return the stanza of each part that can be read."""
+    parts = facts.get("parts")
+    found = parts.items() if isinstance(parts, dict) else ()
+    return {str(name): stanza for name, stanza in found if isinstance(stanza, dict)}
