@@ -68,6 +68,11 @@ def arbiter_policy(description: Description) -> Policy:
             for _, part in description.ordered
             if part.line in description.register_outputs
         },
+        registers={
+            line: len(each.command_on)
+            for line, each in description.register_outputs.items()
+            if each.register_type == "holding" and each.bitmask is None
+        },
         proven=proven_by_arbiter(description, carrier_of(description)),
         needs={line: needs for line in description.output_lines if (needs := _needs(description, line))},
     )

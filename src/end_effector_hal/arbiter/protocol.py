@@ -32,9 +32,10 @@ so that the next client adopts lines that do not change.
 true`` means that a person asked for the deactivations: they are written even where the line counts as inactive
 already, and a device on a bus may be acknowledged and activated first, as described, unless an interlock refuses an
 activation now. ``"part": "panel"`` is the name of the part that is gripped; the arbiter keeps it for the next program,
-which gets it in the reply to ``levels``. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is
-refused, because its sender has stopped waiting for it. ``renew`` renews the lease, and its reply has the latched
-``faults``; ``set`` renews the lease too.
+which gets it in the reply to ``levels``. ``values`` has the registers that make an output on a bus grip it, by line,
+where they depend on the part: ``{"modbus:9/0x03E8": [2304, 128, 65535]}``. After ``until_us`` (monotonic clock; left
+out: no limit) the whole ``set`` is refused, because its sender has stopped waiting for it. ``renew`` renews the lease,
+and its reply has the latched ``faults``; ``set`` renews the lease too.
 
 ``bye`` ends the session in order: its last will is executed at once, and the earlier last will is void. If the socket
 is closed without ``bye``, or the lease expires, the client counts as dead, and its last will is executed. The last
@@ -98,6 +99,8 @@ from end_effector_hal.vocabulary import (
     LONGEST_SENTENCE,
     MOST_LINES,
     MOST_PREDICATES,
+    NO_PART,
+    GripsPart,
     LastWill,
     is_name,
     printable,
@@ -199,6 +202,8 @@ class LastWillRunsError(LineBusyError):
         self.retry_us = retry_us
 
 
+MOST_REGISTERS = 16
+"""Most values of one output in a ``set``."""
 MOST_FAULTS = 16
 """Most faults in the ``hello`` of a client."""
 _TOKEN = re.compile("[0-9a-f]{32}")
@@ -230,7 +235,7 @@ class Request(NamedTuple):
     will: LastWill | None = None
     until_us: int | None = None
     drop: bool = False
-    part: str = ""
+    part: GripsPart = NO_PART
     predicates: Mapping[str, bool] = {}
     at_us: int = 0
     fault: str = ""
@@ -287,7 +292,7 @@ def _read_hello(message: Mapping[str, Any]) -> Request:
 
 def _read_set(message: Mapping[str, Any]) -> Request:
     levels, until_us = message.get("levels", {}), message.get("until_us")
-    drop, part = message.get("drop", False), message.get("part", "")
+    drop, part, values = message.get("drop", False), message.get("part", ""), message.get("values", {})
     if not (_is_flags(levels, MOST_LINES) and (levels or "will" in message)):
         raise UsageError(f"levels must be an object of at most {MOST_LINES} line names, each true or false.")
     if until_us is not None and type(until_us) is not int:
@@ -296,8 +301,23 @@ def _read_set(message: Mapping[str, Any]) -> Request:
         raise UsageError("drop must be true or false.")
     if part != "" and not is_name(part):
         raise UsageError("part must be a name of at most 64 printable characters.")
+    if not (
+        isinstance(values, dict) and len(values) <= MOST_LINES and all(map(_is_registers, values.values()))
+    ):
+        raise UsageError(
+            f"values must be an object of 1 to {MOST_REGISTERS} numbers from 0 to 65535 by line."
+        )
+    grips = GripsPart(str(part), {line: tuple(each) for line, each in values.items()})
     will = _read_last_will(message)
-    return Request("set", levels=levels, will=will, until_us=until_us, drop=drop, part=str(part))
+    return Request("set", levels=levels, will=will, until_us=until_us, drop=drop, part=grips)
+
+
+def _is_registers(given: object) -> bool:
+    return (
+        isinstance(given, list)
+        and 0 < len(given) <= MOST_REGISTERS
+        and all(type(each) is int and 0 <= each <= 0xFFFF for each in given)
+    )
 
 
 def _read_predicates(message: Mapping[str, Any]) -> Request:

@@ -103,7 +103,7 @@ def read_command(text: str) -> ScriptCommand:
         known = f"There are: {plain}, set <output> on|off, wait <seconds>, scenario <text>."
         todo = f"Did you mean {close[0]!r}?" if close else known
         raise UsageError(f"{verb or text!r} is not a command.", todo=todo)
-    if verb == "grip" and len(rest) == 1:
+    if verb == "grip" and len(rest) == 1 and rest[0].isidentifier():
         return ScriptCommand(Command.GRIP, background=background, part=rest[0])
     if rest:
         between = (

@@ -50,6 +50,19 @@ class LastWillStep(NamedTuple):
         return {"line": self.line, "level": self.level, "after_us": self.after_us}
 
 
+class GripsPart(NamedTuple):
+    """What a write says of the part that is gripped.
+
+    Attributes:
+        name: its name; empty: it has none.
+        values: registers that make an output grip this part, by line, where they depend on the part.
+    """
+
+    name: str = ""
+    values: Mapping[str, tuple[int, ...]] = {}
+
+
+NO_PART = GripsPart()
 LastWill = tuple[LastWillStep, ...]
 """Steps in order; empty: hold, every line stays as it is."""
 

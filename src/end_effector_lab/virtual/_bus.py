@@ -223,9 +223,9 @@ class VirtualBus:
         """See `RemoteLines`."""
         self._outputs.withdraw(lines, why)
 
-    def prepare(self, lines: Iterable[str]) -> None:
+    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         """See `RemoteLines`."""
-        self._outputs.prepare(lines)
+        self._outputs.prepare(lines, values)
 
     def acknowledge(self) -> None:
         """See `RemoteLines`."""

@@ -7,7 +7,7 @@ from typing import Any, NoReturn, TypeVar
 
 from end_effector_hal.arbiter.rules import Session
 from end_effector_hal.errors import ArbiterError, ReportedError
-from end_effector_hal.vocabulary import LastWillStep, printable, read_last_will
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep, printable, read_last_will
 
 from ._arbiter import VirtualArbiter
 
@@ -62,7 +62,12 @@ class VirtualConnection:
         return declared
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
         steps = read_last_will(will)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import pytest
@@ -75,7 +75,7 @@ class Far(Board):
     def withdraw(self, lines: Iterable[str], why: str) -> None:
         self.withdrawn += [why for line in lines if line == FINGERS]
 
-    def prepare(self, lines: Iterable[str]) -> None:
+    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         self.prepared += list(lines)
 
     def troubles(self) -> dict[str, str]:

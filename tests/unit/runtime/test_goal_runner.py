@@ -36,7 +36,7 @@ class Scripted:
         self.status = at(EndEffectorState.STAND_BY, 1)
         self.runner = GoalRunner(self, lambda: self.status)
 
-    def command(self, _name: str) -> Answer:
+    def command(self, _name: str, _part: str = "") -> Answer:
         self.publish(at(EndEffectorState.GRIPPING, 2))
         return Answer(True, count=2)
 

@@ -25,7 +25,7 @@ class Ended:
     def __init__(self, status: Status) -> None:
         self.status = status
 
-    def command(self, _name: str) -> Answer:
+    def command(self, _name: str, _part: str = "") -> Answer:
         return Answer(True)
 
     def wait(self, until: Callable[[Status], bool], timeout_s: float | None = None) -> bool:

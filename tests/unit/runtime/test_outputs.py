@@ -11,7 +11,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
 from end_effector_hal.runtime.outputs import RETRY_US, Maintenance, OutputMapping, Outputs
-from end_effector_hal.vocabulary import Command, EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, Command, EndEffectorState, GripsPart, LastWillStep
 
 A, B, TOP, UNLOCK = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
 UNWIND_A, UNWIND = (LastWillStep(A),), (LastWillStep(B), LastWillStep(A))
@@ -29,7 +29,12 @@ class Lines:
         self.delay_us = 0
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         self.asked.append((dict(levels), tuple(will)))
         return self._wait
@@ -43,6 +48,9 @@ class Lines:
 
     def levels(self) -> Mapping[str, bool]:
         return self.active
+
+    def recorded_part(self) -> str:
+        return ""
 
     def declared_dead(self) -> bool:
         return self.dead
@@ -67,6 +75,9 @@ class TwoLines:
 
     def levels(self, status: Status) -> dict[str, bool]:
         return dict(zip((A, B, UNLOCK), (*status.outputs, status.unlock_output), strict=True))
+
+    def grips(self, status: Status, changes: Mapping[str, bool]) -> GripsPart:
+        return NO_PART
 
     def dropped(self, status: Status) -> str:
         return ""

@@ -27,7 +27,16 @@ from end_effector_hal.runtime.programs._program import UNWRITTEN
 from end_effector_hal.runtime.stream import ProgramCommand
 from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import Cause, ChangerState, Command, EndEffectorState, LastWill, LastWillStep
+from end_effector_hal.vocabulary import (
+    NO_PART,
+    Cause,
+    ChangerState,
+    Command,
+    EndEffectorState,
+    GripsPart,
+    LastWill,
+    LastWillStep,
+)
 from tests.support.declared import declared
 from tests.support.patience import wait_until
 
@@ -57,11 +66,19 @@ class Lines:
         self._answer()
         return dict(self.active)
 
+    def recorded_part(self) -> str:
+        return ""
+
     def declared_dead(self) -> bool:
         return False
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         if self.count is not None and levels:
             self.count.stop()

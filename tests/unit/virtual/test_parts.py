@@ -130,7 +130,9 @@ def test_what_is_held_stays_that_part_until_it_is_dropped(description: Descripti
     assert (tool.status.ee, tool.status.part) == (GRIPPED, "box")
 
 
-def test_an_actuator_that_is_not_used_need_not_be_read_while_the_part_is_held(description: Description) -> None:
+def test_an_actuator_that_is_not_used_need_not_be_read_while_the_part_is_held(
+    description: Description,
+) -> None:
     tool = gripped(description, "lid")
     tool.choose("invalid:bottom_vacuum")
     tool.run(1.0)

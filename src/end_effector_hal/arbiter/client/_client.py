@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from end_effector_hal.arbiter.client._conversation import Conversation
 from end_effector_hal.arbiter.protocol import LastWillRunsError, make_token
 from end_effector_hal.errors import ArbiterError, ReportedError
-from end_effector_hal.vocabulary import LastWill, LastWillStep, printable, read_last_will
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, LastWillStep, printable, read_last_will
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -122,7 +122,12 @@ class ArbiterClient:
         return declared
 
     def set(
-        self, levels: Mapping[str, bool], will: Steps | None = None, *, drop: bool = False, part: str = ""
+        self,
+        levels: Mapping[str, bool],
+        will: Steps | None = None,
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> WriteResult:
         """Write some of the lines together.
 
@@ -130,7 +135,7 @@ class ArbiterClient:
             levels: levels by line; True is active.
             will: the last will that the arbiter executes if this client dies from now on; None: unchanged.
             drop: a person asked for the deactivations; see `LineArbiter.write`.
-            part: name of the part that is gripped; empty: as before.
+            part: the part that is gripped; without a name: as before.
 
         Raises:
             LineRefusedError: an interlock refuses; the message begins with its id. Nothing has changed.
@@ -151,7 +156,7 @@ class ArbiterClient:
         will: Sequence[LastWillStep] | None = None,
         *,
         drop: bool = False,
-        part: str = "",
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         """Do `set` in two parts: send now, without waiting; the returned function waits for the reply.
 
@@ -315,7 +320,7 @@ class ArbiterClient:
             raise lost
 
     def _begin_set(
-        self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: str
+        self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: GripsPart
     ) -> OSError | None:
         """Send the write; return the error if sending failed."""
         fields: dict[str, object] = {"levels": dict(levels)}
@@ -323,8 +328,10 @@ class ArbiterClient:
         fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
         if drop:
             fields["drop"] = True
-        if part:
-            fields["part"] = part
+        if part.name:
+            fields["part"] = part.name
+        if part.values:
+            fields["values"] = part.values
         if will is not None:
             fields["will"] = [step.as_json() for step in will]
         return self._arbiter.request("set", fields)

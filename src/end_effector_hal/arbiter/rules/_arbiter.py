@@ -19,7 +19,7 @@ from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import LastWill, hint
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -202,14 +202,14 @@ class LineArbiter:
         at: int,
         *,
         drop: bool = False,
-        part: str = "",
+        part: GripsPart = NO_PART,
     ) -> int:
         """Write some lines at once, and leave a last will (None: keep the previous one). Without levels only the last
         will changes.
 
         ``drop`` means that a person asked for the deactivations. They are written even to lines that are inactive, and
         the device of a remote line may be acknowledged and activated first, unless an interlock refuses an activation.
-        ``part`` is the name of the part that is gripped; empty: as before.
+        ``part`` is the part that is gripped; without a name: as before.
 
         Returns:
             µs until this write and all before it are applied; 0: they are applied.
@@ -222,6 +222,7 @@ class LineArbiter:
         self.advance(at)
         self.renew(session, at)
         _check_own(session, levels)
+        self._check_values(levels, part)
         if session.stuck and any(levels.values()):
             raise LineRefusedError(f"IL-11: nothing is activated while a deactivation fails: {session.stuck}")
         for line, level in levels.items():
@@ -234,13 +235,13 @@ class LineArbiter:
                 f"IL-10: too many pending writes (at most {MOST_WAITING} of a client): they wait for their lines to "
                 "settle. Send fewer, or wait."
             )
-        self.part = part or self.part
+        self.part = part.name or self.part
         if will is not None:
             self._set_last_will(session, will)
         if session.queue:
             session.forget_activations([line for line, level in levels.items() if not level])
         if levels:
-            session.queue.append(Write(at, dict(levels), drop))
+            session.queue.append(Write(at, dict(levels), drop, part.values))
         self._apply_due(session, at)
         return max(0, self._lines.last_ready_at(session.queue) - at) if session.queue else 0
 
@@ -546,11 +547,10 @@ class LineArbiter:
         while session.queue and self._lines.last_ready_at([session.queue[0]]) <= at:
             write = session.queue.popleft()
             try:
-                if write.drop and self._lines.remote is not None:
-                    lines = [line for line, level in write.levels.items() if not level]
-                    self._lines.remote.prepare(
-                        each for each in lines if not any(self._interlocks.objections(each, at))
-                    )
+                if (write.drop or write.values) and self._lines.remote is not None:
+                    lines = [line for line, level in write.levels.items() if write.drop and not level]
+                    drops = [each for each in lines if not any(self._interlocks.objections(each, at))]
+                    self._lines.remote.prepare(drops, write.values)
                 self._lines.set(write.levels, at, again=write.drop)
                 session.stuck = ""
             except WireError as error:
@@ -558,6 +558,16 @@ class LineArbiter:
                     self._try_again(session, Write(at + RETRY_US, off, write.drop), error)
                 if len(off) < len(write.levels):
                     raise
+
+    def _check_values(self, levels: Mapping[str, bool], part: GripsPart) -> None:
+        """Raise UsageError if registers are given for a line that is not activated, or has another number of them."""
+        for line, values in part.values.items():
+            number = self.policy.registers.get(line)
+            if not levels.get(line) or len(values) != number:
+                what = (
+                    f"{len(values)} values for {line}, which takes {number or 'none'} while it is activated."
+                )
+                raise UsageError(what)
 
     def _try_again(self, session: Session, write: Write, error: WireError) -> None:
         """Queue a failed deactivation again, before all later writes, and discard the waiting activations.

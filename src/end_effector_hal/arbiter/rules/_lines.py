@@ -157,7 +157,7 @@ class OutputLines:
         """
         levels, changed_at, time = dict(self.levels), dict(self.changed_at), 0
         paused = {line: self.coils.ready_at(line) for line in levels} if self.coils else {}
-        for due, wanted, again in writes:
+        for due, wanted, again, _ in writes:
             time, switched = max(time, due), []
             for line, level in wanted.items():
                 if levels[line] != level or (again and not level):

@@ -79,6 +79,7 @@ class Policy:
         roles: by line, its role, for the next arbiter, which may be started with another description.
         opposites: by line of an output, its second coil; no client writes these coils.
         release_us: by line of an output on a bus, how long its release takes, µs.
+        registers: number of values that make an output grip, by line, where a client may choose them.
         proven: predicates that the arbiter proves from lines that it reads itself; reports of other processes are
             refused.
     """
@@ -96,6 +97,7 @@ class Policy:
     roles: Mapping[str, Role] = field(default_factory=dict)
     opposites: Mapping[str, SecondCoil] = field(default_factory=dict)
     release_us: Mapping[str, int] = field(default_factory=dict)
+    registers: Mapping[str, int] = field(default_factory=dict)
     proven: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
@@ -103,6 +105,7 @@ class Policy:
             *self.max_active_us,
             *self.needs,
             *self.opposites,
+            *self.registers,
         ]
         unknown = sorted(set(used) - set(self.lines))
         wires = [*self.lines, *(each.line for each in self.opposites.values())]

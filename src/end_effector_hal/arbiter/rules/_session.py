@@ -170,11 +170,17 @@ def process_words(pid: int, program: str) -> str:
 
 
 class Write(NamedTuple):
-    """Levels that are applied together, at ``due`` (µs) or later; ``drop``: a person asked for the deactivations."""
+    """Levels that are applied together, at ``due`` (µs) or later.
+
+    Attributes:
+        drop: a person asked for the deactivations.
+        values: registers that make an output grip, by line, where the part decides about them.
+    """
 
     due: int
     levels: Mapping[str, bool]
     drop: bool = False
+    values: Mapping[str, tuple[int, ...]] = {}
 
 
 @dataclass(eq=False)
@@ -215,10 +221,10 @@ class Session:
         """Remove from the queue all activations of these lines."""
         given_up, queue = set(lines), self.queue
         self.queue = deque()
-        for due, levels, drop in queue:
-            left = {name: level for name, level in levels.items() if not (level and name in given_up)}
+        for write in queue:
+            left = {name: level for name, level in write.levels.items() if not (level and name in given_up)}
             if left:
-                self.queue.append(Write(due, left, drop))
+                self.queue.append(write._replace(levels=left))
 
     def queued_level(self, line: str) -> bool | None:
         """Return the level of a line after the queue is applied; None: no write of this line waits."""

@@ -343,6 +343,14 @@ class Description(Part):
         return {each.line: each.modbus for each in self.every_output.values() if each.modbus is not None}
 
     @property
+    def chosen_outputs(self) -> frozenset[str]:
+        """The outputs on buses whose values that make them grip depend on the part."""
+        found = [tool.register_outputs for tool in self.per_part]
+        return frozenset(
+            line for line in self.register_outputs if len({each[line].command_on for each in found}) > 1
+        )
+
+    @property
     def may_be_unknown(self) -> frozenset[str]:
         """Outputs whose state may be unknown at a start."""
         return frozenset((*self.opposites, *self.register_outputs))

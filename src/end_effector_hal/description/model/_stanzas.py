@@ -234,7 +234,7 @@ SAME_FOR_ALL_PARTS = (
     "blow_off", "endings", "service", "topic",
 )  # fmt: skip
 """Keys of an actuator that no part may change: its wires, its release, and its names."""
-OF_THE_COMMAND = ("command_on", "verify")
+OF_THE_COMMAND = ("command_on",)
 """Keys under ``modbus`` that a part may change."""
 
 
@@ -250,7 +250,7 @@ class GrippedPart(Part):
     actuators: dict[Name, dict[str, Any]] = Field(
         default={},
         description="by name: keys of the actuator that have another value for this part, such as thresholds, "
-        "`timeout_s`, `attempts`, `evidence`, and `command_on` and `verify` under `modbus`",
+        "`timeout_s`, `attempts`, `evidence`, and `command_on` under `modbus` (force, speed, position)",
     )
 
 

@@ -14,7 +14,7 @@ from end_effector_hal.description.devices._expand import expand
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules._order import order_faults
 from end_effector_hal.description.rules._outputs import output_faults
-from end_effector_hal.description.rules._parts import part_faults, whole_parts
+from end_effector_hal.description.rules._parts import activation_faults, part_faults, whole_parts
 from end_effector_hal.description.rules._shared import shared_faults
 from end_effector_hal.description.rules._stanzas import limit_faults, rule_faults
 from end_effector_hal.description.rules.frames._declared import channel_faults
@@ -103,7 +103,7 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     ]
     facts = Facts(tree, places, broken)
     faults += [fault for rule in _RULES for fault in rule(facts)]
-    of_parts = [*part_faults(facts), *_of_parts(facts, refused)]
+    of_parts = [*part_faults(facts), *_of_parts(facts, refused, description)]
     broken |= {("actuators", name) for name in guessed}
     if not set(of_parts) <= set(faults):
         faults += of_parts
@@ -122,12 +122,13 @@ _RULES = (
 )
 
 
-def _of_parts(facts: Facts, refused: set[Keys]) -> list[Fault]:
+def _of_parts(facts: Facts, refused: set[Keys], description: Description | None) -> list[Fault]:
     """Return the faults that a tool has as it grips each of its parts, apart from those that it has anyway."""
     faults: list[Fault] = []
     for part in whole_parts(facts):
         broken = set(facts.broken)
-        _, found = _validate(part.tree, part.places, broken)
+        changed, found = _validate(part.tree, part.places, broken)
+        faults += activation_faults(description, changed) if description and changed else []
         faults += [fault for path, fault in found if not _follows(path, fault, refused, set(), set())]
         faults += [fault for rule in _RULES for fault in rule(Facts(part.tree, part.places, broken))]
     return faults

@@ -7,7 +7,7 @@ from typing import Any
 
 from end_effector_hal.description._fault import Fault, did_you_mean
 from end_effector_hal.description._shape import Facts
-from end_effector_hal.description.model._description import with_keys
+from end_effector_hal.description.model._description import Description, with_keys
 from end_effector_hal.description.model._stanzas import OF_THE_COMMAND, SAME_FOR_ALL_PARTS
 
 
@@ -49,7 +49,7 @@ def part_faults(facts: Facts) -> Iterator[Fault]:
 
 
 def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> Iterator[Fault]:
-    inside = keys.get("modbus")
+    inside, described = keys.get("modbus"), facts.get("actuators", path[-1], "modbus")
     bus = (
         [(*path, "modbus", key) for key in inside if key not in OF_THE_COMMAND]
         if isinstance(inside, dict)
@@ -59,6 +59,23 @@ def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> I
         what = f"{each[-1]!r} is the same for all parts"
         expected = f"it under actuators.{path[-1]}"
         yield Fault.at(facts.places.key(*each), "EE-205", what, found=str(each[-1]), expected=expected)
+    bits = isinstance(described, dict) and (
+        described.get("bitmask") or described.get("register_type") == "coil"
+    )
+    if bits and isinstance(inside, dict) and "command_on" in inside:
+        place = facts.places.value(*path, "modbus", "command_on")
+        what, expected = "single bits are the same for all parts", "registers of its own for this output"
+        yield Fault.at(place, "EE-229", what, expected=expected)
+
+
+def activation_faults(description: Description, changed: Description) -> Iterator[Fault]:
+    """Yield a fault for each command of a part that activates its device unlike that of the actuator."""
+    for line, output in changed.register_outputs.items():
+        if output.commands_activate != description.register_outputs[line].commands_activate:
+            name = next(name for name, part in changed.ordered if part.line == line)
+            what = "this command would activate the device, or would not, unlike that of the actuator"
+            place = changed.place("actuators", name, "modbus", "command_on")
+            yield Fault.at(place, "EE-229", what, expected="the same bits of the activation")
 
 
 def whole_parts(facts: Facts) -> Iterator[Facts]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.errors import ReportedError, WireError
 from end_effector_hal.runtime.outputs import LineWriter
-from end_effector_hal.vocabulary import LastWillStep
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep
 from end_effector_hal.wires import now_us
 
 from ._recorded_controller import Put
@@ -41,7 +41,12 @@ class RecordedLines:
         return self._lines.declared_dead()
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         """Begin to write levels and the last will."""
         at = now_us()

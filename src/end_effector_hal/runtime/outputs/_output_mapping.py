@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from end_effector_hal.control import GripLastWill, Status, changer_will, maintenance_will
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import EndEffectorState, LastWill
+from end_effector_hal.vocabulary import EndEffectorState, GripsPart, LastWill
 
 from ._maintenance import Maintenance
 
@@ -18,6 +20,15 @@ class OutputMapping:
         self._lines = [part.line for _, part in description.ordered]
         place = description.sequence.index
         self._blow_offs = [(each.line, place(name)) for name, each in description.blow_offs.items()]
+        chosen = description.chosen_outputs
+        self._values = {
+            name: {
+                part.line: part.modbus.command_on
+                for _, part in tool.ordered
+                if part.modbus and part.line in chosen
+            }
+            for name, tool in zip(description.part_names, description.per_part, strict=True)
+        }
         changer = description.tool_changer
         self.unlock_line = changer.line if changer else ""
         """The line that unlocks the tool changer; empty: the tool has none."""
@@ -30,6 +41,13 @@ class OutputMapping:
         if self.unlock_line:
             levels[self.unlock_line] = status.unlock_output
         return levels
+
+    def grips(self, status: Status, changes: Mapping[str, bool]) -> GripsPart:
+        """Return the part of a status, and the registers that grip it of the outputs that are activated."""
+        chosen = self._values.get(status.part, {})
+        return GripsPart(
+            status.part, {line: chosen[line] for line, on in changes.items() if on and line in chosen}
+        )
 
     def dropped(self, status: Status) -> str:
         """Return the line that a Drop has deactivated last, until the Drop is over; empty: none."""

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status, maintenance_will
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, WireError
-from end_effector_hal.vocabulary import ARBITER_LOST, Alarm, LastWillStep
+from end_effector_hal.vocabulary import ARBITER_LOST, NO_PART, Alarm, GripsPart, LastWillStep
 
 from ._output_mapping import OutputMapping
 
@@ -30,7 +30,12 @@ class LineWriter(Protocol):
         """Return whether the line arbiter has declared this program dead since the last call."""
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False, part: str = ""
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         """Begin to write levels and the last will of this program; ``drop`` and ``part``: see `LineArbiter.write`.
 
@@ -134,7 +139,8 @@ class Outputs:
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
             ):
                 continue
-            self._ask({**self._undone, **changes}, will, status.at, drop=drop, part=status.part)
+            grips = self.mapping.grips(status, changes)
+            self._ask({**self._undone, **changes}, will, status.at, drop=drop, part=grips)
             return statuses[number + 1 :]
         return ()
 
@@ -237,7 +243,7 @@ class Outputs:
         at: int,
         *,
         drop: bool = False,
-        part: str = "",
+        part: GripsPart = NO_PART,
     ) -> None:
         if self.lost:
             self._fail(changes)

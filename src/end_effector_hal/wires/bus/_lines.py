@@ -140,10 +140,10 @@ class BusLines:
         with self._lock:
             self._outputs.withdraw(lines, why)
 
-    def prepare(self, lines: Iterable[str]) -> None:
+    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         """See `RemoteLines`."""
         with self._lock:
-            self._outputs.prepare(lines)
+            self._outputs.prepare(lines, values)
 
     def acknowledge(self) -> None:
         """See `RemoteLines`."""

@@ -58,6 +58,8 @@ class BusOutput:
 
     def __init__(self, name: str, stanza: RegisterOutput, fresh_us: int) -> None:
         self.name, self.stanza, self._fresh_us = name, stanza, fresh_us
+        self.gripping = stanza.command_on
+        """The values that make it grip; not those of a bitmask, which depend on no part."""
         self.level: bool | None = None
         """The commanded level; None: no command since the start."""
         self.turn = 0
@@ -336,7 +338,7 @@ class BusOutput:
     @property
     def _is_told(self) -> bool:
         """Whether a command still has to be written."""
-        commands = self.stanza.values(level=True), self.stanza.values(level=False)
+        commands = self._values(level=True), self._values(level=False)
         return any(isinstance(step, Row) and step.values in commands for step in self._steps)
 
     @property
@@ -380,7 +382,7 @@ class BusOutput:
 
     def _told(self, level: bool) -> list[Row | Awaited]:
         """Return the steps that command this level."""
-        command = Row(self.stanza.address, self.stanza.values(level))
+        command = Row(self.stanza.address, self._values(level))
         handshake = self.stanza.handshake
         if handshake is None:
             return [command]
@@ -391,6 +393,9 @@ class BusOutput:
         taken = Awaited(handshake.taken, True, "the device did not accept the command in time")
         shaken = [*(end if self._open else []), self._control(handshake.request), taken, *end]
         return [*shaken, command] if handshake.order == "before" else [command, *shaken]
+
+    def _values(self, level: bool) -> tuple[int, ...]:
+        return self.gripping if level and not self.stanza.bitmask else self.stanza.values(level)
 
     def _control(self, values: tuple[int, ...]) -> Row:
         """Return the row that writes these values to the registers of the handshake."""

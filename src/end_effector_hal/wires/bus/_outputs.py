@@ -39,9 +39,14 @@ class BusOutputs:
         self._heard = frozenset[int]()  # the units that answered a read of the last cycle
         self._commands = self._now = 0
 
-    def prepare(self, names: Iterable[str]) -> None:
-        """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`."""
+    def prepare(self, names: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
+        """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`.
+
+        ``values``: the registers that make outputs grip from now on, by name.
+        """
         self._drops |= self._outputs.keys() & set(names)
+        for name in self._outputs.keys() & values.keys():
+            self._outputs[name].gripping = values[name]
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """Set the wanted levels of some outputs."""

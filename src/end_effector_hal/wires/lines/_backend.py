@@ -79,9 +79,9 @@ class RemoteLines(Protocol):
         """Cancel activations of these lines that are not done yet; ``why``: a clause."""
         ...
 
-    def prepare(self, lines: Iterable[str]) -> None:
+    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         """Mark the next deactivation of these lines as a Drop: their devices may be acknowledged and
-        activated first.
+        activated first. ``values``: the registers that make outputs grip from now on, by line.
         """
         ...
 

@@ -89,11 +89,11 @@ class ComposedLines:
         for each in self._remote:
             each.withdraw(named, why)
 
-    def prepare(self, lines: Iterable[str]) -> None:
-        """Mark the next deactivation of these lines as a Drop."""
+    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
+        """Mark the next deactivation of these lines as a Drop, and set the registers that make outputs grip."""
         named = frozenset(lines)
         for each in self._remote:
-            each.prepare(named)
+            each.prepare(named, values)
 
     def acknowledge(self) -> None:
         """Clear the faults of all devices."""

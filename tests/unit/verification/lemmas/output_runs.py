@@ -73,7 +73,7 @@ class OutputRun:
     def _commands(self, *, level: bool, drop: bool = False) -> None:
         self.level = level
         self._event(f"ask[{2 if drop else int(level)}]")
-        self.outputs.prepare([OUT] if drop else [])
+        self.outputs.prepare([OUT] if drop else [], {})
         self.outputs.command({OUT: level}, self.at * MS)
         self._look()
 

@@ -70,7 +70,7 @@ def test_a_drop_clears_and_activates_it_as_described_and_then_opens_it(
     (name,) = bus.outputs.known(0) or ("modbus:5/0x0000",)
     bus.to(1 * S)
     assert device.written == []
-    bus.outputs.prepare([name])
+    bus.outputs.prepare([name], {})
     bus.outputs.command({name: False}, bus.at)
     bus.to(bus.at + 2 * S)
     assert device.written == written

@@ -122,7 +122,7 @@ def test_an_activation_that_nobody_acknowledges_is_given_up_and_never_done_later
         len(gripper.written) == told
     )  # it has a fault that its activation clears, and a release has its bit
     assert "a Drop or a grip activates it first" in bus.outputs.troubles(bus.at)[FINGERS]
-    bus.outputs.prepare([FINGERS])
+    bus.outputs.prepare([FINGERS], {})
     bus.command(False)
     bus.to(bus.at + 3 * S)
     assert gripper.written[told:] == [(0, 0, 0), (0x0100, 0, 0), (0x0900, 0, 0xFFFF)]
@@ -141,7 +141,7 @@ def test_only_a_drop_activates_a_device_that_lost_its_power_and_never_late(
     assert len(gripper.written) == told
     bus.server = RtuServer({})
     bus.to(bus.at + 1 * S)
-    bus.outputs.prepare([FINGERS])
+    bus.outputs.prepare([FINGERS], {})
     bus.command(False)
     bus.to(bus.at + 30 * S)
     bus.server = RtuServer({9: gripper})
