@@ -14,6 +14,7 @@ from end_effector_hal.description import (
     CONFIRMED,
     Description,
     Fault,
+    GrippedPart,
     examine,
     load,
     measures_of,
@@ -283,6 +284,14 @@ def _actuators(description: Description) -> Table:
     return table
 
 
+def _of_part(description: Description, name: str, stanza: GrippedPart) -> Iterator[str]:
+    """Yield the actuators that grip a part, each with its own keys for it."""
+    for each, used in zip(description.sequence, description.uses(name), strict=True):
+        if used:
+            keys = f" ({', '.join(stanza.actuators[each])})" if each in stanza.actuators else ""
+            yield f"{each}{keys}"
+
+
 def _rest(description: Description) -> Iterator[str]:
     """Yield one line for the tool changer and one for every wire."""
     from end_effector_hal.codecs import board_inputs, codec_of, line_words
@@ -299,6 +308,8 @@ def _rest(description: Description) -> Iterator[str]:
         codec = codec_of(description, name)
         called, line = f"{name}: " if name else "", line_words(link, codec)
         yield f"link      {called}{link.port}, {codec.name}{line and f', {line}'}"
+    for name, stanza in description.parts.items():
+        yield f"part      {name}: {', '.join(_of_part(description, name, stanza))}"
     if inputs := board_inputs(description):
         yield f"inputs    {', '.join(inputs.channels)}, each {inputs.period_us / 1000:g} ms"
     for name, device in description.used_devices.items():

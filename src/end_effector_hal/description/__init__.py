@@ -31,7 +31,7 @@ from .model._channels import (
     type_bits,
 )
 from .model._description import Description, camel_case, socket_path
-from .model._stanzas import EStop, Freshness, Link, ToolChanger
+from .model._stanzas import EStop, Freshness, GrippedPart, Link, ToolChanger
 from .reading._examine import examine, examine_text, load
 from .rules._outputs import lost_by_silence
 from .rules.evidence._channels import CodecChannels, used_channels
@@ -55,6 +55,7 @@ __all__ = [
     "EStop",
     "Fault",
     "Freshness",
+    "GrippedPart",
     "Inputs",
     "JsonValue",
     "LibraryDevice",

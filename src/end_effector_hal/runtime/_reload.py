@@ -32,6 +32,7 @@ _OF_POLICY = {
     "labels": "the names of the outputs",
     "roles": "what each output drives",
     "opposites": "second coils and pulses",
+    "registers": "which outputs take registers of a part",
     "proven": "the inputs that the line arbiter reads itself",
 }
 CONTENT = "The description is valid and can be loaded."
