@@ -145,6 +145,7 @@ def check(what: str, description: Description, where: str = "") -> None:
         return
     known = (
         (what in COMMANDS or what == POWER)
+        or (verb == "grip" and rest in description.parts)
         or (verb in (KILL, END, START) and rest in PROCESSES)
         or (
             verb == DISK

@@ -24,7 +24,7 @@ from ._case import (
     Case,
     Happening,
 )
-from ._grid import faults_of
+from ._grid import faults_of, grip_of
 
 MOST_HAPPENINGS, LONGEST_US = 14, 60_000_000
 NEAR_US = 1_000
@@ -64,18 +64,23 @@ class CaseSource:
             return self._disturbed_grip(random, kinds)
         happenings, at = list[Happening](), 0
         if random.random() < 0.6:
-            happenings.append(Happening(0, "grip"))
+            happenings.append(Happening(0, self._grip(random)))
         while len(happenings) < random.randint(2, MOST_HAPPENINGS) and at < LONGEST_US:
             for gap, what in random.choice(kinds)(random):
                 at += gap
                 happenings.append(Happening(at, what))
         return Case(random.getrandbits(31), ()).with_(happenings)
 
+    def _grip(self, random: Random) -> str:
+        """Return the command that grips some part."""
+        parts = list(self._description.parts)
+        return grip_of(random.choice(parts)) if parts else "grip"
+
     def _disturbed_grip(self, random: Random, kinds: Sequence[Draw]) -> Case:
         """Return a grip and perhaps a drop, with a few events at any time in them."""
         drop_at = random.randint(1_000_000, 4_000_000)
         rarely_commands = [*dict.fromkeys(kinds), *kinds[COMMANDS_SHARE:]]
-        happenings = [Happening(0, "grip")]
+        happenings = [Happening(0, self._grip(random))]
         if random.random() < 0.6:
             happenings.append(Happening(drop_at, "drop"))
         for _ in range(random.randint(1, 3)):
@@ -153,7 +158,7 @@ class CaseSource:
 
         def command(random: Random) -> list[tuple[int, str]]:
             name = random.choices(commands, [WEIGHTS[each] for each in commands])[0]
-            return [(self._gap(random), name)]
+            return [(self._gap(random), self._grip(random) if name == "grip" else name)]
 
         def fault(random: Random) -> list[tuple[int, str]]:
             return [(self._gap(random), f"{SCENARIO} {self._scenario(random, faults)}")]

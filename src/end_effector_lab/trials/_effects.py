@@ -100,8 +100,10 @@ class Effects:
         needs_alarm: whether an alarm must be on while a part is held: its evidence is missing, or the tool is loose.
     """
 
-    def __init__(self, description: Description, fault: str, phase: str, engaged: tuple[str, ...]) -> None:
-        self._description, self.fault = description, FaultWords(fault)
+    def __init__(
+        self, description: Description, fault: str, phase: str, engaged: tuple[str, ...], part: str = ""
+    ) -> None:
+        self._description, self.fault = description.for_part(part), FaultWords(fault)
         self._phase, self._engaged = phase, engaged
         self._sequence = description.sequence
         self.views = {name: self._sensor(name) for name in self._sequence}
@@ -109,7 +111,8 @@ class Effects:
         self.is_harmless = unaffected and self.fault.name in PHYSICAL
         self.is_loose = self._shows_loose()
         self.refuses_grip = self._refuses_grip()
-        blind = any(view.keeps == {UNKNOWN} for view in views)
+        used = zip(views, description.uses(part), strict=True)
+        blind = any(view.keeps == {UNKNOWN} for view, uses in used if uses)
         self.needs_alarm = blind or self.is_loose or self._is_watched_frozen()
 
     @property

@@ -40,6 +40,7 @@ class Moment:
         phase: phase of the run at that time, of `PHASES`.
         engaged: actuators whose outputs are active then, in the order of the sequence.
         before: the commands of the run until then.
+        part: the part that the run grips; empty: the tool names none.
     """
 
     name: str
@@ -47,6 +48,12 @@ class Moment:
     phase: str
     engaged: tuple[str, ...]
     before: tuple[Happening, ...] = ()
+    part: str = ""
+
+
+def grip_of(part: str) -> str:
+    """Return the command that grips a part."""
+    return f"grip {part}".strip()
 
 
 @dataclass(frozen=True)
@@ -91,7 +98,7 @@ class Cell:
         elif self.command != NOTHING:
             happenings.append(Happening(at, self.command))
         elif self.moment.phase == REST:
-            happenings.append(Happening(at + GRIP_AFTER_US, "grip"))
+            happenings.append(Happening(at + GRIP_AFTER_US, grip_of(self.moment.part)))
         return Case(0, tuple(happenings))
 
 
@@ -168,18 +175,24 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
 def moments(description: Description) -> tuple[Moment, ...]:
     """Return moments at each event of the run without a fault, a millisecond before and after it, and between two.
 
+    A tool that names parts has a run for each; the names of its moments begin with the part.
+
     Raises:
         UsageError: the run does not succeed without a fault.
     """
+    return tuple(moment for part in description.part_names for moment in _moments(description, part))
+
+
+def _moments(description: Description, part: str) -> tuple[Moment, ...]:
     tool = tool_at_rest(VirtualTool(description))
     origin, before = tool.at, list[Happening]()
     events: list[tuple[int, str]] = []
 
     def play(command: str, phase: str, over: EndEffectorState) -> None:
         """Give a command, and note what happens until the tool is in the state ``over``."""
-        edges = len(tool.edges)
+        edges, (name, _, of) = len(tool.edges), command.partition(" ")
         before.append(Happening(tool.at - origin, command))
-        tool.command(command)
+        tool.command(name, part=of)
         if not tool.run_until(tool.at + LONGEST_US, lambda: tool.status.ee == over):
             raise UsageError(f"{description.name} does not {command} without a fault: {tool.status.reason}")
         moved = switchings(description, tool.edges[edges:])
@@ -188,7 +201,7 @@ def moments(description: Description) -> tuple[Moment, ...]:
         events.append((whole_ms, f"{phase} {over.name}"))
 
     tool.run_until(origin + GRIP_US)
-    play("grip", GRIP, GRIPPED)
+    play(grip_of(part), GRIP, GRIPPED)
     held_at = tool.at - origin
     tool.run(HOLD_US / 1e6)
     play("drop", RELEASE, STAND_BY)
@@ -199,7 +212,8 @@ def moments(description: Description) -> tuple[Moment, ...]:
         engaged = tuple(name for name in description.sequence if active.get(name))
         given = tuple(each for each in before if each.at <= at)
         phase = (REST, HELD if at >= held_at else GRIP, RELEASE)[len(given)]
-        return Moment(name, at, phase, engaged, given)
+        called = f"{part}: {name}" if part else name
+        return Moment(called, at, phase, engaged, given, part)
 
     return tuple(moment(*each) for each in _near(events))
 

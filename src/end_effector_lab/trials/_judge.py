@@ -115,6 +115,17 @@ class Judge:
         self._let_go: dict[str, int] = {}
         self._promises = Promises(description, tool, self._object)
 
+    @property
+    def _gripping(self) -> Description:
+        """The tool as it grips the present part."""
+        return self._description.for_part(self._tool.statuses[-1].part)
+
+    @property
+    def _used(self) -> tuple[str, ...]:
+        """The actuators that grip the present part, in the order of a grip."""
+        uses = self._description.uses(self._tool.statuses[-1].part)
+        return tuple(name for name, used in zip(self._sequence, uses, strict=True) if used)
+
     # What happens to the tool
 
     def suffers(self, scenario: str) -> None:
@@ -274,12 +285,12 @@ class Judge:
         return self._waits_for_a_drop(name) and evidence is not Evidence.GONE
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
-        if len(active) < len(self._sequence):
-            missing = [
-                name for name in self._sequence if name not in active and not self._reality.lets_go(name)
-            ]
-            if missing:
-                self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
+        used = self._used
+        missing = [name for name in used if name not in active and not self._reality.lets_go(name)]
+        if missing:
+            self._object("told", f"GRIPPED with {', '.join(missing)} inactive")
+        if more := [name for name in active if name not in used]:
+            self._object("told", f"GRIPPED with {', '.join(more)} active, which do not grip this part")
         self._is_held(status)
         if self._reality.lasts("silent") and not status.alarms:
             self._object("told", "GRIPPED with a silent link, without an alarm")
@@ -315,17 +326,20 @@ class Judge:
             self._object("unlock", f"the unlock output became active, and {why}")
 
     def _activated(self, each: Switching) -> None:
-        name, before = each.name, self._sequence[: self._sequence.index(each.name)]
+        name, used = each.name, self._used
+        before = used[: used.index(name)] if name in used else ()
+        if name not in used:
+            self._object("activation", f"{name} became active, which does not grip this part")
         if not self._grip_runs:
             self._object("activation", f"{name} became active without a grip (IL-11)")
         self._attempts[name] += 1
-        allowed = self._description.actuators[name].attempts
+        allowed = self._gripping.actuators[name].attempts
         if self._attempts[name] > allowed:
             self._object("activation", f"{name} was activated more often than {allowed} times")
         self._let_go.pop(name, None)
         if (ended := self._ended.get(name)) is not None and self._arbiter.has_lived_since(self._grip_since):
             pause_us = each.at - ended
-            if pause_us < to_us(self._description.actuators[name].reset_s) - NEAR_US:
+            if pause_us < to_us(self._gripping.actuators[name].reset_s) - NEAR_US:
                 self._object("activation", f"{name} was tried again after {pause_us / 1e6:.3f} s")
         for other in before:
             if not self._active[other]:
@@ -368,7 +382,7 @@ class Judge:
 
     def _is_late(self, each: Switching) -> bool:
         """Return whether no command was active at that time, and the program has not just started."""
-        on_bus = self._description.actuators[each.name].line in self._description.register_outputs
+        on_bus = self._gripping.actuators[each.name].line in self._description.register_outputs
         if on_bus or self._tool.statuses[-1].ee == EndEffectorState.OFF:
             return False
         for status in reversed(self._tool.statuses):
@@ -391,7 +405,7 @@ class Judge:
         other = let_go[-1]
         waited_us = each.at - self._let_go[other]
         if waited_us < to_us(
-            self._description.actuators[other].release_s
+            self._gripping.actuators[other].release_s
         ) - NEAR_US and self._reality.surely_grips(other):
             self._object(
                 "order",

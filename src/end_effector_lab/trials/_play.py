@@ -106,6 +106,7 @@ class Trial:
         self._judge, self._story = Judge(description, self.tool), Story()
         self.origin, self._said = self.tool.at, list[tuple[int, str]]()
         self.marks: list[Mark] = []
+        self._gripped = ""  # the part that was asked for last
         self.outcome = Outcome.UNFINISHED
         self.end: CaseEnd | None = None
         self.ended = self._mark()
@@ -212,8 +213,8 @@ class Trial:
         self._said.append((tool.at, what))
         if tool.status.ee == GRIPPED:
             self._story.gripped()
-        if what in COMMANDS:
-            self._command(what)
+        if verb in COMMANDS:
+            self._command(verb, rest)
         elif verb == SCENARIO:
             tool.choose(rest)
             judge.suffers(rest)
@@ -248,11 +249,12 @@ class Trial:
         for name in reversed(processes(ALL)):
             tool.start(name)
 
-    def _command(self, name: str) -> bool:
+    def _command(self, name: str, part: str = "") -> bool:
         tool, at = self.tool, self.tool.at
         if name == "reset":
             return self._reset()
-        answer = tool.command(name, self._judge.look)
+        self._gripped = part if name == "grip" else self._gripped
+        answer = tool.command(name, self._judge.look, part)
         self._said.append((tool.at, f"  {name}: {'accepted' if answer.accepted else answer.reason}"))
         self._judge.commanded(name, answer, at)
         self._story.commanded(name, at, accepted=answer.accepted)
@@ -365,7 +367,7 @@ class Trial:
         if not (reset or self._reset()):  # some trouble ends only with the drop
             return "a reset is refused"
         self._go(tool.at + round(SOON_S * 1e6))
-        if not self._command("grip"):
+        if not self._command("grip", self._gripped):
             return f"a grip is refused: {self._said[-1][1].strip()}"
         if not self._until(lambda: tool.status.ee == GRIPPED, longest):
             return "a grip does not succeed"

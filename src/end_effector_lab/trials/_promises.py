@@ -49,8 +49,11 @@ class Promises:
 
     def _set_effects(self, scenario: str, phase: str, engaged: tuple[str, ...]) -> None:
         single = "," not in scenario
-        self._effects = Effects(self._description, scenario, phase, engaged) if single else None
+        self._effects = self._effects_of(scenario, phase, engaged) if single else None
         self._excused |= self._effects is None or not self._effects.is_harmless
+
+    def _effects_of(self, scenario: str, phase: str, engaged: tuple[str, ...]) -> Effects:
+        return Effects(self._description, scenario, phase, engaged, self._tool.statuses[-1].part)
 
     def commanded(self, name: str, answer: Answer) -> None:
         """Process a command and its answer."""

@@ -203,7 +203,8 @@ class Reality:
 
     def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
         """Return whether a pressure with a sensor is above a threshold of the description."""
-        device, part = self._tool.bench.devices[name], self._description.actuators[name]
+        tool = self._description.for_part(self._tool.statuses[-1].part)
+        device, part = self._tool.bench.devices[name], tool.actuators[name]
         kpa = kind_of(part).limits(part, self._description.supply).get(limit)
         if name not in self._by_pressure or kpa is None or device.pressure_kpa is None:
             return False

@@ -187,7 +187,7 @@ def _row(
     first = [each.told_after for each in rows if each.told_after is not None]
     effects = sorted({LET_GO if each.let_go else ON_PART[each.outcome] for each in rows})
     times = f"told after {min(first):g} to {max(first):g}; " if first else ""
-    effects_of = Effects(description, fault, phase, cell.moment.engaged)
+    effects_of = Effects(description, fault, phase, cell.moment.engaged, cell.moment.part)
     key = (display_name(effects_of.fault.place) or "Whole tool", FUNCTIONS[phase], fault)
     return [
         *key,
