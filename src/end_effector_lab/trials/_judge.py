@@ -464,7 +464,7 @@ class Judge:
         if latched and not self._held:
             self._held = True
             if ee == GRIPPED and status.at == tool.at and self._reality.is_known:
-                for name in self._sequence:
+                for name in self._used:
                     # what was lost since was not read yet
                     if self._reality.lasts(f"gone {name}", FRAMES_US) and not self._reality.closes(name):
                         self._object("evidence", f"GRIPPED, and {name} does not grip")
@@ -482,7 +482,7 @@ class Judge:
             self._object("evidence", f"{why}, and a lift is allowed")
         if not self._reality.is_read:
             return
-        for name in self._sequence:
+        for name in self._used:
             if self._reality.lasts(f"gone {name}"):
                 self._object(
                     "evidence", f"{name} has not gripped for a while, and the end-effector is GRIPPED"
