@@ -11,8 +11,8 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import Program
 from end_effector_hal.signals import Frame
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep
 from end_effector_hal.vocabulary import EndEffectorState as State
-from end_effector_hal.vocabulary import LastWillStep
 from end_effector_hal.wires import now_us
 from tests.support.patience import PATIENCE_S
 
@@ -30,6 +30,9 @@ class Arbiter:
         self.will: tuple[LastWillStep, ...] = ()
         self.parting: tuple[LastWillStep, ...] | None = None
         self.took_for_dead = False
+
+    def recorded_part(self) -> str:
+        return ""
 
     def declared_dead(self) -> bool:
         told, self.took_for_dead = self.took_for_dead, False
@@ -50,7 +53,12 @@ class Arbiter:
         raise AssertionError(fault)
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         def wait() -> int:
             if self.error:

@@ -9,7 +9,7 @@ from unittest.mock import patch
 
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.runtime.outputs import Maintenance, OutputMapping, Outputs
-from end_effector_hal.vocabulary import LastWill, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, LastWillStep
 from tests.support.recorded_tool import RecordedTool
 
 
@@ -20,6 +20,9 @@ class Arbiter:
         self.active: dict[str, bool] = {}
         self.will: LastWill = ()
 
+    def recorded_part(self) -> str:
+        return ""
+
     def declared_dead(self) -> bool:
         return False
 
@@ -27,7 +30,12 @@ class Arbiter:
         return dict(self.active)
 
     def ask(
-        self, levels: Mapping[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        self,
+        levels: Mapping[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         def wait() -> int:
             self.active |= levels

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from timed_automata import Network
 from timed_automata.network import Given
 
-Pattern = Mapping[str, bool | int | tuple[bool, ...] | tuple[int, ...]]
+Row = tuple[bool, ...] | tuple[int, ...]
+Pattern = Mapping[str, bool | int | Row | tuple[Row, ...]]
 _STEPS = 2
 _TIMES: Pattern = {
-    "ATTEMPTS": (3, 2),
-    "T_CONFIRM": (4000, 5000),
+    "ATTEMPTS": ((3, 2),),
+    "T_CONFIRM": ((4000, 5000),),
     "T_RESET": (700, 1000),
     "T_GONE": (1500, 2000),
 }
@@ -82,6 +83,12 @@ VARIANTS: Mapping[str, Pattern] = {
     "both are blown off": {**_BLOWN_OFF, "T_BLOW": (200, 150)},
     "no IL-01": {"N": 1, "IL_01": False},
     "two steps": {},
+    "two parts": {
+        "PARTS": 2,
+        "USES": ((True, False), (True, True)),
+        "ATTEMPTS": ((3, 2), (2, 3)),
+        "T_CONFIRM": ((4000, 5000), (3000, 4500)),
+    },
 }
 """Constants by the variant's name, for a tool of two steps, or of one if that suffices; the quick ones first."""
 
@@ -105,5 +112,7 @@ def variants(network: Network, constants: Mapping[str, Given]) -> Iterator[tuple
 
 
 def _of(steps: int, value: Given) -> Given:
-    """Return a constant for a tool with this number of steps."""
+    """Return a constant for a tool with this number of steps; of one for each part, each row of it."""
+    if isinstance(value, Sequence) and value and isinstance(value[0], Sequence):
+        return [_of(steps, row) for row in value]
     return (list(value) * steps)[:steps] if isinstance(value, Sequence) else value

@@ -9,7 +9,14 @@ import pytest
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import WireError
 from end_effector_hal.runtime.programs._program import CAME_LATE, UNWRITTEN
-from end_effector_hal.vocabulary import ChangerFault, ChangerState, EndEffectorState, LastWillStep
+from end_effector_hal.vocabulary import (
+    NO_PART,
+    ChangerFault,
+    ChangerState,
+    EndEffectorState,
+    GripsPart,
+    LastWillStep,
+)
 from end_effector_lab.virtual import VirtualTool
 from tests.unit.virtual.test_tool import (
     BOTTOM,
@@ -47,13 +54,17 @@ def dies_in_next_write(tool: VirtualTool, *, executed: bool) -> None:
     ask = connection.ask
 
     def dying(
-        levels: dict[str, bool], will: Sequence[LastWillStep], *, drop: bool = False
+        levels: dict[str, bool],
+        will: Sequence[LastWillStep],
+        *,
+        drop: bool = False,
+        part: GripsPart = NO_PART,
     ) -> Callable[[], int]:
         connection.ask = ask  # type: ignore[method-assign]
         if executed:
-            ask(levels, will, drop=drop)
+            ask(levels, will, drop=drop, part=part)
         tool.kill("arbiter")
-        return ask(levels, will, drop=drop)
+        return ask(levels, will, drop=drop, part=part)
 
     connection.ask = dying  # type: ignore[method-assign, assignment]
 

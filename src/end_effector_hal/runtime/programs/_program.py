@@ -376,7 +376,7 @@ class Program:
             return f"The end-effector is {status.ee.name}: this needs STAND_BY."
         return self._maintenance.notice
 
-    def _decide(self, name: str, part: str, until_us: int | None) -> tuple[Answer, list[Status]]:
+    def _decide(self, name: str, part: str = "", until_us: int | None = None) -> tuple[Answer, list[Status]]:
         at = self._clock()
         if until_us is not None and at > until_us:
             return Answer(False, TOO_LATE), []
