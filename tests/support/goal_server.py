@@ -91,13 +91,14 @@ class Server:
 
         return self.server._result(Ending(Outcome(outcome), reason))
 
-    def goal(self, goal_id: str = "a", ahead_s: float = 0.0, stamp: Any = None) -> None:
+    def goal(self, goal_id: str = "a", ahead_s: float = 0.0, stamp: Any = None, part: str = "") -> None:
         import rospy
         from actionlib_msgs.msg import GoalID
-        from end_effector_msgs.msg import EndEffectorActionGoal
+        from end_effector_msgs.msg import EndEffectorActionGoal, EndEffectorGoal
 
         stamp = self.clock.ros + rospy.Duration.from_sec(ahead_s) if stamp is None else stamp
-        self.server.internal_goal_callback(EndEffectorActionGoal(goal_id=GoalID(stamp, goal_id)))
+        goal = EndEffectorActionGoal(goal_id=GoalID(stamp, goal_id), goal=EndEffectorGoal(part=part))
+        self.server.internal_goal_callback(goal)
 
     def cancel(self, goal_id: str = "", stamp: Any = None) -> None:
         import rospy

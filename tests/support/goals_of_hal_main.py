@@ -30,8 +30,8 @@ class Tool:
         self.goes_on = threading.Event()
         self.goes_on.set()
 
-    def command(self, name: str) -> Answer:
-        self.asked.append(name)
+    def command(self, name: str, part: str = "") -> Answer:
+        self.asked.append(f"{name} {part}".rstrip())
         assert self.goes_on.wait(60.0)
         return self.replies.pop(0) if self.replies else Answer(True, count=7)
 

@@ -75,8 +75,8 @@ class LoneTool:
     def ending(self, on: str = "sigterm") -> str:
         return "What is held stays held."
 
-    def command(self, name: str) -> Answer:
-        self.asked.append(name)
+    def command(self, name: str, part: str = "") -> Answer:
+        self.asked.append((name, part) if part else name)
         return self.answer
 
     def arm(self) -> Answer:

@@ -46,7 +46,7 @@ class PositionNode:
         self._log, self._tool = node.log, node.tool()
         description = self._tool.description
         self._lock = threading.Lock()
-        self._evidence = self._tool.status.evidence
+        self._evidence, self._part = self._tool.status.evidence, self._tool.status.part
         self._values: Mapping[str, Value] = {}
         order = {name: index for index, name in enumerate(description.sequence)}
         self._outputs = [
@@ -83,7 +83,7 @@ class PositionNode:
 
     def _on_status(self, status: Status) -> None:
         with self._lock:
-            self._evidence = status.evidence
+            self._evidence, self._part = status.evidence, status.part
             self._publish(status.at, every=False)
 
     def _on_readings(self, readings: JudgedReadings) -> None:
@@ -118,7 +118,7 @@ class PositionNode:
         Others are left out: NaN would break a transform, and an old value would be wrong.
         """
         found = {joint.name: joint.position(self._evidence) for joint in self._joints}
-        found[self._grip_joint] = grip_position(self._evidence)
+        found[self._grip_joint] = grip_position(self._evidence, self._tool.description.uses(self._part))
         return {name: position for name, position in found.items() if not isnan(position)}
 
     def _cylinder(self, index: int) -> Callable[[], CylinderPlace]:

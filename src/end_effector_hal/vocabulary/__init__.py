@@ -45,7 +45,7 @@ from ._tables import (
     ToolEvidence,
     display_name,
 )
-from ._text import LONGEST_SENTENCE, escaped, hint, is_name, printable, to_s, to_us
+from ._text import LONGEST_NAME, LONGEST_SENTENCE, escaped, hint, is_name, printable, to_s, to_us
 
 __all__ = [
     "ACTIVE",
@@ -58,6 +58,7 @@ __all__ = [
     "LEAK",
     "LEASE_US",
     "LONGEST_MESSAGE",
+    "LONGEST_NAME",
     "LONGEST_SENTENCE",
     "MOST_ACTUATORS",
     "MOST_CHANNELS",

@@ -57,9 +57,9 @@ def pressure_of(content: Any) -> int | None:
     return round(absolute) - AMBIENT_PA if isfinite(absolute) else None
 
 
-def command_of(content: Any) -> Command:
-    """Return the command; raises ValueError if it is not a command."""
-    return Command(_one(content, "command", int))
+def command_of(content: Any) -> tuple[Command, str]:
+    """Return the command, and the part that a grip is for; raises ValueError if it is not a command."""
+    return Command(_one(content, "command", int)), _one(content, "part", str)
 
 
 def lacking(content: Any) -> tuple[str, ...]:

@@ -272,7 +272,7 @@ class _Import:
             self._recording.values(at, values)
 
     def _on_command(self, message: BagMessage) -> None:
-        command = command_of(message.read())
+        command, part = command_of(message.read())
         self._read[message.topic] += 1
         if self._recording is None:
             return
@@ -280,7 +280,7 @@ class _Import:
             log = CommandsLog(self._folder, self._recording.seconds)
             self._commands = self._stack.enter_context(log)
         try:
-            self._commands.write(message.log_us + self._log_offset, command)
+            self._commands.write(message.log_us + self._log_offset, command, part)
         except OSError as error:
             what = f"A command could not be written: {error.strerror}."
             raise ReportedError(what, where=str(self._folder)) from None

@@ -231,9 +231,9 @@ class Hal:
 
     # What it is asked.
 
-    def send(self, action: str) -> Goal:
-        """A goal of one of the four actions."""
-        return self.driver.send(self.full(action), ACTION)
+    def send(self, action: str, **goal: object) -> Goal:
+        """A goal of one of the four actions, with these fields."""
+        return self.driver.send(self.full(action), ACTION, goal)
 
     def begin_goal(self, action: str, what: str, ready: Callable[[Message], object]) -> Goal:
         """Send a goal, and wait for a state in which it runs."""
@@ -243,15 +243,15 @@ class Hal:
         assert goal.ends == [], f"it ended before {what}: {goal.ends}"
         return goal
 
-    def do(self, action: str) -> Message:
+    def do(self, action: str, **goal: object) -> Message:
         """Have a goal succeed; its result."""
-        status, result = self.send(action).end()
+        status, result = self.send(action, **goal).end()
         assert (status, result["outcome_name"]) == ("SUCCEEDED", "SUCCEEDED"), result
         return result
 
-    def refused(self, action: str) -> str:
+    def refused(self, action: str, **goal: object) -> str:
         """Why a goal is refused: with the status that a refusal has in this generation."""
-        status, result = self.send(action).end()
+        status, result = self.send(action, **goal).end()
         assert (status, result["outcome_name"]) == (
             self.by(Difference.REFUSED_GOAL, ros1="REJECTED", ros2="ABORTED"),
             "REJECTED",

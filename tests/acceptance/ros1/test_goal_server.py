@@ -252,3 +252,11 @@ def test_closed_topics_at_the_end_are_no_traceback(
     handle.set_aborted(server.result(4, "why"), "why")
     clock.pass_s(1.0)
     assert server.results.sent == []
+
+
+def test_of_a_goal_only_a_bounded_name_of_its_part_is_kept(server: Server) -> None:
+    server.goal("a", part="lid")
+    server.goal("b", part="l\0id" * 1_000_000)
+    first, second = (handle.get_goal() for handle in server.goals)
+    assert first.part == "lid"
+    assert (len(second.part), second.part[:8]) == (64, "l?idl?id")

@@ -60,6 +60,20 @@ def test_a_script_in_which_something_fails_says_why_and_ends_with_1(system: Any)
     assert done.stdout.splitlines()[-1].startswith("release: REJECTED. Nothing is held")
 
 
+def test_a_grip_of_a_part_asks_for_it_and_is_published_with_it(system: Any) -> None:
+    import rospy
+    from end_effector_msgs.msg import SupervisorCommand
+
+    seen: list[str] = []
+    subscriber = rospy.Subscriber("supervisor_commands", SupervisorCommand, lambda m: seen.append(m.part))
+    done = system.cli(*RUN, "_script:=grip lid; quit")
+    subscriber.unregister()
+    assert done.returncode == 1
+    why = "There is no part 'lid'; this tool names no parts."
+    assert done.stdout.splitlines()[-1] == f"grip lid: REJECTED. {why}"
+    assert seen == ["lid", ""]
+
+
 def test_a_cancel_in_a_script(system: Any) -> None:
     system.world.choose("never-confirms:cylinder")
     done = system.cli(*RUN, "_script:=grip &; wait 1.5; cancel; quit")

@@ -60,7 +60,7 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
         state(10 * S, 0),
         *frame(20_000, **pressures),
         state(12 * S, 2 * S, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
-        ("/supervisor_commands", COMMAND, 2 * S, {"command": 2}),
+        ("/supervisor_commands", COMMAND, 2 * S, {"command": 2, "part": "lid"}),
         state(12 * S, 2 * S + 100_000, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
         *frame(2 * S + 20_000, **{**pressures, "bottom": -60_000}),
         state(13 * S, 3 * S, 3, actuators=[2, 2, 2], count=2),
@@ -76,7 +76,10 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
     log = read_pressures(found.folder / "pressures.csv")
     assert log.channels == ("bottom", "cylinder", "top", "supply")
     assert log.samples == ((0.02, (-0.5, 2.0, None, 600.0)), (2.02, (-60.0, 2.0, None, 600.0)))
-    assert (found.folder / "commands.csv").read_text().splitlines() == ["time_s,command", "2.000000,2"]
+    assert (found.folder / "commands.csv").read_text().splitlines() == [
+        "time_s,command,part",
+        "2.000000,2,lid",
+    ]
     info = read_run(found.folder)
     assert (info.ros, info.start_us, info.started[:16]) == (True, 10 * S, "2026-09-21T14:13")
     assert info.limits["bottom_vacuum"]["channel"] == "bottom"

@@ -119,8 +119,16 @@ def test_rule_3_a_program_refuses_in_its_own_words(room: Room) -> None:
 
 
 PROVEN = {
-    Command.GRIP: {"ee": State.GRIPPED, "evidence": (Evidence.CONFIRMED, Evidence.CONFIRMED)},
-    Command.RELEASE: {"ee": State.STAND_BY, "evidence": (Evidence.GONE, Evidence.GONE)},
+    Command.GRIP: {
+        "ee": State.GRIPPED,
+        "evidence": (Evidence.CONFIRMED, Evidence.CONFIRMED),
+        "outputs": (True, True),
+    },
+    Command.RELEASE: {
+        "ee": State.STAND_BY,
+        "evidence": (Evidence.GONE, Evidence.GONE),
+        "outputs": (False, False),
+    },
 }
 
 
@@ -134,6 +142,15 @@ def test_rule_8_a_position_that_the_sensors_prove_is_reached_at_once(room: Room,
     other = room.come(command)
     room.answer(other, NO)
     assert end(other) == (Outcome.REJECTED, NO.reason), "it asks for a grip or a drop, not for a position"
+
+
+@pytest.mark.parametrize("level", [Evidence.GONE, Evidence.UNKNOWN])
+def test_rule_8_what_does_not_grip_the_part_counts_only_for_a_release(room: Room, level: Evidence) -> None:
+    room.see(ee=State.GRIPPED, evidence=(level, Evidence.CONFIRMED), outputs=(False, True))
+    goal = Goal(Command.GRIP, "gripper_cmd", is_target=True)
+    room.do(room.goals.begin(goal, room.at))
+    room.answer(goal, NO)
+    assert end(goal) == (Outcome.SUCCEEDED, REACHED)
 
 
 @pytest.mark.parametrize("command", PROVEN)

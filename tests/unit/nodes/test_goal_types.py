@@ -14,6 +14,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.nodes.hal_main._goal_types import GoalType, goal_types
 from end_effector_hal.nodes.interface import COMMAND_ACTIONS, GRIPPER_COMMAND, PARALLEL_GRIPPER_COMMAND
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
+from tests.support.parts import with_parts
 
 GONE, PARTIAL, CONFIRMED = Evidence.GONE, Evidence.PARTIAL, Evidence.CONFIRMED
 JOINT = "verdin_gripper_joint"
@@ -43,9 +44,9 @@ def joints(*position: float, name: list[str] | None = None, effort: tuple[float,
     return SimpleNamespace(command=SimpleNamespace(name=names, position=position, velocity=[], effort=effort))
 
 
-def state(*evidence: Evidence) -> Any:
+def state(*evidence: Evidence, part: str = "") -> Any:
     return SimpleNamespace(
-        evidence=evidence, state=EndEffectorState.GRIPPING, state_name="GRIPPING", steps=["a step"]
+        evidence=evidence, part=part, state=EndEffectorState.GRIPPING, state_name="GRIPPING", steps=["a step"]
     )
 
 
@@ -116,15 +117,15 @@ def test_nothing_but_a_success_reaches_the_goal_or_holds_something(
 ) -> None:
     """Also where the sensors show what was asked for: MoveIt takes an aborted goal that stalled for a success."""
     for each in (gripper, parallel):
-        result = each.result(state(evidence, evidence), Ending(outcome, "why", 1.0), command)
+        result = each.result(state(*[evidence] * 3), Ending(outcome, "why", 1.0), command)
         assert result.reached_goal == (outcome is Outcome.SUCCEEDED)
         assert result.stalled == (outcome is Outcome.SUCCEEDED and command is Command.GRIP)
 
 
 @pytest.mark.parametrize(
     ("evidence", "position"),
-    [((CONFIRMED, CONFIRMED), 0.0), ((GONE, GONE), 1.0), ((CONFIRMED, GONE), None), ((PARTIAL, PARTIAL), None),
-     ((Evidence.UNKNOWN, Evidence.UNKNOWN), None), ((7, 7), None)],
+    [((CONFIRMED,) * 3, 0.0), ((GONE,) * 3, 1.0), ((CONFIRMED, CONFIRMED, GONE), None), ((PARTIAL,) * 3, None),
+     ((Evidence.UNKNOWN,) * 3, None), ((7, 7, 7), None)],
 )  # fmt: skip
 def test_the_joint_stands_where_all_sensors_prove_it(
     gripper: GoalType, parallel: GoalType, evidence: Any, position: float | None
@@ -145,4 +146,29 @@ def test_the_steps_are_those_of_a_grip_that_was_begun() -> None:
     assert grip.result(now, begun, Command.GRIP).seconds == 2.5
     assert grip.result(now, refused, Command.GRIP).steps == []
     assert drop.result(now, begun, Command.RELEASE).steps == []
-    assert (grip.command(None), drop.command(None)) == (Command.GRIP, Command.RELEASE)
+    assert (grip.command(named("")), drop.command(named(""))) == (Command.GRIP, Command.RELEASE)
+
+
+def named(part: str) -> Any:
+    return SimpleNamespace(part=part)
+
+
+def test_only_a_grip_is_for_a_part() -> None:
+    grip = kind("TriggerGrip")
+    assert (grip.command(named("lid")), grip.part(named("lid"))) == (Command.GRIP, "lid")
+    for name in ("Drop", "LockToolChanger", "UnlockToolChanger"):
+        assert kind(name).command(named("lid")) == f"Only a grip is for a part: {name} needs an empty `part`."
+
+
+def test_the_name_of_a_part_is_bounded(gripper: GoalType) -> None:
+    part = kind("TriggerGrip").part(named("l\nid" * 1_000_000))
+    assert part.startswith("l idl id")
+    assert len(part) == 64
+    assert gripper.part(one(0.0)) == ""
+
+
+@pytest.mark.parametrize(("part", "position"), [("lid", 0.0), ("panel", nan), ("", nan)])
+def test_the_joint_is_at_0_where_all_that_grip_the_part_are_confirmed(part: str, position: float) -> None:
+    types = {each.action: each for each in goal_types(with_parts(load(profile_path())), LOG)}
+    found = types[GRIPPER_COMMAND].feedback(state(GONE, PARTIAL, CONFIRMED, part=part))
+    assert found.position == pytest.approx(position, nan_ok=True)

@@ -10,8 +10,9 @@ from typing import Any, cast
 
 import pytest
 
-from end_effector_hal.control import EventKind, ToolEvent, unknown_now
+from end_effector_hal.control import Answer, EventKind, ToolEvent, unknown_now
 from end_effector_hal.control.goals import Outcome
+from end_effector_hal.description import Description
 from end_effector_hal.nodes.hal_main import HalMainNode
 from end_effector_hal.nodes.interface import (
     COMMAND_ACTIONS,
@@ -24,6 +25,8 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.vocabulary import Alarm, Cause, ChangerState, Command, EndEffectorState, Evidence
 from tests.support.lone_node import LoneTransport, status
+from tests.support.parts import LOST_KPA, with_parts
+from tests.support.patience import wait_until
 
 STAND_BY, GRIPPING, GRIPPED = (
     EndEffectorState.STAND_BY,
@@ -104,6 +107,43 @@ def test_margins_and_positions_are_those_of_the_readings(transport: LoneTranspor
     assert all(isnan(each) for each in (*known.margins[1:], *doubtful.margins))
     assert (known.tool_position_name, known.tool_stand_name) == ("LOCKED", "AWAY")
     assert (doubtful.tool_position_name, doubtful.tool_stand_name) == ("CONTRADICTORY", "UNKNOWN")
+
+
+def test_a_state_names_the_part_and_its_margins_are_those_of_that_part(verdin: Description) -> None:
+    transport = LoneTransport(with_parts(verdin))
+    HalMainNode(cast("Any", transport))
+    transport.hal.reads(top=-60_000, locked=True, unlocked=False, tool_present=True, in_stand=False)
+    for part in ("panel", "lid"):
+        transport.hal.says(status(GRIPPED, part=part))
+    panel, lid = states(transport)
+    assert (panel.part, panel.margins[2]) == ("panel", 10_000)
+    assert (lid.part, lid.margins[2]) == ("lid", 60_000 - 1_000 * LOST_KPA)
+
+
+def test_a_grip_asks_for_the_part_of_its_goal_and_a_position_for_the_default_one(verdin: Description) -> None:
+    transport = LoneTransport(with_parts(verdin))
+    HalMainNode(cast("Any", transport))
+    transport.hal.answer = Answer(False, "There is no such part.")
+    ended: list[Any] = []
+
+    def ask(action: str, **request: Any) -> None:
+        count = len(ended)
+        goal = SimpleNamespace(
+            request=SimpleNamespace(**request),
+            end=lambda ending, _: ended.append((ending.outcome.name, ending.reason)),
+        )
+        transport.goals[action](goal)
+        wait_until("its end", lambda: len(ended) > count)
+
+    ask("TriggerGrip", part="lid")
+    ask("TriggerGrip", part="")
+    ask(GRIPPER_COMMAND.name, command=SimpleNamespace(position=0.0, max_effort=0.0))
+    ask("Drop", part="lid")
+    assert transport.hal.asked == [("grip", "lid"), "grip", "grip"]
+    assert ended == [
+        *[("REJECTED", "There is no such part.")] * 3,
+        ("REJECTED", "Only a grip is for a part: Drop needs an empty `part`."),
+    ]
 
 
 def test_off_is_the_last_state_whatever_comes_later(

@@ -21,6 +21,7 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.vocabulary import Evidence
 from tests.support.lone_node import LoneTransport, status
+from tests.support.parts import with_parts
 
 TOOL = """\
 name: tool
@@ -56,15 +57,22 @@ def test_a_joint_stands_where_its_own_evidence_proves_it(tool: Description) -> N
 
 
 def test_the_tool_is_gripped_or_released_only_as_a_whole() -> None:
-    assert grip_position([Evidence.CONFIRMED] * 3) == 0.0
-    assert grip_position([Evidence.GONE] * 3) == 1.0
+    assert grip_position([Evidence.CONFIRMED] * 3, [True] * 3) == 0.0
+    assert grip_position([Evidence.GONE] * 3, [True] * 3) == 1.0
     for evidence in (
         [Evidence.UNKNOWN] * 3,
         [Evidence.PARTIAL] * 3,
         [Evidence.CONFIRMED, Evidence.GONE],
         [9],
     ):
-        assert isnan(grip_position(evidence))
+        assert isnan(grip_position(evidence, [True] * len(evidence)))
+
+
+def test_what_does_not_grip_the_part_needs_no_evidence_while_it_is_gripped() -> None:
+    uses = [False, True]
+    assert grip_position([Evidence.PARTIAL, Evidence.CONFIRMED], uses) == 0.0
+    assert isnan(grip_position([Evidence.PARTIAL, Evidence.GONE], uses))
+    assert grip_position([Evidence.GONE, Evidence.GONE], uses) == 1.0
 
 
 def test_a_joint_is_published_at_once_repeated_and_left_out_when_it_is_not_proven(tool: Description) -> None:
@@ -90,6 +98,17 @@ def test_a_joint_is_published_at_once_repeated_and_left_out_when_it_is_not_prove
     shown(Evidence.PARTIAL)
     tick()
     assert len(seen()) == 2, "on its way it stands nowhere"
+
+
+def test_the_joint_of_the_tool_is_published_for_the_part_that_is_gripped(verdin: Description) -> None:
+    transport = LoneTransport(with_parts(verdin))
+    PositionNode(cast("Any", transport))
+    evidence = (Evidence.GONE, Evidence.GONE, Evidence.CONFIRMED)
+    transport.hal.says(status(evidence=evidence, part="panel"))
+    assert JOINT_STATES.name not in {name for name, sent in transport.published.items() if sent}
+    transport.hal.says(status(evidence=evidence, part="lid"))
+    (joints,) = transport.published[JOINT_STATES.name]
+    assert (joints.name, joints.position) == (["verdin_gripper_joint"], [0.0])
 
 
 def test_the_changer_and_its_stand_stand_where_their_bits_say(caplog: pytest.LogCaptureFixture) -> None:

@@ -28,7 +28,9 @@ def start_nothing(_: threading.Thread) -> None:
 def test_a_goal_is_refused_and_the_next_one_is_given() -> None:
     transport, ended = LoneTransport(), list[tuple[Outcome, str]]()
     HalMainNode(cast("Any", transport))
-    goal = SimpleNamespace(request=None, end=lambda ending, _: ended.append((ending.outcome, ending.reason)))
+    goal = SimpleNamespace(
+        request=SimpleNamespace(part=""), end=lambda ending, _: ended.append((ending.outcome, ending.reason))
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(threading.Thread, "start", start_nothing)
         transport.goals[TRIGGER_GRIP.name](goal)

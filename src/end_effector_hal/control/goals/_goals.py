@@ -23,7 +23,7 @@ Rule 7. Every goal gets exactly one ending, with a reason unless it has succeede
 `Goals.close`.
 
 Rule 8. A program refuses a goal for a position that is reached already. If the newest status proves the position with
-all evidence while no command is executed, that goal has succeeded.
+all evidence that counts while no command is executed, that goal has succeeded.
 """
 
 from __future__ import annotations
@@ -47,9 +47,13 @@ def is_over(status: Status) -> bool:
 
 
 def is_reached(command: Command, status: Status) -> bool:
-    """Return whether every sensor proves the result of a grip or a release, and no command is executed."""
-    wanted = all(evidence is _WANTED_EVIDENCE[command] for evidence in status.evidence)
-    return wanted and is_over(status) and status.ee == _WANTED_STATES[command]
+    """Return whether the sensors prove the result of a grip or a release, and no command is executed.
+
+    A grip is proven by the actuators that grip the part, whose outputs are active; a release by all.
+    """
+    counts = status.outputs if command is Command.GRIP else (True,) * len(status.evidence)
+    proofs = {level for level, active in zip(status.evidence, counts, strict=True) if active}
+    return proofs == {_WANTED_EVIDENCE[command]} and is_over(status) and status.ee == _WANTED_STATES[command]
 
 
 def judge(command: Command, status: Status) -> tuple[Outcome, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import threading
 from collections.abc import Callable
@@ -11,13 +12,14 @@ from pathlib import Path
 from end_effector_hal._closing import Closing
 from end_effector_hal.errors import os_errors
 from end_effector_hal.owned import open_owned
-from end_effector_hal.vocabulary import Command
+from end_effector_hal.vocabulary import LONGEST_NAME, Command, printable
 
-HEADER = "time_s,command\n"
+HEADER = "time_s,command,part\n"
 
 
 class CommandsLog(Closing):
-    """Writes one row per command: seconds since the start of the recording, and the integer of Table II.
+    """Writes one row per command: seconds since the start of the recording, the integer of Table II, and the name of
+    the part that a grip is for.
 
     Args:
         folder: the folder of the recording; an existing file is continued.
@@ -37,11 +39,13 @@ class CommandsLog(Closing):
             )  # a kill loses the last row at most
             if self._file.tell() == 0:
                 self._file.write(HEADER)
+            self._rows = csv.writer(self._file, lineterminator="\n")
 
-    def write(self, at: int, command: Command) -> None:
+    def write(self, at: int, command: Command, part: str) -> None:
         """Write a command that was given at ``at`` (µs); after an OSError the row is written with the next one."""
+        row = (f"{self._seconds(at):.6f}", int(command), printable(part, LONGEST_NAME))
         with self._lock:
-            self._file.write(f"{self._seconds(at):.6f},{int(command)}\n")
+            self._rows.writerow(row)
 
     def close(self) -> None:
         """Close the file; rows that cannot be written any more are lost."""

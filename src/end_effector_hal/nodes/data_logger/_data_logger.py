@@ -55,7 +55,7 @@ class DataLogger:
 
     def _on_command(self, message: CommandMessage) -> None:
         try:
-            self._commands.write(now_us(), Command(message.command))
+            self._commands.write(now_us(), Command(message.command), message.part)
         except (ValueError, OSError) as error:
             self._log.error("a command could not be written: %s", error)
 

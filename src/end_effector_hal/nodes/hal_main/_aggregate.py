@@ -45,7 +45,7 @@ class Aggregate:
             stamp_us: the time of its content, µs; None: now.
         """
         description, sequence = self._description, self._description.sequence
-        parts, changer = description.ordered, description.tool_changer
+        parts, changer = description.for_part(status.part).ordered, description.tool_changer
         position = changer_place(changer, values) if changer else ChangerPlace.UNKNOWN
         stand = tool_place(changer, values) if changer else ToolPlace.UNKNOWN
         margins = [self._margin(part, values) for _, part in parts]
@@ -85,6 +85,7 @@ class Aggregate:
             cause_actuator=sequence[status.cause_at] if status.cause_at >= 0 else "",
             reason=status.reason,
             held=status.held,
+            part=status.part,
             lift_allowed=status.lift_allowed,
             secure=status.secure,
             maintenance=status.maintenance,

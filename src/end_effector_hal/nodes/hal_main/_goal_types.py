@@ -28,13 +28,12 @@ from end_effector_hal.nodes.transport import (
     ResultMessage,
     StateMessage,
 )
-from end_effector_hal.vocabulary import Command, EndEffectorState, printable
+from end_effector_hal.vocabulary import LONGEST_NAME, Command, EndEffectorState, printable
 
 TOLERANCE = 0.01
 """Allowed deviation of a requested position, rad; a planner ends its trajectory near that position, not
 exactly at it.
 """
-LONGEST_NAME = 100
 
 
 class GoalType(ABC):
@@ -54,6 +53,11 @@ class GoalType(ABC):
     def command(self, request: Any) -> Command | str:
         """Return the command that a goal requests; a text: why it is refused."""
 
+    def part(self, request: Any) -> str:
+        """Return the name of the part that a goal is for; empty: the default one."""
+        del request
+        return ""
+
     @abstractmethod
     def feedback(self, state: StateMessage) -> Any:
         """Return the feedback of a running goal."""
@@ -64,14 +68,20 @@ class GoalType(ABC):
 
 
 class CommandGoals(GoalType):
-    """Goals without options."""
+    """Goals of the four actions; a grip may name a part."""
 
     def __init__(self, action: CommandAction) -> None:
         self.action, self._command = action, action.command
 
-    def command(self, request: Any) -> Command:
+    def command(self, request: Any) -> Command | str:
         """Return the command of the action."""
+        if request.part and self._command is not Command.GRIP:
+            return f"Only a grip is for a part: {self.action.name} needs an empty `part`."
         return self._command
+
+    def part(self, request: Any) -> str:
+        """Return the name of the part, bounded; the HAL refuses a name that no part has."""
+        return printable(request.part, LONGEST_NAME)
 
     def feedback(self, state: StateMessage) -> FeedbackMessage:
         """Return the current step."""
@@ -99,7 +109,7 @@ class CommandGoals(GoalType):
 
 
 class _JointGoals(GoalType):
-    """Goals for a position of the tool's joint: 0 grips, its upper limit drops, any other position is refused.
+    """Goals for a position of the tool's joint: 0 grips the default part, its upper limit drops, others are refused.
 
     ``reached_goal``: the sensors prove the requested position. ``stalled``: they prove a grip, so that something is
     held. Neither is ever true for a goal that did not succeed. Efforts and speeds are ignored.
@@ -108,8 +118,8 @@ class _JointGoals(GoalType):
     says_why = False
     is_target = True
 
-    def __init__(self, action: Action, log: logging.Logger) -> None:
-        self.action, self._log = action, log
+    def __init__(self, action: Action, description: Description, log: logging.Logger) -> None:
+        self.action, self._description, self._log = action, description, log
         self._ignored_told = False
 
     def _of_position(self, position: float, ignored: str, values: Sequence[float]) -> Command | str:
@@ -125,6 +135,9 @@ class _JointGoals(GoalType):
                 "%s: %s ignored: the air sets force and speed. Logged once.", self.action.name, ignored
             )
         return command
+
+    def _position(self, state: StateMessage) -> float:
+        return grip_position(state.evidence, self._description.uses(state.part))
 
     @staticmethod
     def _proof(ending: Ending, command: Command | None) -> tuple[bool, bool]:
@@ -143,11 +156,11 @@ class GripperGoals(_JointGoals):
 
     def feedback(self, state: StateMessage) -> GripperMessage:
         """Return the position of the joint."""
-        return GripperMessage(grip_position(state.evidence))
+        return GripperMessage(self._position(state))
 
     def result(self, state: StateMessage, ending: Ending, command: Command | None) -> GripperMessage:
         """Return the position of the joint, and whether it was reached."""
-        return GripperMessage(grip_position(state.evidence), nan, *self._proof(ending, command))
+        return GripperMessage(self._position(state), nan, *self._proof(ending, command))
 
 
 class ParallelGripperGoals(_JointGoals):
@@ -155,13 +168,13 @@ class ParallelGripperGoals(_JointGoals):
 
     Args:
         action: the action of the interface table.
-        joint: the joint that its goals may name.
+        description: the tool; its goals may name the joint that represents the whole tool.
         log: logs which values are ignored.
     """
 
-    def __init__(self, action: Action, joint: str, log: logging.Logger) -> None:
-        super().__init__(action, log)
-        self._joint = joint
+    def __init__(self, action: Action, description: Description, log: logging.Logger) -> None:
+        super().__init__(action, description, log)
+        self._joint = grip_joint(description)
 
     def command(self, request: Any) -> Command | str:
         """Return the command for the position of the one joint that the goal names."""
@@ -183,7 +196,7 @@ class ParallelGripperGoals(_JointGoals):
         return ParallelGripperMessage(self._joint_state(state), *self._proof(ending, command))
 
     def _joint_state(self, state: StateMessage) -> JointStateMessage:
-        position = grip_position(state.evidence)
+        position = self._position(state)
         known = {} if isnan(position) else {self._joint: position}
         return JointStateMessage(list(known), list(known.values()))
 
@@ -192,6 +205,6 @@ def goal_types(description: Description, log: logging.Logger) -> tuple[GoalType,
     """Return the goals of all actions that HALMain serves if its transport offers them."""
     return (
         *(CommandGoals(action) for action in COMMAND_ACTIONS),
-        GripperGoals(GRIPPER_COMMAND, log),
-        ParallelGripperGoals(PARALLEL_GRIPPER_COMMAND, grip_joint(description), log),
+        GripperGoals(GRIPPER_COMMAND, description, log),
+        ParallelGripperGoals(PARALLEL_GRIPPER_COMMAND, description, log),
     )

@@ -31,10 +31,11 @@ from ._goal_types import GoalType
 
 @dataclass(slots=True, eq=False)
 class ServedGoal(Goal):
-    """A goal of a client."""
+    """A goal of a client; ``part`` is the part that a grip is for, empty: the default one."""
 
     type: GoalType = field(kw_only=True)
     client: ClientGoal = field(kw_only=True)
+    part: str = field(kw_only=True)
 
 
 class ServedGoals:
@@ -95,7 +96,8 @@ class ServedGoals:
     def _came(self, kind: GoalType, client: ClientGoal) -> None:
         command = kind.command(client.request)
         if isinstance(command, Command):
-            goal = ServedGoal(command, kind.action.name, kind.is_target, type=kind, client=client)
+            part = kind.part(client.request)
+            goal = ServedGoal(command, kind.action.name, kind.is_target, type=kind, client=client, part=part)
             self._decide(lambda at: self._goals.begin(goal, at))
         else:
             self._answer(kind, client, Ending(Outcome.REJECTED, command), None)
@@ -140,6 +142,7 @@ class ServedGoals:
             self._give(
                 CHANNELS[goal.command],
                 lambda answer: self._decide(lambda at: self._goals.answer(goal, answer, at)),
+                goal.part,
             )
         elif todo is Effect.GIVE_UP:
             pass  # its thread ends by itself, and the goals ignore a late answer
@@ -152,11 +155,11 @@ class ServedGoals:
         elif goal.ending is not None:
             self._answer(goal.type, goal.client, goal.ending, goal.command)
 
-    def _give(self, command: str, then: Callable[[Answer], None]) -> None:
+    def _give(self, command: str, then: Callable[[Answer], None], part: str = "") -> None:
         """Give a command in a thread of its own, and call ``then`` with the decision."""
         try:
             threading.Thread(
-                target=lambda: then(self._tool.command(command)), name=command, daemon=True
+                target=lambda: then(self._tool.command(command, part)), name=command, daemon=True
             ).start()
         except RuntimeError as error:  # no thread
             then(Answer(False, f"The HAL cannot be asked: {error}."))

@@ -46,10 +46,16 @@ def grip_joint(description: Description) -> str:
     return f"{description.name}_joint"
 
 
-def grip_position(evidence: Sequence[int]) -> float:
-    """Return the position of that joint: 0 if all are confirmed, `GRIP_UPPER` if all are gone, NaN otherwise."""
-    ends: dict[int, float] = {Evidence.CONFIRMED: 0.0, Evidence.GONE: GRIP_UPPER}
-    return ends.get(evidence[0], nan) if len(set(evidence)) == 1 else nan
+def grip_position(evidence: Sequence[int], uses: Sequence[bool]) -> float:
+    """Return the position of that joint; NaN: none is proven.
+
+    Args:
+        evidence: of all actuators. If all of them are gone, the position is `GRIP_UPPER`.
+        uses: whether each actuator grips the part. If those that do are confirmed, the position is 0.
+    """
+    if all(level == Evidence.CONFIRMED for level, used in zip(evidence, uses, strict=True) if used):
+        return 0.0
+    return GRIP_UPPER if set(evidence) == {Evidence.GONE} else nan
 
 
 def actuator_joints(description: Description) -> tuple[ToolJoint, ...]:

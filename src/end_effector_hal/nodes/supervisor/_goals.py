@@ -10,7 +10,13 @@ from functools import partial
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import RosError
 from end_effector_hal.nodes.interface import COMMAND_ACTIONS, GIVE_UP_S, PATIENCE_S
-from end_effector_hal.nodes.transport import FeedbackMessage, NodeTransport, ResultMessage, StepMessage
+from end_effector_hal.nodes.transport import (
+    FeedbackMessage,
+    GoalMessage,
+    NodeTransport,
+    ResultMessage,
+    StepMessage,
+)
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
 _SILENT_S = 2.0
@@ -26,7 +32,7 @@ class SentGoal:
     """A goal that was sent; ``succeeded`` is None until it has ended.
 
     Attributes:
-        name: name of its command.
+        name: name of its command, and of the part that a grip is for.
         session: the start of HALMain (µs, its clock) when the goal was sent; None: it was unknown.
     """
 
@@ -105,11 +111,11 @@ class GoalClients:
                 todo="Are the nodes running, in this namespace?",
             )
 
-    def send(self, command: Command) -> SentGoal:
-        """Send a goal; its progress and its end are reported with `say`."""
-        goal = SentGoal(command.name.lower(), self._seen[0])
+    def send(self, command: Command, part: str = "") -> SentGoal:
+        """Send a goal; its progress and its end are reported with `say`. ``part``: what is to be gripped."""
+        goal = SentGoal(f"{command.name.lower()} {part}".rstrip(), self._seen[0])
         self._sent.append(goal)
-        self._clients[command].send(partial(self._fed, goal), partial(self._ended, goal))
+        self._clients[command].send(GoalMessage(part), partial(self._fed, goal), partial(self._ended, goal))
         return goal
 
     def wait(self, goal: SentGoal) -> None:

@@ -32,7 +32,8 @@ from ._goals import GoalClients
 LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "
 HELP = (
-    "commands: lock, unlock, grip, drop (or release), cancel, resume, stop, arm, reset, wait <seconds>, quit"
+    "commands: lock, unlock, grip, grip <part>, drop (or release), cancel, resume, stop, arm, reset, "
+    "wait <seconds>, quit"
 )
 
 
@@ -108,7 +109,7 @@ class Supervisor:
         if order.command is None:
             time.sleep(order.wait_s)
             return True
-        self._publish(CommandMessage(order.command, order.command.name))
+        self._publish(CommandMessage(order.command, order.command.name, order.part))
         if order.command is Command.QUIT:
             return False
         if order.command is Command.CANCEL:
@@ -117,7 +118,7 @@ class Supervisor:
             if wait and not order.background:
                 self._goals.wait_for_all()
             return True
-        goal = self._goals.send(order.command)
+        goal = self._goals.send(order.command, order.part)
         if wait and not order.background:
             self._goals.wait(goal)
         else:

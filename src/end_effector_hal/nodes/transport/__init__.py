@@ -8,6 +8,7 @@ from ._messages import (
     DiagnosticsMessage,
     EventMessage,
     FeedbackMessage,
+    GoalMessage,
     GripperMessage,
     JointStateMessage,
     KeyValueMessage,

@@ -61,10 +61,11 @@ class JointStateMessage:
 
 @dataclass(slots=True)
 class CommandMessage:
-    """The message ``SupervisorCommand``: an integer of Table II."""
+    """The message ``SupervisorCommand``: an integer of Table II, and the part that a grip is for."""
 
     command: int
     command_name: str
+    part: str = ""
     header: MessageHeader = field(default_factory=MessageHeader)
 
 
@@ -124,6 +125,7 @@ class StateMessage:
     cause_actuator: str
     reason: str
     held: bool
+    part: str
     lift_allowed: bool
     secure: bool
     maintenance: bool
@@ -142,6 +144,13 @@ class StateMessage:
     alarm_ids: Sequence[str]
     events: Sequence[EventMessage] = ()
     header: MessageHeader = field(default_factory=MessageHeader)
+
+
+@dataclass(slots=True)
+class GoalMessage:
+    """The message ``EndEffector_Goal``: the part that a grip is for; empty: the default one."""
+
+    part: str = ""
 
 
 @dataclass(slots=True)

@@ -36,6 +36,8 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes.interface import Action, Parameter, Service, Topic
 from end_effector_hal.runtime import Tool
 
+from ._messages import GoalMessage
+
 
 class ClientGoal(Protocol):
     """A goal that a client has sent; objects for the same goal are equal. Each call returns at once.
@@ -72,12 +74,14 @@ class ActionClient(Protocol):
 
     def send(
         self,
+        goal: GoalMessage,
         on_feedback: Callable[[Any], None],
         on_end: Callable[[Any, bool], None],
     ) -> None:
         """Send a goal.
 
         Args:
+            goal: its content (rule 1).
             on_feedback: called with each feedback.
             on_end: called with the result, and whether the server reports success; a result of None: the server no
                 longer has the goal.

@@ -11,16 +11,17 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.ros1.connections import message_class
+from end_effector_hal.nodes.transport import GoalMessage
+from end_effector_hal.ros1.connections import MessageMaker, encodable, message_class
 
 _SOON = rospy.Duration(0, 1_000_000)
 
 
 class GoalSender:
-    """Sends goals, which have no options."""
+    """Sends goals."""
 
     def __init__(self, action: Action) -> None:
-        self._goal = message_class(f"{action.type}Goal")
+        self._make = MessageMaker(message_class(f"{action.type}Goal"))
         self._client = actionlib.ActionClient(action.name, message_class(f"{action.type}Action"))
         self._handles: list[Any] = []
         """Handles of the sent goals; they are kept because actionlib's manager holds goals only weakly."""
@@ -29,7 +30,9 @@ class GoalSender:
         """Return whether the server is connected."""
         return bool(self._client.wait_for_server(_SOON))
 
-    def send(self, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]) -> None:
+    def send(
+        self, goal: GoalMessage, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]
+    ) -> None:
         """Send a goal; a goal that actionlib's client reports as LOST does not count as ended."""
         once = threading.Lock()
 
@@ -37,7 +40,9 @@ class GoalSender:
             if handle.get_comm_state() == actionlib.CommState.DONE and once.acquire(blocking=False):
                 on_end(handle.get_result(), handle.get_goal_status() == GoalStatus.SUCCEEDED)
 
-        handle = self._client.send_goal(self._goal(), moved, lambda _handle, feedback: on_feedback(feedback))
+        handle = self._client.send_goal(
+            encodable(self._make(goal)), moved, lambda _handle, feedback: on_feedback(feedback)
+        )
         self._handles.append(handle)
 
     def cancel_all(self) -> None:

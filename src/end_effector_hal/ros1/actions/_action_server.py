@@ -19,6 +19,7 @@ from end_effector_hal.control.goals import NOT_BEGUN, Ending, Outcome
 from end_effector_hal.nodes.interface import Action
 from end_effector_hal.nodes.transport import ClientGoal
 from end_effector_hal.ros1.connections import MessageMaker, message_class
+from end_effector_hal.vocabulary import LONGEST_NAME, printable
 from end_effector_hal.wires import now_us
 
 from ._later import Later
@@ -91,7 +92,7 @@ class ActionlibGoal:
 
     @property
     def request(self) -> Any:
-        """The goal message, which has no options."""
+        """The goal message."""
         return self.handle.get_goal()
 
     def begin(self) -> None:
@@ -151,6 +152,7 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
             auto_start=False,
         )
         self._name, self._later = action.name, later
+        self._goal = message_class(f"{action.type}Goal")
         self._result: Callable[[Ending], Any] = lambda ending: make_result(result(ending))
         self._cancels = Cancels()
         self._came: dict[str, int] = {}
@@ -199,8 +201,9 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
                 self._came[goal_id.id] = now_us()
                 if self._cancels.cover(goal_id.id, goal_id.stamp.to_nsec(), now_us()):
                     super().internal_cancel_callback(GoalID(id=goal_id.id))
-            # a goal has no options: nothing else of what came is kept
-            super().internal_goal_callback(self.ActionGoal(goal_id=goal_id))
+            # nothing else of what came is kept
+            part = printable(goal.goal.part, LONGEST_NAME)
+            super().internal_goal_callback(self.ActionGoal(goal_id=goal_id, goal=self._goal(part=part)))
             self._shorten()
 
     def publish_result(self, status: Any, result: Any) -> None:

@@ -12,11 +12,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from end_effector_hal.nodes.interface import Action
-from end_effector_hal.ros2.connections import action_class
+from end_effector_hal.nodes.transport import GoalMessage
+from end_effector_hal.ros2.connections import RclpyMessageMaker, action_class
 
 
 class RclpyActionClient:
-    """Sends goals, which have no options.
+    """Sends goals.
 
     Args:
         node: a node of rclpy; its executor runs in a thread.
@@ -25,8 +26,9 @@ class RclpyActionClient:
 
     def __init__(self, node: Node, action: Action) -> None:
         self._node = node
-        self._kind, group = action_class(action.type), ReentrantCallbackGroup()
-        self._client = ActionClient(node, self._kind, action.name, callback_group=group)
+        kind, group = action_class(action.type), ReentrantCallbackGroup()
+        self._make = RclpyMessageMaker(kind.Goal, node.get_clock())
+        self._client = ActionClient(node, kind, action.name, callback_group=group)
         self._cancels = node.create_client(
             CancelGoal, f"{action.name}/_action/cancel_goal", callback_group=group
         )
@@ -35,7 +37,9 @@ class RclpyActionClient:
         """Return whether the server is in the graph."""
         return bool(self._client.server_is_ready())
 
-    def send(self, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]) -> None:
+    def send(
+        self, goal: GoalMessage, on_feedback: Callable[[Any], None], on_end: Callable[[Any, bool], None]
+    ) -> None:
         """Send a goal; a refusal without a result does not come from our server, and the goal counts as lost."""
 
         def answered(future: Any) -> None:
@@ -51,7 +55,7 @@ class RclpyActionClient:
 
         def send() -> None:
             sent = self._client.send_goal_async(
-                self._kind.Goal(), lambda message: on_feedback(message.feedback)
+                self._make(goal), lambda message: on_feedback(message.feedback)
             )
             sent.add_done_callback(answered)
 
