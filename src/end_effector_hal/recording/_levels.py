@@ -1,7 +1,7 @@
-"""``switches.csv`` and ``tool_changer.csv``: one row per change.
+"""``switches.csv``, ``tool_changer.csv`` and ``parts.csv``: one row per change.
 
 The levels of switches are 1 on, 0 off, empty without a valid reading; the state of the tool changer is the integer of
-``ChangerState``.
+``ChangerState``; a part is its name in the description, empty: none.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import ChangerState
+from end_effector_hal.vocabulary import ChangerState, is_name
 
 from ._files import RecordingLimits
 from ._rows import Line, TableWriter, read_header, read_lines, read_rows
@@ -22,6 +22,7 @@ FIXED = ("time_s",)
 ON = "_on"
 """Ending of a column name, after the name of the channel."""
 CHANGER_COLUMNS = ("time_s", "tool_changer")
+PART_COLUMNS = ("time_s", "part")
 _LEVELS = {"0": False, "1": True, "": None}
 
 Levels = tuple[bool | None, ...]
@@ -115,6 +116,30 @@ class ChangerWriter(_ChangesWriter):
         return f"{row[0]:.6f},{int(row[1])}\n"
 
 
+class PartsWriter(_ChangesWriter):
+    """Writes a row when another part is gripped, held or released; thread-safe.
+
+    Raises:
+        UsageError: the file cannot be written, or is another kind of file.
+    """
+
+    def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
+        super().__init__(path, PART_COLUMNS, limits)
+        self._last = self._resumed(_part_row)
+
+    def write(self, time_s: float, part: str) -> bool:
+        """Write the name (`is_part`) that holds from ``time_s`` on; return False when it equals the last row."""
+        return self._change(time_s, part)
+
+    def _text(self, row: tuple[float, str]) -> str:
+        return f"{row[0]:.6f},{row[1]}\n"
+
+
+def is_part(name: str) -> bool:
+    """Return whether a text from outside can be the name of a part; an empty one names none."""
+    return not name or (is_name(name) and name.isidentifier())
+
+
 def read_switches(path: str | Path) -> SwitchesLog | None:
     """Return the switches of a recording; None: the recording has no table of switches.
 
@@ -155,6 +180,13 @@ def _switches_row(line: Line, columns: tuple[str, ...], earliest_s: float) -> tu
         if cell not in _LEVELS:
             raise line.fault(f"{column} is {cell[:40]!r}, expected is 1, 0 or nothing.")
     return line.seconds(time, earliest_s), tuple(_LEVELS[cell] for cell in cells)
+
+
+def _part_row(line: Line) -> tuple[float, str]:
+    time, part = line.fields(PART_COLUMNS)
+    if not is_part(part):
+        raise line.fault(f"part is {part[:40]!r}, expected is a name or nothing.")
+    return line.seconds(time, 0.0), part
 
 
 def _changer_row(line: Line, earliest_s: float) -> ChangerRow:

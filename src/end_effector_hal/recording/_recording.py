@@ -15,16 +15,16 @@ from end_effector_hal._closing import Closing
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import EventKind, ToolEvent
 from end_effector_hal.description import Description, measures_of
-from end_effector_hal.errors import ReportedError, os_errors
+from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.sensing import Readings
 from end_effector_hal.signals import Frame, Value
-from end_effector_hal.vocabulary import Alarm, ChangerState
+from end_effector_hal.vocabulary import Alarm, ChangerState, printable
 from end_effector_hal.wires import now_us
 
 from ._alarms import AlarmsWriter
 from ._events import EventRow, EventsWriter, event_row
 from ._files import RecordingLimits
-from ._levels import ChangerWriter, SwitchesWriter
+from ._levels import ChangerWriter, PartsWriter, SwitchesWriter, is_part
 from ._of_tool import pressure_channels, run_info, switch_channels
 from ._pressures import PressuresWriter
 from ._run import RunInfo, read_run
@@ -146,7 +146,7 @@ class Recording(Closing):
         self._standing: Sequence[Alarm] = ()
         self._reported: int | None = None
         """The state after the last event; None: there was no event."""
-        self._changed = ChangerState.UNKNOWN
+        self._changed, self._part = ChangerState.UNKNOWN, ""
         before = read_run(self.folder)
         known = tool if isinstance(tool, RunInfo) else run_info(tool)
         described = None if isinstance(tool, RunInfo) else tool
@@ -192,6 +192,9 @@ class Recording(Closing):
             if described is None or described.tool_changer is not None:
                 changer = files.enter_context(ChangerWriter(path("tool_changer.csv"), limits))
                 self._writes["tool_changer.csv"] = lambda time_s: changer.write(time_s, self._changed) or True
+            if described is None or described.parts:
+                parts = files.enter_context(PartsWriter(path("parts.csv"), limits))
+                self._writes["parts.csv"] = lambda time_s: parts.write(time_s, self._part) or True
             self._files = files.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
@@ -219,6 +222,21 @@ class Recording(Closing):
             if "tool_changer.csv" in self._writes and self._start is not None:
                 self._changed = ChangerState(state) if state in set(ChangerState) else ChangerState.UNKNOWN
                 self._write("tool_changer.csv", at)
+                self._settle(at)
+
+    def part(self, at: int, name: str) -> None:
+        """Write the name of the part that is gripped, held or released from ``at`` on, if the tool names parts.
+
+        Raises:
+            UsageError: it is not a name.
+            ReportedError: rows cannot be written now.
+        """
+        if not is_part(name):
+            raise UsageError(f"{printable(name)!r} is not the name of a part.")
+        with self._lock:
+            if "parts.csv" in self._writes and self._start is not None:
+                self._part = name
+                self._write("parts.csv", at)
                 self._settle(at)
 
     def alarms(self, at: int, alarms: Sequence[Alarm]) -> None:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from end_effector_hal.nodes.data_logger import events_of
 from end_effector_hal.nodes.transport import AMBIENT_PA, EventMessage, StateMessage
+from end_effector_hal.recording import is_part
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
@@ -33,12 +34,15 @@ def state_of(content: Any) -> StateMessage:
         "count": _one(content, "count", int, 0),
         "tool": _one(content, "tool", str, ""),
         "tool_changer": _one(content, "tool_changer", int, 0),
+        "part": _one(content, "part", str),
         "alarms": _list(content, "alarms", str, []),
         "alarm_ids": _list(content, "alarm_ids", str, []),
         "events": [_event(each) for each in getattr(content, "events", ())],
     }
     if len(used["actuator_names"]) != len(used["actuators"]):
         raise ValueError("its lists are not of the same length")
+    if not is_part(used["part"]):
+        raise ValueError("its part is not a name")
     unused: dict[str, Any] = {each.name: None for each in fields(StateMessage) if each.name not in used}
     message = StateMessage(**used, **unused)
     events_of(message)

@@ -28,6 +28,7 @@ _WRITTEN = (
     "pressures.csv",
     "switches.csv",
     "tool_changer.csv",
+    "parts.csv",
     "alarms.csv",
     TIMELINE,
 )
@@ -113,6 +114,7 @@ def record(description: Description, cell: Cell, folder: Path) -> Played:
             write_frames(status.at)
             recording.tool_changer(at, status.changer)
             recording.state(at, status.ee, status.command, status.actuators)
+            recording.part(at, status.part)
             recording.alarms(at, status.alarms)
             recording.events(at, status.events)
         write_frames(trial.ended.at)

@@ -27,6 +27,7 @@ from tests.support.bags import (
     write_ros1,
     write_ros2,
 )
+from tests.support.parts import with_parts
 
 S = 1_000_000
 Write = Callable[..., Path]
@@ -63,9 +64,9 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
         ("/supervisor_commands", COMMAND, 2 * S, {"command": 2, "part": "lid"}),
         state(12 * S, 2 * S + 100_000, 1, command=2, actuators=[1, 0, 0], count=1, alarms=["Frames are late: 3."]),
         *frame(2 * S + 20_000, **{**pressures, "bottom": -60_000}),
-        state(13 * S, 3 * S, 3, actuators=[2, 2, 2], count=2),
+        state(13 * S, 3 * S, 3, actuators=[2, 2, 2], count=2, part="lid"),
     ])  # fmt: skip
-    found = imported(bag, description=verdin)
+    found = imported(bag, description=with_parts(verdin))
     assert (found.tool, found.states, found.pressures, found.seconds) == ("verdin_gripper", 4, 8, 3.0)
     assert not found.faults
     assert rows(found) == [
@@ -80,6 +81,8 @@ def test_all_of_a_recording(write: Write, verdin: Description) -> None:
         "time_s,command,part",
         "2.000000,2,lid",
     ]
+    parts = (found.folder / "parts.csv").read_text().splitlines()
+    assert parts == ["time_s,part", "0.000000,", "3.000000,lid"]
     info = read_run(found.folder)
     assert (info.ros, info.start_us, info.started[:16]) == (True, 10 * S, "2026-09-21T14:13")
     assert info.limits["bottom_vacuum"]["channel"] == "bottom"
@@ -195,6 +198,13 @@ def test_one_of_several_tools(write: Write) -> None:
     with pytest.raises(UsageError, match=r"no tool in /\. "):
         imported(bag, namespace="/")
     assert [row[:2] for row in rows(imported(bag, namespace="cell/right/"))] == [(0.0, 1), (1.0, 3)]
+
+
+def test_a_state_with_a_part_that_is_no_name_is_left_out(write: Write) -> None:
+    found = imported(write([state(S, 0), state(2 * S, S, 3, part="a,b"), state(3 * S, 2 * S, 3, part="lid")]))
+    assert [row[0] for row in rows(found)] == [0.0, 2.0]
+    (fault,) = found.faults
+    assert fault.endswith("1 of 3 messages are left out; the first: its part is not a name.")
 
 
 def test_what_is_no_state_of_table_ii_is_left_out_and_told(write: Write) -> None:

@@ -1,10 +1,10 @@
-"""switches.csv and tool_changer.csv: a row per change."""
+"""switches.csv, tool_changer.csv and parts.csv: a row per change."""
 
 import pytest
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import ChangerRow, read_changer, read_switches
-from end_effector_hal.recording._levels import ChangerWriter, SwitchesWriter
+from end_effector_hal.recording._levels import ChangerWriter, PartsWriter, SwitchesWriter
 from end_effector_hal.vocabulary import ChangerState
 
 READ = {"switches": read_switches, "tool_changer": read_changer}
@@ -36,6 +36,23 @@ def test_states_of_the_changer_that_are_read_are_those_that_were_written_and_the
     assert read_changer(path) == (
         ChangerRow(0.0, ChangerState.UNKNOWN), ChangerRow(0.5, ChangerState.LOCKED), ChangerRow(3.0, ChangerState.FAULT)
     )  # fmt: skip
+
+
+def test_parts_are_written_where_another_one_is_gripped_and_are_continued(tmp_path):
+    path = tmp_path / "parts.csv"
+    with PartsWriter(path) as writer:
+        assert [writer.write(at / 2, part) for at, part in enumerate(("", "lid", "lid"))] == [
+            True,
+            True,
+            False,
+        ]
+    with PartsWriter(path) as writer:
+        assert not writer.write(2.0, "lid")
+        assert writer.write(3.0, "")
+    assert path.read_text() == "time_s,part\n0.000000,\n0.500000,lid\n3.000000,\n"
+    path.write_text("time_s,part\n0.0,two words\n")
+    with pytest.raises(UsageError, match=r"parts.csv: The last row cannot be read"):
+        PartsWriter(path)
 
 
 def test_a_recording_without_them_is_read(tmp_path):

@@ -26,6 +26,7 @@ from end_effector_hal.recording import (
 )
 from end_effector_hal.vocabulary import received_alarms
 from tests.support.full_disk import FullDisk
+from tests.support.parts import with_parts
 
 DESCRIPTION = load(profile_path())
 SECOND = 1_000_000
@@ -184,3 +185,16 @@ def test_the_tool_changer_is_recorded_where_there_is_one(tmp_path: Path) -> None
     assert [int(row.state) for row in read_changer(tmp_path / "with" / "tool_changer.csv")] == [3, 0]
     assert not (tmp_path / "without" / "tool_changer.csv").exists()
     assert (read_run(tmp_path / "with").ros, read_run(tmp_path / "with").ros_generation) == (True, 2)
+
+
+def test_the_part_is_recorded_of_a_tool_that_names_parts(tmp_path: Path) -> None:
+    for name, tool in (("with", with_parts(DESCRIPTION)), ("without", DESCRIPTION)):
+        with Recording(tmp_path / name, tool) as recording:
+            recording.state(recording._begun, 6, -1, [0, 0, 0])
+            for after, part in enumerate(("", "lid", "lid")):
+                recording.part(recording._begun + after * SECOND, part)
+            with pytest.raises(UsageError, match=r"'a,b' is not the name of a part\."):
+                recording.part(recording._begun + 3 * SECOND, "a,b")
+    rows = ["time_s,part", "0.000000,", "1.000000,lid"]
+    assert (tmp_path / "with" / "parts.csv").read_text().splitlines() == rows
+    assert not (tmp_path / "without" / "parts.csv").exists()

@@ -212,6 +212,7 @@ def _record(tool: EndEffector, recording: Recording) -> None:
     def state(status: Status) -> None:
         recording.state(status.at, status.ee, status.command, status.actuators)
         recording.tool_changer(status.at, status.changer)
+        recording.part(status.at, status.part)
         recording.alarms(status.at, status.alarms)
         recording.events(status.at, status.events)
 

@@ -19,6 +19,7 @@ def write_state(recording: Recording, message: StateMessage) -> None:
     except ValueError as error:
         raise UsageError(f"The state message contains an invalid event: {error}.") from None
     recording.events(message.at_us, events)
+    recording.part(message.at_us, message.part)
 
 
 def events_of(message: StateMessage) -> list[ToolEvent]:
