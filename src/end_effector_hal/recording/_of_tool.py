@@ -55,7 +55,8 @@ def hash_of(content: Mapping[str, Any], model: bytes) -> str:
     if inputs := kept.get("inputs"):
         inputs.pop("iio", None)
     kept["automata"]["file"] = hashlib.sha256(model).hexdigest()
-    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:12]
+    order = ",".join(kept.get("parts") or {})  # the first part is the default one
+    return hashlib.sha256((json.dumps(kept, sort_keys=True) + order).encode()).hexdigest()[:12]
 
 
 def pressure_channels(description: Description) -> tuple[str, ...]:

@@ -21,6 +21,8 @@ from end_effector_hal.description import (
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.cylinder import CylinderActuator
 from end_effector_hal.kinds.vacuum import VacuumActuator
+from end_effector_hal.recording import content_hash
+from tests.support.parts import with_parts
 
 
 @pytest.fixture
@@ -147,6 +149,14 @@ def test_virtual_lines_and_another_port_are_the_same_tool(loaded: Callable[..., 
     assert (virtual.source, virtual.where("name")) == (tool.source, tool.where("name"))
     assert (tool.lines.backend, tool.link.port) == ("gpiod", "/dev/ttyS0")
     assert tool.with_virtual(lines_path="/x/chip", port="/x/pty").lines.socket is None
+
+
+def test_another_default_part_is_another_content(verdin: Description) -> None:
+    tool = with_parts(verdin)
+    turned = tool.model_copy(update={"parts": dict(reversed(tool.parts.items()))})
+    assert turned.part_names == ("lid", "panel")
+    for content in (Description.fingerprint, content_hash):
+        assert len({content(verdin), content(tool), content(turned)}) == 3
 
 
 def test_the_fingerprint_is_of_the_content(changed: Callable[..., str]) -> None:

@@ -419,12 +419,13 @@ class Description(Part):
     def fingerprint(self) -> str:
         """Return twelve hex digits of a hash of the content.
 
-        Layout, order of keys and omitted defaults do not change it.
+        Layout, order of keys and omitted defaults do not change it; the order of the parts does, for the first is the
+        default one.
         """
         content = json.dumps(
             self.model_dump(mode="json", by_alias=True), sort_keys=True, separators=(",", ":")
         )
-        return hashlib.sha256(content.encode()).hexdigest()[:12]
+        return hashlib.sha256((content + ",".join(self.parts)).encode()).hexdigest()[:12]
 
 
 def with_keys(stanza: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
