@@ -226,6 +226,8 @@ def write_description(description: Description, path: Path, what: str) -> None:
     """
     content = description.model_dump(mode="json", by_alias=True, exclude_unset=True)
     content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}
+    yaml = YAML(typ="safe", pure=True)
+    yaml.representer.sort_base_mapping_type_on_output = False  # the first part is the default one
     with os_errors("Cannot be written", path), path.open("w", encoding="utf-8") as file:
         file.write(f"# Written by eehal: {what}.\n")
-        YAML(typ="safe", pure=True).dump(content, file)
+        yaml.dump(content, file)

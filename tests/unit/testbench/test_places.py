@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, load
 from end_effector_hal.errors import UsageError
-from end_effector_lab.testbench import open_inputs, open_ports
+from end_effector_lab.testbench import open_inputs, open_ports, write_description
 from end_effector_lab.testbench._ports import PtyPort, SerialPort
 from end_effector_lab.testbench.inputs import (
     GpioInputs,
     GpioSimInputs,
     VirtualInputs,
 )
+from tests.support.parts import with_parts
 from tools.board import pins_of
 
 
@@ -24,6 +27,11 @@ def test_the_description_decides_where_nothing_is_said(virtual: Description) -> 
     assert isinstance(inputs, VirtualInputs)
     assert isinstance(port, PtyPort)
     assert (inputs.text, port.text) == ("virtual:/nowhere/chip", "/nowhere/uart")
+
+
+def test_a_copy_has_the_same_default_part(verdin: Description, tmp_path: Path) -> None:
+    write_description(with_parts(verdin), tmp_path / "copy.yaml", "a copy")
+    assert load(tmp_path / "copy.yaml").part_names == ("panel", "lid")
 
 
 def test_the_preset_is_the_wiring_of_the_paper(verdin: Description) -> None:
