@@ -46,8 +46,8 @@ class VirtualTool:
     def status(self) -> Status:
         return self.controller.status()
 
-    def command(self, name: str) -> Answer:
-        answer, statuses = self.controller.command(name, self.at)
+    def command(self, name: str, part: str = "") -> Answer:
+        answer, statuses = self.controller.command(name, self.at, part)
         self._told(statuses)
         return answer
 

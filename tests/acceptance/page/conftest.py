@@ -13,7 +13,7 @@ from typing import IO
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import Description, load, profile_path
 from end_effector_lab.demo import World
 from end_effector_lab.processes import EEHAL
 from tests.support.patience import wait_until
@@ -61,11 +61,11 @@ class Process:
 
 
 class Live:
-    """A tool on virtual wires, its HAL and its page, which gets these further options."""
+    """A tool on virtual wires (default: the paper's), its HAL and its page, which gets these further options."""
 
-    def __init__(self, folder: Path, scenario: str, *options: str) -> None:
+    def __init__(self, folder: Path, scenario: str, *options: str, tool: Description | None = None) -> None:
         self.folder, self._options = folder, options
-        self.world = World(load(profile_path()), scenario, folder)
+        self.world = World(tool or load(profile_path()), scenario, folder)
 
     def __enter__(self) -> Live:
         with ExitStack() as undo:

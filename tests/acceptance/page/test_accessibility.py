@@ -10,6 +10,7 @@ from tests.acceptance.page import test_recordings
 from tests.acceptance.page.conftest import Live
 from tests.acceptance.page.test_page import opened, shows
 from tests.acceptance.page.test_recordings import nominal, report, retried, served
+from tests.support.named_parts import gripper_with_parts
 
 __all__ = ["nominal", "report", "retried", "served"]
 SIZES = {"desktop": {"width": 1440, "height": 900}, "phone": {"width": 390, "height": 844}}
@@ -81,6 +82,22 @@ def test_what_is_wrong_can_be_read(chromium: Any, tmp_path: Path) -> None:
         page.wait_for_selector("body.stale")
         assert_no_fault(page, "without news")
         assert not page.faults
+        page.context.close()
+
+
+def test_a_list_of_parts(chromium: Any, tmp_path: Path) -> None:
+    tool = gripper_with_parts(tmp_path)
+    (folder := tmp_path / "live").mkdir()
+    with Live(folder, "nominal", tool=tool) as live:
+        page = opened(chromium, live)
+        shows(page, "state-word", "STAND-BY")
+        page.click("#control-take")
+        shows(page, "control-who", "This page has the control.")
+        page.select_option("#part", "box")
+        page.click("#command-grip")
+        shows(page, "state-word", "GRIPPED: box")
+        page.locator("#card-cylinder .unused", has_text="not used for box").wait_for()
+        assert_no_fault(page, "a part is held")
         page.context.close()
 
 

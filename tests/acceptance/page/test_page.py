@@ -17,6 +17,7 @@ from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.stream import ask_program, program_socket
 from end_effector_hal.verification.mutation import kept_record
 from tests.acceptance.page.conftest import Live
+from tests.support.named_parts import gripper_with_parts
 from tests.support.patience import wait_until
 
 SHOTS = Path(os.environ.get("EEHAL_SHOTS", "runs/page"))
@@ -73,6 +74,7 @@ def press_forbidden(page: Any, word: str) -> None:
 def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     page = opened(chromium, nominal, viewport={"width": 1440, "height": 1000})
     shows(page, "state-word", "STAND-BY")
+    assert page.locator("#part").count() == 0, "the tool names no parts"
     shows(page, "why-grip", "Take control first.")
     press_forbidden(page, "grip")
     shows(page, "answer", "Take control first.")
@@ -340,6 +342,43 @@ def test_the_keyboard_reaches_everything(chromium: Any, nominal: Live) -> None:
     page.keyboard.press("Enter")
     shows(page, "control-who", "This page has the control.")
     page.context.close()
+
+
+def test_a_part_is_chosen_from_the_list(chromium: Any, tmp_path: Path) -> None:
+    tool = gripper_with_parts(tmp_path)
+    (folder := tmp_path / "live").mkdir()
+    with Live(folder, "nominal", tool=tool) as live:
+        page = opened(chromium, live, viewport={"width": 390, "height": 844})
+        shows(page, "state-word", "STAND-BY")
+        assert page.locator("#part option").all_text_contents() == ["panel: 600 × 400 mm, 4 kg", "box"]
+        assert page.locator(".unused:visible").count() == 0
+        assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+        page.click("#control-take")
+        shows(page, "control-who", "This page has the control.")
+        # by the keyboard alone
+        page.focus("#part")
+        page.keyboard.press("b")
+        assert page.input_value("#part") == "box"
+        page.keyboard.press("Shift+Tab")
+        assert page.evaluate("() => document.activeElement.id") == "command-grip"
+        page.keyboard.press("Enter")
+        shows(page, "state-word", "GRIPPED: box")
+        page.locator("#card-cylinder .unused", has_text="not used for box").wait_for()
+        assert page.locator(".unused:visible").count() == 2
+        gauge = page.locator("#card-bottom_vacuum .gauge text", has_text="confirmed 40")
+        gauge.wait_for()
+        assert page.locator("#card-bottom_vacuum .gauge text", has_text="confirmed 55").count() == 0
+        shot(page, "parts-phone", whole=True)
+        page.set_viewport_size({"width": 1440, "height": 1000})
+        shot(page, "parts", whole=True)
+        assert "Grip box accepted." in page.inner_text("#log")
+        page.click("#command-drop")
+        page.click("dialog button[value=yes]")
+        shows(page, "state-word", "STAND-BY")
+        assert page.locator(".unused:visible").count() == 0
+        assert page.input_value("#part") == "box", "it stays chosen"
+        assert not page.faults
+        page.context.close()
 
 
 def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:

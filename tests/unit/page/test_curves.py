@@ -52,17 +52,17 @@ def test_a_gauge_has_the_unit_the_range_and_the_thresholds_of_its_channel(tool: 
     curves = curves_of(tool, carrier_of(tool).channels)
     gap, force = curves["jaw"]
     assert (gap.unit, gap.low, gap.most, gap.decimals, gap.own) == ("mm", 0.0, 60.0, 2, False)
-    assert gap.marks == (("gone", 50.0), ("empty", 2.0), ("confirmed", 12.25), ("confirmed", 14.0))
-    assert (force.unit, force.low, force.marks) == ("N", 0.0, (("confirmed", 40.0),))
+    assert gap.marks[""] == (("gone", 50.0), ("empty", 2.0), ("confirmed", 12.25), ("confirmed", 14.0))
+    assert (force.unit, force.low, force.marks[""]) == ("N", 0.0, (("confirmed", 40.0),))
     assert force.most == pytest.approx(56.0)
     cup, rear = curves["cup"]
-    assert (cup.name, cup.unit, cup.own, cup.marks) == (
+    assert (cup.name, cup.unit, cup.own, cup.marks[""]) == (
         "cup",
         "kPa below ambient",
         True,
         (("gone", 10.0), ("confirmed", 55.0)),
     )
-    assert (rear.unit, rear.marks, rear.most) == ("kPa", (("confirmed", -40.0),), 0.0)
+    assert (rear.unit, rear.marks[""], rear.most) == ("kPa", (("confirmed", -40.0),), 0.0)
     assert rear.low == pytest.approx(-56.0)
 
 

@@ -27,6 +27,7 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.vocabulary import E_STOPPED, STOPPED, Alarm
 from end_effector_hal.vocabulary import EndEffectorState as State
+from tests.support.named_parts import gripper_with_parts
 from tests.support.places import ROOT
 from tests.support.virtual_tool import VirtualTool
 
@@ -48,6 +49,7 @@ class Watched:
     def __init__(self, description: Description, scenario: str = "nominal") -> None:
         self.description = description
         self.view = ToolView(description, 0)
+        self.views = [self.view]
         self.now, self.faults = 0, tuple[Alarm, ...]()
         self.send("header", 0, header_of(description, 0))
 
@@ -65,7 +67,8 @@ class Watched:
     def send(self, kind: str, at: int, content: object) -> None:
         self.now = max(self.now, at)
         plain = json.loads(to_json(content, fallback=dict))
-        self.view.take(kind, at, adapter(kind).validate_python(plain), self.now)
+        for view in self.views:
+            view.take(kind, at, adapter(kind).validate_python(plain), self.now)
 
     def shown(self) -> dict[str, Any]:
         """As the browser gets it."""
@@ -89,6 +92,7 @@ def test_a_grip_is_shown_as_it_goes(verdin: Description) -> None:
     (rate,) = ready["rates_hz"]
     assert 45 <= rate <= 51
     assert watched.view.drawn()["sources"] == [{"name": "", "hz": 50.0}]
+    assert watched.view.drawn()["parts"] == []
     assert ready["buttons"]["grip"] == ""
     assert watched.tool.command("grip").accepted
     watched.tool.run(0.2)
@@ -442,3 +446,59 @@ def test_each_of_several_sources_has_a_rate_of_its_own() -> None:
         {"name": "inputs", "hz": 50.0},
     ]
     assert view.now(3_000_000)["rates_hz"] == pytest.approx([25.0, 50.0, 50.0], rel=0.1)
+
+
+def test_a_part_is_chosen_named_and_judged_by_its_own_values(tmp_path: Path) -> None:
+    watched = Watched(gripper_with_parts(tmp_path), "fails:bottom_vacuum:9")
+    drawn = watched.view.drawn()
+    assert drawn["parts"] == [
+        {"name": "panel", "summary": "600 × 400 mm, 4 kg"},
+        {"name": "box", "summary": ""},
+    ]
+    marks = {
+        part: {each["word"]: each["at"] for each in found}
+        for part, found in drawn["cards"][0]["gauges"][0]["marks"].items()
+    }
+    assert (marks["panel"]["confirmed"], marks["box"]["confirmed"]) == (55.0, 40.0)
+    watched.tool.run(1.5)
+    rest = watched.shown()
+    assert rest["parts"] == {"panel": "", "box": ""}
+    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND-BY", "panel")
+    assert [card["unused"] for card in rest["cards"]] == [False] * 3
+    assert watched.tool.command("grip", part="box").accepted
+    watched.tool.run(0.2)
+    shown = watched.shown()
+    assert (shown["state"]["word"], shown["state"]["judged"]) == ("GRIPPING: box", "box")
+    assert shown["state"]["goal"]["name"] == "Grip box"
+    assert [card["unused"] for card in shown["cards"]] == [False, True, True]
+    assert shown["cards"][0]["attempt"]["of"] == 2
+    assert shown["cards"][0]["timer"]["of_s"] == 2.0
+    assert "Grip box accepted." in watched.texts("command")
+    late = ToolView(watched.description, watched.now)
+    snapshot = json.loads(to_json(watched.tool.controller.snapshot(), fallback=dict))
+    late.take("header", watched.now, header_of(watched.description, 0), watched.now)
+    late.take("state", watched.now, adapter("state").validate_python(snapshot), watched.now)
+    watched.views.append(late)
+    watched.tool.run(2.0)
+    for view in watched.views:
+        (timeout,) = [entry["text"] for entry in view.log.entries if entry["kind"] == "time-out"]
+        assert timeout.startswith("Bottom vacuum was not confirmed within 2 s: attempt 1 of 2;")
+
+
+def test_the_part_stays_on_the_page_until_it_is_released(tmp_path: Path) -> None:
+    watched = Watched(gripper_with_parts(tmp_path))
+    watched.tool.run(1.5)
+    assert watched.tool.command("grip", part="box").accepted
+    watched.tool.run(4.0)
+    held = watched.shown()
+    assert held["state"]["word"] == "GRIPPED: box"
+    assert [card["unused"] for card in held["cards"]] == [False, True, True]
+    assert [bool(card["hold"]) for card in held["cards"]] == [True, False, False]
+    assert [card["margin_kpa"] is None for card in held["cards"]] == [False, True, True]
+    assert held["cards"][0]["margin_kpa"] == pytest.approx(held["cards"][0]["values"][0] - 30)
+    assert watched.tool.command("drop").accepted
+    watched.tool.run(4.0)
+    rest = watched.shown()
+    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND-BY", "panel")
+    assert not any(card["unused"] for card in rest["cards"])
+    assert rest["cards"][0]["attempt"]["of"] == 2

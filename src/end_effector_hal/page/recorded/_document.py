@@ -17,6 +17,7 @@ from end_effector_hal.runtime.boundary import Published
 from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.verification.replay import Entry
+from end_effector_hal.vocabulary import printable
 
 from ._differences import ComparedRecording, TablesBuilder
 from ._files import TOLD, RecordingFiles
@@ -173,6 +174,8 @@ class _Fold:
 
     def _check(self, status: Status) -> None:
         """Check that a status fits this tool; raises UsageError."""
+        if status.part and status.part not in self._files.description.part_names:
+            raise UsageError(f"the tool has no part {printable(status.part)!r}")
         parts = self._files.description.ordered
         if {len(status.actuators), len(status.outputs), len(status.evidence)} != {len(parts)}:
             raise UsageError(f"it is not that of a tool with {len(parts)} actuators")

@@ -11,7 +11,7 @@ export class Cards {
 
   show(view) {
     if (!view.cards) return;
-    view.cards.forEach((now, index) => this.cards[index].show(now, view.at));
+    view.cards.forEach((now, index) => this.cards[index].show(now, view.at, view.state));
   }
 }
 
@@ -30,6 +30,8 @@ class Card {
       return value;
     });
     this.element = make("li", { className: "card", id: `card-${drawn.name}` }, make("header", {}, title, this.pill));
+    this.unused = make("p", { className: "unused", hidden: true });
+    this.element.append(this.unused);
     this.gauges = drawn.gauges.map((gauge) => new Gauge(gauge));
     for (const gauge of this.gauges) this.element.append(...gauge.elements);
     this.attempts = make("div", { className: "attempts", hidden: true });
@@ -41,14 +43,19 @@ class Card {
     this.element.append(this.pairs, this.attempts, this.timer, this.hold);
   }
 
-  show(now, at) {
+  show(now, at, state) {
     const driven = now.phase === "inactive" && now.output;  // by maintenance: the automata know nothing of it
     this.element.dataset.phase = driven ? "driven" : now.phase;
     put(this.pill, now.blows ? "BLOWN OFF" : now.phase === "releasing" ? "RELEASING" : driven ? "OUTPUT ON" : now.state);
     put(this.output, now.output === null ? "not recorded" : now.output ? `● on${now.kept ? ", kept" : ""}` : "○ off");
     put(this.evidence, EVIDENCE[now.evidence] ?? "not recorded");
     this.bits.forEach((element, index) => put(element, now.bits[index] === undefined || now.bits[index] === null ? "?" : now.bits[index] ? "on" : "off"));
-    this.gauges.forEach((gauge, index) => gauge.show(now.values[index] ?? null, index ? null : now.margin_kpa));
+    this.unused.hidden = !now.unused;
+    put(this.unused, now.unused ? `not used for ${state.part}` : "");
+    this.gauges.forEach((gauge, index) => {
+      gauge.markFor(state.judged);
+      gauge.show(now.values[index] ?? null, index ? null : now.margin_kpa);
+    });
     this.showAttempt(now.attempt, now.phase);
     this.showTimer(now.timer, at);
     this.showHold(now.hold);
@@ -99,6 +106,7 @@ class Card {
 class Gauge {
   constructor(drawn) {
     this.drawn = drawn;
+    [this.marks] = Object.values(drawn.marks);
     this.value = make("b");
     this.margin = make("span", { className: "margin" });
     const unit = make("span", {}, drawn.own ? drawn.unit : `${drawn.unit}, ${drawn.label.toLowerCase()}`);
@@ -114,19 +122,31 @@ class Gauge {
   makeBar() {
     this.width = 0;
     this.fill = svg("rect", { class: "fill", x: 0, y: 18, width: 0, height: 14, rx: 3 });
-    const box = svg("svg", { class: "gauge", "aria-hidden": "true" });
+    const box = this.box = svg("svg", { class: "gauge", "aria-hidden": "true" });
     new ResizeObserver(([{ contentRect }]) => {
       if (!contentRect.width || contentRect.width === this.width) return;
       this.width = contentRect.width;
-      box.replaceChildren(svg("rect", { class: "track", x: 0, y: 18, width: this.width, height: 14, rx: 3 }), this.fill, ...this.makeMarks());
-      this.fillTo(this.shown);
+      this.draw();
     }).observe(box);
     return box;
   }
 
+  draw() {
+    this.box.replaceChildren(svg("rect", { class: "track", x: 0, y: 18, width: this.width, height: 14, rx: 3 }), this.fill, ...this.makeMarks());
+    this.fillTo(this.shown);
+  }
+
+  // Each part has its own thresholds.
+  markFor(part) {
+    const marks = this.drawn.marks[part] ?? [];
+    if (marks === this.marks || (!marks.length && !this.marks.length)) return;
+    this.marks = marks;
+    if (this.width) this.draw();
+  }
+
   // Words above and below in turn, moved apart so that none lies over another.
   makeMarks() {
-    const marks = this.drawn.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
+    const marks = this.marks.map((mark) => ({ ...mark, x: this.x(mark.at) })).sort((a, b) => a.x - b.x);
     const ends = [-10, -10];
     const pen = document.createElement("canvas").getContext("2d");
     pen.font = `12px ${getComputedStyle(document.documentElement).getPropertyValue("--font")}`;

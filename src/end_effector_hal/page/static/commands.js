@@ -13,6 +13,8 @@ export class Commands {
     this.page = page;
     this.buttons = {};
     this.refused = {};
+    const before = byId("part")?.value;
+    this.part = drawn.parts.length ? choice(drawn.parts, before) : null;
     const made = drawn.buttons.map((word) => this.make(word));
     // together, for on a phone they stay at the lower edge
     const atHand = make("div", { className: "at-hand" }, ...made.filter((_, index) => ALWAYS[drawn.buttons[index]]));
@@ -39,7 +41,8 @@ export class Commands {
     button.setAttribute("aria-describedby", why.id);
     button.addEventListener("click", () => this.press(word));
     this.buttons[word] = { button, why };
-    return make("div", { className: "command" }, button, why);
+    const chosen = word === "grip" && this.part ? [make("label", { className: "part" }, "Part ", this.part)] : [];
+    return make("div", { className: "command" }, button, ...chosen, why);
   }
 
   // In maintenance (IL-12) each card has a button of its own.
@@ -72,7 +75,7 @@ export class Commands {
       return;
     }
     this.answer(`${what} …`, null);
-    const said = await this.post("/command", drive.word, { actuator: card.name });
+    const said = await this.post("/command", drive.word, { name: card.name });
     this.answer(`${what}: ${said.accepted ? said.reason || "the output is written; its card shows what its sensor says." : said.reason}`, said.accepted);
   }
 
@@ -90,7 +93,8 @@ export class Commands {
     put(who, this.mine ? "This page has the control." : control.holder ? `${control.name} has the control.` : "No page is in control.");
     put(this.take, this.mine ? "Release control" : "Take control");
     this.take.disabled = !this.mine && Boolean(control.holder);
-    for (const [word, refusal] of Object.entries(view.buttons)) {
+    const refusals = this.part ? { ...view.buttons, grip: view.parts[this.part.value] } : view.buttons;
+    for (const [word, refusal] of Object.entries(refusals)) {
       const why = refusal || (this.mine || ALWAYS[word] ? "" : "Take control first.");
       this.set(word, why, ALWAYS[word] ? `${ALWAYS[word]} ${view[word]}` : why);
     }
@@ -123,11 +127,13 @@ export class Commands {
       return;
     }
     if (ASKS[word] && !(await confirmed(...ASKS[word]))) return;
-    this.answer(`${LABELS[word]} …`, null);
+    const name = word === "grip" && this.part ? this.part.value : "";
+    const what = `${LABELS[word]} ${name}`.trim();
+    this.answer(`${what} …`, null);
     const before = this.lastAt;
-    const said = await this.post("/command", word);
+    const said = await this.post("/command", word, { name });
     const begun = said.accepted && GOALS.includes(word);  // its outcome comes later
-    this.answer(`${LABELS[word]}: ${said.accepted ? said.reason || "accepted." : said.reason}`, begun ? null : said.accepted);
+    this.answer(`${what}: ${said.accepted ? said.reason || "accepted." : said.reason}`, begun ? null : said.accepted);
     this.before = begun ? before : undefined;
   }
 
@@ -154,6 +160,14 @@ export class Commands {
     line.className = `answer${accepted === null ? "" : accepted ? " done" : " refused"}`;
     line.textContent = text;
   }
+}
+
+// The parts that can be gripped; the default one is the first.
+function choice(parts, before) {
+  const options = parts.map(({ name, summary }) => make("option", { value: name, textContent: summary ? `${name}: ${summary}` : name }));
+  const list = make("select", { id: "part" }, ...options);
+  if (parts.some(({ name }) => name === before)) list.value = before;
+  return list;
 }
 
 function confirmed(title, text) {

@@ -271,7 +271,11 @@ class Player {
     // what asks for sizes comes before what changes them: the browser lays out once
     this.automata.show(view.automata, view.at);
     this.look(false);
-    this.lines.forEach((line, index) => line.mark(this.at - index * this.shift));
+    this.lines.forEach((line, index) => {
+      const [each, moment] = [this.recordings[index], this.at - index * this.shift];
+      line.mark(moment);
+      line.markFor((each === this.shown ? view : each.view(moment)).state);
+    });
     overview(view);
     lateness(view.state);
     this.cards.show(view);

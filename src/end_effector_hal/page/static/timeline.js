@@ -30,6 +30,7 @@ export class TimeLine {
     this.holder = make("div");
     this.marker = make("div", { className: "marker", hidden: true });
     root.replaceChildren(this.canvas, this.holder, this.marker);
+    [this.part] = Object.keys(drawn.curves[0]?.marks ?? {});
     this.plots = this.makePlots();
     window.addEventListener("resize", () => this.resize());
     this.lastDrawn = 0;
@@ -56,8 +57,6 @@ export class TimeLine {
       const style = getComputedStyle(document.documentElement);
       const ink = style.getPropertyValue("--muted").trim();
       const grid = { stroke: style.getPropertyValue("--line").trim(), width: 1 };
-      const marks = group.flatMap((each) => each.marks.filter((mark) => !each.own || ["lost", "confirmed", "secure"].includes(mark.word)))
-        .filter((mark, index, all) => all.findIndex((other) => other.word === mark.word && other.at === mark.at) === index);
       const most = Math.max(...group.map((each) => each.most));
       const low = Math.min(...group.map((each) => each.low));
       const options = {
@@ -69,10 +68,22 @@ export class TimeLine {
           { stroke: ink, grid, ticks: grid, size: this.labels - AXIS_LABEL, label: group[0].unit, labelSize: AXIS_LABEL },
         ],
         series: [{}, ...group.map((each) => ({ label: each.label, stroke: COLOURS[each.index % COLOURS.length], width: 1.6, dash: each.index % 2 ? [7, 4] : undefined, points: { show: false } }))],
-        hooks: { draw: [(plot) => drawMarks(plot, marks, ink)] },
+        hooks: { draw: [(plot) => drawMarks(plot, this.marks(group), ink)] },
       };
       return { plot: new window.uPlot(options, this.slice(group), holder), group };
     });
+  }
+
+  // The thresholds of the part by whose values the tool judges now.
+  marks(group) {
+    return group.flatMap((each) => (each.marks[this.part] ?? []).filter((mark) => !each.own || ["lost", "confirmed", "secure"].includes(mark.word)))
+      .filter((mark, index, all) => all.findIndex((other) => other.word === mark.word && other.at === mark.at) === index);
+  }
+
+  markFor(state) {
+    if (!state || state.judged === this.part) return;
+    this.part = state.judged;
+    for (const { plot } of this.plots) plot.redraw(false);
   }
 
   width() {
@@ -90,6 +101,7 @@ export class TimeLine {
       for (let index = 1; index < row.length; index += 1) this.data[index].push(row[index]);
     }
     for (const change of view.changes) this.changes[change.lane]?.push({ at: (change.at - epoch) / 1e6, word: change.word });
+    this.markFor(view.state);
     this.events.push(...view.log.filter((entry) => entry.detail && entry.kind !== "automaton"));
     if (this.still) return;
     this.to = this.end = (view.at - epoch) / 1e6;

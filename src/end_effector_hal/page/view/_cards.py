@@ -28,6 +28,8 @@ class Cards:
     def __init__(self, description: Description, carried: dict[str, Kind]) -> None:
         self._description, self._carried = description, carried
         self._parts = description.ordered
+        self._tools = dict(zip(description.part_names, description.per_part, strict=True))
+        self._uses = {name: description.uses(name) for name in description.part_names}
         self._curves = curves_of(description, carried)
 
     @property
@@ -59,25 +61,32 @@ class Cards:
             "line": part.line,
             "states": {int(state): state.label for state in kind.states},
             "gauges": [curve.drawn() for curve in self._curves[name]],
-            "attempts": part.attempts,
             "bits": self._bits(part),
         }
 
     def _bits(self, part: Actuator) -> list[str]:
         return [name for name in kind_of(part).channel_names(part) if self._carried.get(name) is Kind.BIT]
 
-    def now(self, status: Status, controller: Controller | None) -> list[dict[str, Any]]:
-        """Return the present values; times are instants in µs, so that nothing changes between two events."""
-        return [self._now(index, status, controller) for index in range(len(self._parts))]
+    def judged(self, status: Status) -> str:
+        """Return the name of the part by whose values the tool judges; at rest the default one."""
+        return status.part or self._description.part_names[0]
 
-    def _now(self, index: int, status: Status, controller: Controller | None) -> dict[str, Any]:
-        name, part = self._parts[index]
+    def now(self, status: Status, controller: Controller | None, gripped: str = "") -> list[dict[str, Any]]:
+        """Return the present values; times are instants in µs, so that nothing changes between two events.
+
+        ``gripped``: the part of the last grip, whose attempts are shown; empty: unknown, or it has no name.
+        """
+        return [self._now(index, status, controller, gripped) for index in range(len(self._parts))]
+
+    def _now(self, index: int, status: Status, controller: Controller | None, gripped: str) -> dict[str, Any]:
+        name, part = self._tools[self.judged(status)].ordered[index]
         kind = kind_of(part)
         state = status.actuators[index]
         card: dict[str, Any] = {
             "state": kind.states(state).label,
             "phase": "pending" if state == PENDING else "active" if state == ACTIVE else "inactive",
             "output": status.outputs[index],
+            "unused": bool(status.part) and not self._uses[status.part][index],
             "evidence": status.evidence[index].name,
             "kept": index in status.kept,
             "blows": index in status.blowing,
@@ -91,10 +100,11 @@ class Cards:
         if is_releasing(status, index):
             card["phase"] = "releasing"
         report = next((step for step in status.steps if step.name == name), None)
-        if report is not None and report.attempts:
+        tool = self._tools.get(status.part or gripped)
+        if report is not None and report.attempts and tool is not None:
             card["attempt"] = {
                 "number": report.attempts,
-                "of": part.attempts,
+                "of": tool.actuators[name].attempts,
                 "seconds": report.seconds,
                 "confirmed": report.confirmed,
             }
@@ -109,9 +119,9 @@ class Cards:
             supply = self._description.supply
             supply_pa = supply.pressure_pa(readings.get(supply.channel, seen_at))
             margin = kind.margin_pa(part, value, supply_pa)
-            card["margin_kpa"] = None if margin != margin else margin / 1000
+            card["margin_kpa"] = None if margin != margin or card["unused"] else margin / 1000
         card["bits"] = [readings.get(bit, seen_at) for bit in self._bits(part)]
-        if status.held:
+        if status.held and not card["unused"]:
             card["hold"] = self._hold(index, controller)
         return card
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from end_effector_hal.description import Description, measures_of
@@ -14,6 +15,7 @@ from end_effector_hal.vocabulary import display_name
 _LIMITS = ("gone", "lost_at_once", "lost", "confirmed", "secure")
 _CONDITIONS = ("gone", "lost", "empty", "confirmed")
 _MEASURED = (Kind.PRESSURE, Kind.QUANTITY)
+Marks = tuple[tuple[str, float], ...]
 
 
 class Curve(NamedTuple):
@@ -28,7 +30,7 @@ class Curve(NamedTuple):
         decimals: number of decimals shown.
         low: lower end of the scale.
         most: upper end of the scale.
-        marks: thresholds, each with its word.
+        marks: by part, its thresholds, each with its word.
         own: whether this is the pressure of the actuator itself.
     """
 
@@ -40,7 +42,7 @@ class Curve(NamedTuple):
     decimals: int = 1
     low: float = 0.0
     most: float = 1.0
-    marks: tuple[tuple[str, float], ...] = ()
+    marks: Mapping[str, Marks] = MappingProxyType({})
     own: bool = False
 
     def shown(self, value: int) -> float:
@@ -49,16 +51,29 @@ class Curve(NamedTuple):
 
     def drawn(self) -> dict[str, Any]:
         """Return the constant properties, which are sent to a page once."""
-        marks = [{"word": word.replace("_", " "), "at": at} for word, at in self.marks]
+        marks = {
+            part: [{"word": word.replace("_", " "), "at": at} for word, at in each]
+            for part, each in self.marks.items()
+        }
         return {**self._asdict(), "marks": marks}
+
+    def joined(self, other: Curve) -> Curve:
+        """Return this curve with the marks of the same channel for another part, on a scale that has both."""
+        marks = {**self.marks, **other.marks}
+        return self._replace(marks=marks, low=min(self.low, other.low), most=max(self.most, other.most))
 
 
 def curves_of(description: Description, carried: Mapping[str, Kind]) -> dict[str, tuple[Curve, ...]]:
     """Return curves by actuator, in grip order: its own pressure, then other channels of its conditions."""
     measures = measures_of(description)
-    return {
-        name: tuple(_curves(description, name, part, carried, measures)) for name, part in description.ordered
-    }
+    found: dict[str, dict[str, Curve]] = {name: {} for name in description.sequence}
+    for part, tool in zip(description.part_names, description.per_part, strict=True):
+        for name, actuator in tool.ordered:
+            for curve in _curves(tool, name, actuator, carried, measures):
+                own = curve._replace(marks={part: curve.marks[""]})
+                before = found[name].get(curve.name)
+                found[name][curve.name] = before.joined(own) if before else own
+    return {name: tuple(curves.values()) for name, curves in found.items()}
 
 
 def _curves(
@@ -81,7 +96,7 @@ def _curves(
             "kPa below ambient" if kind.below_ambient else "kPa",
             kind.below_ambient,
             most=100.0 if kind.below_ambient and most <= 100 else round(most * 1.4, -1),
-            marks=tuple(marks),
+            marks={"": tuple(marks)},
             own=True,
         )
     for channel in part.evidence.channels if part.evidence else ():
@@ -125,5 +140,5 @@ def _quantity(
         decimals=measure.decimals,
         low=float(low),
         most=float(most) if most > low else low + 1.0,
-        marks=tuple(dict.fromkeys(marks)),
+        marks={"": tuple(dict.fromkeys(marks))},
     )

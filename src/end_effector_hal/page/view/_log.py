@@ -49,6 +49,7 @@ class EventLog:
         }
         self.entries: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self._count = 0
+        self._part = 0
         self._asked = ""
         self._alarms: tuple[Alarm, ...] = ()
         self._reader = EventReader()
@@ -68,13 +69,14 @@ class EventLog:
         if kind == "step":
             self._step(record, readings)
         elif kind == "start":
-            self._reader = EventReader()
+            self._reader, self._part = EventReader(), 0
         elif kind == "state":
             self._reader = EventReader(record.execution.variables)
+            self._part = record.execution.variables.get("part", 0)
         elif kind == "command":
-            self._asked = record.name
+            self._asked = f"{record.name.capitalize()} {record.part}".rstrip()
         elif kind == "answer":
-            word, self._asked = (self._asked or "command").capitalize(), ""
+            word, self._asked = self._asked or "Command", ""
             if not record.accepted:
                 self.add(record.at, "refusal", f"{word} refused. {record.reason}")
             else:
@@ -116,7 +118,9 @@ class EventLog:
     def _step(self, step: Step, readings: Mapping[str, Any]) -> None:
         edges = [self._edge(edge.process, edge.source, edge.target, edge.where) for edge in step.edges]
         events = self._reader.of(step, step.at)
-        texts = [text.rstrip(".") for event in events if (text := event_text(self._description, event))]
+        self._part = next((change.new for change in step.changes if change.name == "part"), self._part)
+        tool = self._description.per_part[self._part]
+        texts = [text.rstrip(".") for event in events if (text := event_text(tool, event))]
         changes = [f"{change.name} = {change.new}" for change in step.changes]
         words = [*texts, *self._words([(change.name, change.new) for change in step.changes])]
         detail = {

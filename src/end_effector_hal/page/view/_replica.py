@@ -62,8 +62,8 @@ class Replica:
         if self.published is not None:
             self.published = replace(self.published, status=unknown_now(self.published.status))
 
-    def refusal(self, word: str) -> str:
-        """Return why the HAL would refuse a command now; empty if it would accept it."""
+    def refusal(self, word: str, part: str = "") -> str:
+        """Return why the HAL would refuse a command now; empty if it would accept it; ``part``: what to grip."""
         if not self.connected:
             return self.why
         if self.published is None or self.controller is None:
@@ -72,7 +72,7 @@ class Replica:
             return refused
         if word in MAINTENANCE_WORDS:
             return self.controller.refuse_maintenance(active=word == "activate")
-        return self.controller.refusal(word)
+        return self.controller.refusal(word, part)
 
     def _begin(self, header: Header) -> None:
         if header.hash != self._content:

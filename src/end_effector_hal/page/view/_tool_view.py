@@ -64,6 +64,8 @@ class ToolView:
         self._state: tuple[EndEffectorState, int] = (EndEffectorState.OFF, at)
         self._asked: tuple[Command, int] = (Command.NONE, at)
         """The command that was requested; the running one may change, such as from a failed grip to a release."""
+        self._gripped = ""
+        """The part of the last grip."""
         self._last: dict[str, Any] | None = None
         self._kept: Verdict | None = None
         self._verdict_due = at
@@ -112,14 +114,14 @@ class ToolView:
         """Return the status of the tool; None before the first."""
         return self._replica.status
 
-    def refusal(self, word: str) -> str:
-        """Return why the HAL would refuse a button now; empty if it would accept it."""
+    def refusal(self, word: str, part: str = "") -> str:
+        """Return why the HAL would refuse a button now; empty if it would accept it; ``part``: what to grip."""
         if word == "stop":
             return ""  # the line arbiter is asked, whatever the HAL says
         status = self.status()
         if word == "reset" and self._replica.connected and status is not None and not status.changer_fault:
             return ""  # the automata are asked only if the tool changer is in FAULT
-        return self._replica.refusal(word)
+        return self._replica.refusal(word, part)
 
     @property
     def buttons(self) -> tuple[str, ...]:
@@ -140,6 +142,7 @@ class ToolView:
             "lanes": self.timeline.lanes,
             "curves": [curve.drawn() for curve in self.cards.curves],
             "buttons": list(self.buttons),
+            "parts": [{"name": name, "summary": each.summary} for name, each in tool.parts.items()],
             "sensors": tool.sensors,
             "lease_s": tool.maintenance.lease_s,
             "sources": [
@@ -157,6 +160,7 @@ class ToolView:
             "news": self._news(at),
             "rates_hz": self._rates_hz(at),
             "buttons": {word: self.refusal(word) for word in self.buttons},
+            "parts": {name: self.refusal("grip", name) for name in self.description.parts},
             "cancel": self._cancel_words(self.status()),
             "stop": self._stop_words(self.status()),
             "maintenance": self._maintenance_now(self.status(), at),
@@ -169,7 +173,7 @@ class ToolView:
         status, controller = self.status(), self._replica.controller
         return {
             "state": None if status is None else self._state_now(status),
-            "cards": None if status is None else self.cards.now(status, controller),
+            "cards": None if status is None else self.cards.now(status, controller, self._gripped),
             "interlocks": self._interlocks.now(status, controller),
             "automata": self._automata.now(controller),
         }
@@ -197,10 +201,12 @@ class ToolView:
     def _state_now(self, status: Status) -> dict[str, Any]:
         command, since = self._command
         return {
-            "word": status.ee.label,
+            "word": f"{status.ee.label}: {status.part}" if status.part else status.ee.label,
             "name": status.ee.name,
             "since": self._state[1],
             "held": status.held,
+            "part": status.part,
+            "judged": self.cards.judged(status),
             "arbiter_lost": status.arbiter_lost,
             "lift_allowed": status.lift_allowed,
             "secure": status.secure,
@@ -215,19 +221,21 @@ class ToolView:
             "worst_late_ms": status.worst_late_us / 1000,
             "missed": status.missed,
             "bound_ms": self.description.bounds.reaction_ms,
-            "goal": None if command is Command.NONE else self._goal(command, since),
+            "goal": None if command is Command.NONE else self._goal(command, since, status.part),
             "last": self._last,
             "e_stop": self._interlocks.e_stop(status, self._replica.controller),
         }
 
-    def _goal(self, command: Command, since: int) -> dict[str, Any]:
+    def _goal(self, command: Command, since: int, part: str) -> dict[str, Any]:
         durations, changer = self.description.durations, self.description.tool_changer
         at_most_s = {
             Command.GRIP: durations.grip_ms / 1000,
             Command.RELEASE: durations.release_ms / 1000,
             Command.CANCEL: durations.cancel_ms / 1000,
         }.get(command, changer.prove_s if changer else None)
-        return {"name": _GOING.get(command, command.label), "since": since, "at_most_s": at_most_s}
+        named = f" {part}" if part and command is Command.GRIP else ""
+        name = f"{_GOING.get(command, command.label)}{named}"
+        return {"name": name, "since": since, "at_most_s": at_most_s}
 
     def _maintenance_now(self, status: Status | None, at: int) -> dict[str, Any]:
         on = status is not None and status.maintenance
@@ -271,6 +279,7 @@ class ToolView:
 
     def _follow(self, status: Status) -> None:
         self.timeline.status(status)
+        self._gripped = status.part or self._gripped
         if status.ee is not self._state[0]:
             self._state = status.ee, status.at
             if self._last is not None and self._last["outcome"] == Outcome.SUCCEEDED.name:

@@ -50,11 +50,12 @@ TAKE_CONTROL = "Take control first."
 
 @dataclass(frozen=True)
 class PagePost:
-    """Body of a POST: the page's id and a word; the actuator in maintenance, or the scenario of a fault."""
+    """Body of a POST: the page's id and a word; what is named, or the scenario of a fault."""
 
     page: str
     word: str
-    actuator: str = ""
+    name: str = ""
+    """Of the actuator in maintenance, or the part that is to be gripped."""
     scenario: Annotated[str, Field(max_length=MOST_TEXT)] = ""
 
 
@@ -190,8 +191,8 @@ class _Served(NamedTuple):
         # a page without control may stop the tool, too
         if posted.word not in ("cancel", "stop") and self.lease.holder(at) != posted.page:
             return _as_json(Answer(False, TAKE_CONTROL))
-        what = f"{posted.word} {display_name(posted.actuator)}".rstrip()
-        return await self._logged(who, what, self.ask(posted.word, posted.actuator))
+        name = posted.name if posted.word == "grip" else display_name(posted.name)
+        return await self._logged(who, f"{posted.word} {name}".rstrip(), self.ask(posted.word, posted.name))
 
     async def fault(self, request: Request) -> Response:
         posted = await _posted(request)
@@ -213,8 +214,9 @@ class _Served(NamedTuple):
 
     def _known(self, posted: PagePost) -> bool:
         if posted.word in MAINTENANCE_WORDS:
-            return posted.actuator in self.view.description.actuators
-        return posted.word in self.view.buttons and not posted.actuator
+            return posted.name in self.view.description.actuators
+        known = self.view.description.parts if posted.word == "grip" else ()
+        return posted.word in self.view.buttons and (not posted.name or posted.name in known)
 
 
 async def _posted(request: Request) -> PagePost | None:
@@ -232,7 +234,7 @@ async def _posted(request: Request) -> PagePost | None:
 
 def _malformed() -> Response:
     return PlainTextResponse(
-        "Expected is {page, word} as JSON, with a word that is known; for maintenance {actuator}, for faults "
+        "Expected is {page, word} as JSON, with a word that is known; {name} for an actuator or a part, for faults "
         f"{{scenario}} of at most {MOST_TEXT} letters.\n",
         400,
     )
