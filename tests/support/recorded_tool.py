@@ -41,8 +41,8 @@ class RecordedTool(VirtualTool):
             super().run(min(PIECE_S, (until - self.at) / 1e6))
             self.flush()
 
-    def command(self, name: str) -> Answer:
-        answer = super().command(name)
+    def command(self, name: str, part: str = "") -> Answer:
+        answer = super().command(name, part)
         self.flush()
         return answer
 
@@ -61,12 +61,12 @@ class RecordedTool(VirtualTool):
         return load_trace(self.folder / "hal.mcap")
 
 
-def recorded(folder: Path, scenario: str, *plan: str | float) -> Path:
-    """The recording of a tool that got these commands, with seconds between them."""
-    tool = RecordedTool(folder, scenario)
+def recorded(folder: Path, scenario: str, *plan: str | float, description: Description | None = None) -> Path:
+    """The recording of a tool that got these commands, such as ``grip box``, with seconds between them."""
+    tool = RecordedTool(folder, scenario, description=description)
     for step in plan:
         if isinstance(step, str):
-            tool.command(step)
+            tool.command(*step.split())
         else:
             tool.run(step)
     tool.close()

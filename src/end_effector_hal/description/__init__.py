@@ -31,7 +31,7 @@ from .model._channels import (
     type_bits,
 )
 from .model._description import Description, camel_case, socket_path
-from .model._stanzas import EStop, Freshness, GrippedPart, Link, ToolChanger
+from .model._stanzas import SAME_FOR_ALL_PARTS, EStop, Freshness, GrippedPart, Link, ToolChanger
 from .reading._examine import examine, examine_text, load
 from .rules._outputs import lost_by_silence
 from .rules.evidence._channels import CodecChannels, used_channels
@@ -46,6 +46,7 @@ __all__ = [
     "NUMBER",
     "PASCAL",
     "QUANTITIES",
+    "SAME_FOR_ALL_PARTS",
     "Channel",
     "CodecChannels",
     "Description",

@@ -170,6 +170,19 @@ def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
     return tuple(read_rows(lines, _changer_row, itemgetter(0))[0])
 
 
+def read_parts(path: str | Path) -> tuple[tuple[float, str], ...]:
+    """Return the times and the names of the parts in a recording; empty: the recording has no table of them.
+
+    Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
+    """
+    if not Path(path).exists():
+        return ()
+    lines = read_lines(path)
+    if read_header(lines, path, PART_COLUMNS):
+        raise UsageError("This is not a table of parts.", where=f"{path}:1")
+    return tuple(read_rows(lines, _part_row, itemgetter(0))[0])
+
+
 def _columns(channels: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{channel}{ON}" for channel in channels)
 
@@ -182,11 +195,11 @@ def _switches_row(line: Line, columns: tuple[str, ...], earliest_s: float) -> tu
     return line.seconds(time, earliest_s), tuple(_LEVELS[cell] for cell in cells)
 
 
-def _part_row(line: Line) -> tuple[float, str]:
+def _part_row(line: Line, earliest_s: float = 0.0) -> tuple[float, str]:
     time, part = line.fields(PART_COLUMNS)
     if not is_part(part):
         raise line.fault(f"part is {part[:40]!r}, expected is a name or nothing.")
-    return line.seconds(time, 0.0), part
+    return line.seconds(time, earliest_s), part
 
 
 def _changer_row(line: Line, earliest_s: float) -> ChangerRow:

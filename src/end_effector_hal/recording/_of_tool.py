@@ -32,6 +32,10 @@ def run_info(
         ros_generation=ros or None,
         actuators={name: actuator.kind for name, actuator in description.ordered},
         limits={name: _limits(description, actuator) for name, actuator in description.ordered},
+        parts={
+            part: {name: _limits(tool, actuator) for name, actuator in tool.ordered}
+            for part, tool in zip(description.parts, description.per_part, strict=False)
+        },
         switches=_switches(description),
         e_stop=_e_stop(description),
         simulated=description.lines.backend == "virtual",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -61,13 +61,15 @@ KINDS = {
         ("scenario", "description", "hash", "version", "started", "e_stop", "violated", "because"), str
     ),
     **dict.fromkeys(("ros", "simulated"), bool),
-    **dict.fromkeys(("actuators", "limits", "switches"), dict),
+    **dict.fromkeys(("actuators", "limits", "switches", "parts"), dict),
     **dict.fromkeys(("start_us", "seed", "ros_generation"), int),
     "violated_s": float,
     "gaps": list,
     "watched": list,
 }
-_WITHIN = {"actuators": str, "limits": dict, "switches": dict, "gaps": str, "watched": Watched}
+_WITHIN = {
+    "actuators": str, "limits": dict, "switches": dict, "parts": dict, "gaps": str, "watched": Watched,
+}  # fmt: skip
 _OF_COUNTEREXAMPLES = ("violated", "violated_s", "because", "watched")
 
 
@@ -87,6 +89,8 @@ class RunInfo:
         limits: actuator -> its channel, kind, ``attempts`` and thresholds, such as ``confirmed_kpa`` (for a vacuum kPa
             below ambient, else gauge kPa); ``measured``: the thresholds of its conditions on quantities other than
             pressures (``channel``, ``proves``, ``sign``, ``at``). Missing limits are not drawn.
+        parts: part -> the limits with the values of that part; empty: the tool names no parts. An empty value is not
+            written.
         switches: channel of a switch -> its ``actuator``, and a word for the meaning of ``on`` and of ``off``
             (``confirmed``, ``gone``, ``empty``); switches without an actuator are left out.
         e_stop: channel of the e-stop's input; empty: no input is read, or unknown. An empty value is not written.
@@ -110,6 +114,7 @@ class RunInfo:
     actuators: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     switches: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     simulated: bool | None = None
     ros_generation: int | None = None
     start_us: int | None = None
@@ -125,7 +130,7 @@ class RunInfo:
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, completely or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME
-        left_out = ["note", *(() if self.e_stop else ("e_stop",))]
+        left_out = ["note", *(name for name in ("e_stop", "parts") if not getattr(self, name))]
         left_out += () if self.violated else _OF_COUNTEREXAMPLES
         content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
         content |= {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
@@ -148,10 +153,29 @@ class RunInfo:
             raise
         return path
 
-    def attempts(self, actuator: str) -> int | None:
-        """Return the number of failed attempts that aborts a grip; None: the run does not state it."""
-        number = self.limits.get(actuator, {}).get("attempts")
+    def gripping(self, parts: Sequence[str]) -> RunInfo:
+        """Return these facts with the limits of some parts: a limit that differs among them is left out."""
+        if not (found := [self.parts[name] for name in parts if name in self.parts]):
+            return self
+        limits = {
+            name: {
+                key: at
+                for key, at in _items(found[0], name)
+                if all((key, at) in _items(each, name) for each in found)
+            }
+            for name in found[0]
+        }
+        return replace(self, limits=limits)
+
+    def attempts(self, actuator: str, part: str = "") -> int | None:
+        """Return the number of failed attempts that aborts a grip of a part; None: the run does not state it."""
+        number = self.gripping([part]).limits.get(actuator, {}).get("attempts")
         return number if isinstance(number, int) and not isinstance(number, bool) and number > 0 else None
+
+
+def _items(limits: Mapping[str, Any], actuator: str) -> Sequence[tuple[str, Any]]:
+    of_it = limits.get(actuator)
+    return [*of_it.items()] if isinstance(of_it, dict) else []
 
 
 def read_run(path: str | Path) -> RunInfo:

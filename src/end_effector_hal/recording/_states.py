@@ -11,9 +11,12 @@ from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 from ._events import EventRow, read_events
 from ._files import RecordingLimits
+from ._levels import read_parts
 from ._rows import Line, TableWriter, read_header, read_lines
 
 FIXED = ("time_s", "end_effector", "command")
+TOGETHER_S = 0.1
+"""Longest time between an event and the row of the same instant in another table, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +41,7 @@ class StatesLog:
     Attributes:
         note: a sentence about dropped content.
         events: the events of ``events.csv``; None: there is no such table.
+        part_rows: the rows of ``parts.csv``: from when on which part is gripped, held or released, empty: none.
     """
 
     actuators: tuple[str, ...]
@@ -45,6 +49,7 @@ class StatesLog:
     source: str = ""
     note: str = ""
     events: tuple[EventRow, ...] | None = None
+    part_rows: tuple[tuple[float, str], ...] = ()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -55,6 +60,16 @@ class StatesLog:
     def times_s(self) -> tuple[float, ...]:
         """The time of each row, seconds since start."""
         return tuple(row.time_s for row in self.rows)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the parts in the recording, each once."""
+        return tuple(dict.fromkeys(name for _, name in self.part_rows if name))
+
+    def part_at(self, time_s: float) -> str:
+        """Return the part of a grip that begins at this time; empty: it has no name."""
+        since, until = time_s - TOGETHER_S, time_s + TOGETHER_S
+        return next((name for at, name in self.part_rows if since <= at <= until and name), "")
 
 
 class StatesWriter(TableWriter[StatesRow]):
@@ -124,9 +139,10 @@ class StatesWriter(TableWriter[StatesRow]):
 
 
 def read_states(path: str | Path) -> StatesLog:
-    """Read a table of states and its ``events.csv``; raises UsageError with ``file:line`` for an invalid row.
+    """Read a table of states, its ``events.csv`` and its ``parts.csv``.
 
-    A truncated last line is dropped and reported in ``note``; all earlier lines are kept.
+    Raises UsageError with ``file:line`` for an invalid row. A truncated last line of the states is dropped and reported
+    in ``note``; all earlier lines are kept.
     """
     lines = read_lines(path)
     actuators = read_header(lines, path, FIXED)
@@ -142,7 +158,9 @@ def read_states(path: str | Path) -> StatesLog:
                 raise
             note = line.cut_off
     events = read_events(Path(path).with_name("events.csv"), actuators)
-    return StatesLog(actuators, tuple(rows), str(path), note, events)
+    return StatesLog(
+        actuators, tuple(rows), str(path), note, events, read_parts(Path(path).with_name("parts.csv"))
+    )
 
 
 def _row(line: Line, actuators: tuple[str, ...], earliest_s: float) -> StatesRow:

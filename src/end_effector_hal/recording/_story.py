@@ -120,6 +120,8 @@ class Grip:
     resets: tuple[Reset, ...]
     culprit: str | None = None
     waiting: str | None = None
+    part: str = ""
+    """Name of the part; empty: it has none."""
 
     def of(self, actuator: str) -> tuple[Attempt, ...]:
         """Return the attempts of one actuator."""

@@ -45,6 +45,7 @@ class _Gripping:
     """A grip that is still running."""
 
     start_s: float
+    part: str
     attempts: list[Attempt] = field(default_factory=list)
     resets: list[Reset] = field(default_factory=list)
 
@@ -69,7 +70,9 @@ class _Gripping:
             attempts = [replace(a, end_s=at, outcome=off) if a in pending else a for a in attempts]
         found = culprit if any(each.actuator == culprit for each in attempts) else None
         waiting = pending[-1].actuator if pending and found is None else None
-        return Grip(self.start_s, at, decision, tuple(attempts), tuple(self.resets), found, waiting)
+        return Grip(
+            self.start_s, at, decision, tuple(attempts), tuple(self.resets), found, waiting, self.part
+        )
 
 
 def _beginning(log: StatesLog) -> tuple[float, EndEffectorState]:
@@ -95,7 +98,7 @@ class _Fold:
     """Derives grips, releases and losses from the events of a recording, which may begin and end in any state."""
 
     def __init__(self, log: StatesLog, info: RunInfo) -> None:
-        self._info = info
+        self._info, self._log = info, log
         self.grips: list[Grip] = []
         self.releases: list[Release] = []
         self.losses: list[Loss] = []
@@ -115,7 +118,7 @@ class _Fold:
         if event.kind is EventKind.STATE_CHANGED:
             self._change(event, EndEffectorState(event.old), EndEffectorState(event.new))
         elif event.kind is EventKind.ATTEMPT_BEGAN and self._grip is not None:
-            self._grip.begin(event, self._info.attempts(event.actuator))
+            self._grip.begin(event, self._info.attempts(event.actuator, self._grip.part))
         elif event.kind in _ENDS and self._grip is not None:
             self._grip.end(event, _ENDS[event.kind])
         elif event.kind is EventKind.DEACTIVATED:
@@ -128,7 +131,7 @@ class _Fold:
     def _begin(self, at: float, state: EndEffectorState) -> None:
         """Process the state in which the recording begins, or which a program adopted at its start."""
         if state is EndEffectorState.GRIPPING:
-            self._grip = _Gripping(at)
+            self._grip = _Gripping(at, self._log.part_at(at))
         elif state in (EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR):
             self.adopted = state
 

@@ -9,6 +9,7 @@ from itertools import groupby
 from end_effector_hal.vocabulary import LATCHED_ERRORS, EndEffectorState, display_name
 
 from ._alarms import BEGUN, AlarmRow
+from ._events import EventRow
 from ._states import StatesLog
 from ._story import AttemptOutcome, Grip, GripDecision, Moment, Release, ReleaseCause, Story
 
@@ -44,7 +45,7 @@ def _without_grip(log: StatesLog, story: Story) -> str:
 
 
 def _of_many(story: Story) -> str:
-    count = Counter(grip.decision for grip in story.grips)
+    count = Counter(f"{grip.decision} {grip.part}".rstrip() for grip in story.grips)
     culprits = ((grip.culprit, grip) for grip in story.grips if grip.culprit is not None)
     reasons = [f"{display_name(name)} {_failed(grip)}" for name, grip in culprits]
     why = f" ({'; '.join(dict.fromkeys(reasons))})" if reasons else ""
@@ -57,20 +58,21 @@ def _of_many(story: Story) -> str:
 
 def _of_grip(grip: Grip, story: Story) -> str:
     while_pending = f" while {display_name(grip.waiting)} was pending" if grip.waiting else ""
+    of = f" of {grip.part}" if grip.part else ""
     match grip.decision:
         case GripDecision.GRIPPED:
             return _gripped(grip, story)
         case GripDecision.ABORTED if grip.culprit is not None:
             number = grip.of(grip.culprit)[-1].number
             attempts = "1 attempt" if number == 1 else f"{number} attempts"
-            return f"{display_name(grip.culprit)} {_failed(grip)}: grip ABORTED after {attempts}"
+            return f"{display_name(grip.culprit)} {_failed(grip)}: grip{of} ABORTED after {attempts}"
         case GripDecision.ABORTED:
-            return f"Grip ABORTED{while_pending}"
+            return f"Grip{of} ABORTED{while_pending}"
         case GripDecision.UNFINISHED:
             waiting = f": {display_name(grip.waiting)} still pending at the end" if grip.waiting else ""
-            return f"Grip UNFINISHED{waiting}"
+            return f"Grip{of} UNFINISHED{waiting}"
         case _:
-            return f"Grip {grip.decision}{while_pending}"
+            return f"Grip{of} {grip.decision}{while_pending}"
 
 
 def _failed(grip: Grip) -> str:
@@ -80,13 +82,14 @@ def _failed(grip: Grip) -> str:
 
 
 def _gripped(grip: Grip, story: Story) -> str:
+    gripped = f"GRIPPED {grip.part}".rstrip()
     late = [(name, number) for name, number in grip.attempts_by_actuator.items() if number > 1]
     if late:
         first, *others = [(display_name(name), number) for name, number in late]
         more = "".join(f", {name} on attempt {number}" for name, number in others)
-        return f"{first[0]} confirmed on attempt {first[1]}{more}: GRIPPED"
+        return f"{first[0]} confirmed on attempt {first[1]}{more}: {gripped}"
     failed = story.lost_s or any(release.ended in _LATCHED for release in story.releases)
-    return "GRIPPED" if failed else "Nominal: GRIPPED"
+    return gripped if failed else f"Nominal: {gripped}"
 
 
 def _aftermath(log: StatesLog, story: Story) -> list[str]:
@@ -124,7 +127,9 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
     They are commands, time-outs, aborts, GRIPPED, losses, alarms and failed releases.
     """
     found = [
-        Moment(each.time_s, "command", each.command.upper()) for each in log.events or () if each.command
+        Moment(each.time_s, "command", f"{each.command.upper()} {_gripped_by(log, each)}".rstrip())
+        for each in log.events or ()
+        if each.command
     ]
     for grip in story.grips:
         found += _grip_moments(grip)
@@ -136,6 +141,11 @@ def moments_of(log: StatesLog, story: Story, alarms: Sequence[AlarmRow] = ()) ->
         if release.ended is EndEffectorState.RELEASE_ERROR and release.end_s is not None:
             found.append(Moment(release.end_s, "lost", "release error"))
     return tuple(sorted(found, key=lambda moment: moment.time_s))
+
+
+def _gripped_by(log: StatesLog, event: EventRow) -> str:
+    """Return the part that a command is for; empty: none."""
+    return log.part_at(event.time_s) if event.command == "grip" else ""
 
 
 def _warnings(alarms: Sequence[AlarmRow]) -> list[Moment]:

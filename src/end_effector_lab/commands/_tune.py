@@ -179,7 +179,7 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
         below = [(value, counts) for value, counts in reversed(each.values) if value < each.same_from]
         above = [(value, counts) for value, counts in each.values if value > each.same_to]
         table.add_row(
-            each.parameter.key.removeprefix("actuators."), _number(each, each.parameter.today),
+            _named(each), _number(each, each.parameter.today),
             f"{_end(each.same_from, each.ends_below)} to {_end(each.same_to, each.ends_above)}",
             str(each.today), *(_told(some, every=every) for some in (below, above)),
         )  # fmt: skip
@@ -191,9 +191,7 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
         for each in same:
             low, high = each.values[0][0], each.values[-1][0]
             counts = "" if str(each.today) == "none" else f": {each.today}"
-            click.echo(
-                f"  {each.parameter.key.removeprefix('actuators.')} {low:g} to {_number(each, high)}{counts}"
-            )
+            click.echo(f"  {_named(each)} {low:g} to {_number(each, high)}{counts}")
     click.echo("Not tried, because no recorded grip depends on it:")
     reasons: dict[str, list[str]] = {}
     for key, why in found.not_tried:
@@ -202,6 +200,13 @@ def _print(found: Tuning, read: _Read, *, every: bool) -> None:
         click.echo(f"  {', '.join(keys)}: {why}")
     for note in read.notes:
         click.echo(f"Note: {note}", err=True)
+
+
+def _named(each: Tried) -> str:
+    """Return the key, and the part where the key is the same for all parts."""
+    key, part = each.parameter.key, each.parameter.part
+    of = f" ({part})" if part and not key.startswith("parts.") else ""
+    return f"{key.removeprefix('actuators.')}{of}"
 
 
 def _end(value: float, ends: bool) -> str:

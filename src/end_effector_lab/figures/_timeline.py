@@ -145,7 +145,7 @@ def timeline(
     Raises UsageError for a recording without a row.
     """
     need_rows(log)
-    info = info or RunInfo()
+    info = (info or RunInfo()).gripping(log.parts)
     with drawing():
         story = read_story(log, info, alarms)
         panels = panels_of(pressures, info, log.actuators, alarms)

@@ -77,11 +77,13 @@ class RecordedGrip:
     Attributes:
         recording: number of the recording.
         since: when GRIPPING began, µs.
+        part: name of the part; empty: it has none.
         activations: by actuator, in order of time.
     """
 
     recording: int
     since: int
+    part: str = ""
     activations: dict[str, list[RecordedAttempt]] = field(default_factory=dict)
 
 
@@ -167,7 +169,7 @@ class _OneRecording:
         if before is None or len(status.outputs) != len(self._names):
             return None
         if status.ee is EndEffectorState.GRIPPING is not before.ee:
-            begun = self._grip = RecordedGrip(self._recording, status.at)
+            begun = self._grip = RecordedGrip(self._recording, status.at, status.part)
             self._open.clear()
         for index, name in enumerate(self._names):
             is_on, was_on = status.outputs[index], before.outputs[index]

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import SAME_FOR_ALL_PARTS, Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator, Supply
 from end_effector_hal.signals import Kind
@@ -41,6 +41,7 @@ class TunableKey:
 
     Attributes:
         actuator: name of the actuator.
+        part: name of the part for which it is tried; empty: the tool names no parts.
         path: the keys within its stanza.
         today: its current value.
         whole: whether only whole numbers are valid.
@@ -50,11 +51,14 @@ class TunableKey:
     path: Path
     today: float
     whole: bool
+    part: str = ""
 
     @property
     def key(self) -> str:
-        """The full key, such as ``actuators.cylinder.timeout_s``."""
-        return ".".join(map(str, ("actuators", self.actuator, *self.path)))
+        """The full key, such as ``actuators.cylinder.timeout_s`` or ``parts.box.actuators.cylinder.timeout_s``."""
+        key = ".".join(map(str, ("actuators", self.actuator, *self.path)))
+        own = self.part and self.path[0] not in SAME_FOR_ALL_PARTS
+        return f"parts.{self.part}.{key}" if own else key
 
     @property
     def unit(self) -> str:
@@ -96,19 +100,19 @@ class TunableKey:
         return sorted({_short(value, self.today) for value in values})
 
 
-def parameters_of(description: Description) -> Iterator[TunableKey]:
-    """Yield the thresholds and time-outs of all actuators, in the order of a grip."""
-    for name, part in description.ordered:
+def parameters_of(description: Description, part: str = "") -> Iterator[TunableKey]:
+    """Yield the thresholds and time-outs of all actuators for a part, in the order of a grip."""
+    for name, actuator in description.for_part(part).ordered:
         for key in WAITS:
-            yield TunableKey(name, (key,), float(getattr(part, key)), whole=key == "attempts")
-        if part.evidence is not None:
-            tree = part.evidence.model_dump(by_alias=True)
+            yield TunableKey(name, (key,), float(getattr(actuator, key)), key == "attempts", part)
+        if actuator.evidence is not None:
+            tree = actuator.evidence.model_dump(by_alias=True)
             for path, value in _numbers(tree):
-                yield TunableKey(name, ("evidence", *path), float(value), isinstance(value, int))
+                yield TunableKey(name, ("evidence", *path), float(value), isinstance(value, int), part)
             continue
-        for key, value in _own(part):
-            if not key.startswith("secure") and not _is_idle(description, part, key):
-                yield TunableKey(name, (key,), float(value), isinstance(value, int))
+        for key, value in _own(actuator):
+            if not key.startswith("secure") and not _is_idle(description, actuator, key):
+                yield TunableKey(name, (key,), float(value), isinstance(value, int), part)
 
 
 def not_tried(description: Description) -> Iterator[tuple[str, str]]:

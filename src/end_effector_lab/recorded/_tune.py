@@ -77,6 +77,7 @@ class Tried:
         """Return the results as JSON, for programs."""
         return {
             "key": self.parameter.key,
+            "part": self.parameter.part,
             "unit": self.parameter.unit,
             "today": self.parameter.today,
             "grips": self.grips,
@@ -126,8 +127,9 @@ def tune(
 ) -> Tuning:
     """Try values of every threshold and time-out on recorded grips.
 
-    An attempt is judged from its own activation on, which the recorded tool decided. So each number is tried alone, on
-    readings that are the response to the decisions of the recorded tool.
+    Grips of different parts are not mixed: each is judged by the values of its part. An attempt is judged from its own
+    activation on, which the recorded tool decided. So each number is tried alone, on readings that are the response to
+    the decisions of the recorded tool.
 
     Args:
         grips: grips of one tool, from a `GripCollector`.
@@ -136,34 +138,37 @@ def tune(
             readings to the recorded decisions; default: ``description``.
         report: called with the finished share, 0 to 1.
     """
-    by_actuator: dict[str, list[list[RecordedAttempt]]] = {}
+    found: dict[tuple[str, str], list[list[RecordedAttempt]]] = {}
     aside: dict[str, int] = {}
-    for name in description.sequence:
-        found = [grip for grip in grips if grip.activations.get(name)]
-        by_actuator[name] = [
-            grip.activations[name]
-            for grip in found
-            if _as_recorded(
-                grip.activations[name], name, recorded[grip.recording] if recorded else description
-            )
-        ]
-        if len(by_actuator[name]) < len(found):
-            aside[name] = len(found) - len(by_actuator[name])
-    parameters, tried = list(parameters_of(description)), list[Tried]()
-    trials: dict[str, _Trial] = {}
+    names = description.part_names
+    for grip in grips:
+        part = grip.part or names[0]
+        for name, attempts in grip.activations.items():
+            tool = recorded[grip.recording] if recorded else description
+            if part in names and _as_recorded(attempts, name, tool, grip.part):
+                found.setdefault((part, name), []).append(attempts)
+            else:
+                aside[name] = aside.get(name, 0) + 1
+    parameters, tried = [each for part in names for each in parameters_of(description, part)], list[Tried]()
+    trials: dict[tuple[str, str], _Trial] = {}
     for number, parameter in enumerate(parameters):
         report(number / len(parameters))
-        name = parameter.actuator
-        if name not in trials:
-            trials[name] = _Trial(description, name, by_actuator.get(name, []))
-        if trials[name].grips:
-            tried.append(trials[name].run(parameter))
+        of = parameter.part, parameter.actuator
+        if of not in trials:
+            tool = description.for_part(parameter.part)
+            trials[of] = _Trial(tool, parameter.actuator, found.get(of, []))
+        if trials[of].grips:
+            tried.append(trials[of].run(parameter))
     return Tuning(description, len(grips), aside, tuple(tried), tuple(not_tried(description)))
 
 
-def _as_recorded(activations: Sequence[RecordedAttempt], name: str, recorded: Description) -> bool:
+def _as_recorded(
+    activations: Sequence[RecordedAttempt], name: str, recorded: Description, gripped: str
+) -> bool:
     """Return whether the recorded thresholds lead from the readings to the recorded decisions."""
-    part = recorded.actuators[name]
+    if gripped and gripped not in recorded.part_names:
+        return False
+    part = recorded.for_part(gripped).actuators[name]
     slack_us = max(recorded.bounds.reaction_ms * 1000, 2 * SAMPLE_US)
     for each in activations:
         found = course_of(part, recorded.supply, each).confirmed

@@ -51,6 +51,7 @@ class Summary:
         self._has_events = has_events
         self._description, self._info, self._epoch = description, info, epoch
         self._rows: list[StatesRow] = []
+        self._parts: list[tuple[float, str]] = []
         self._reasons: list[tuple[float, str]] = []
         self._events: list[EventRow] = []
 
@@ -60,6 +61,8 @@ class Summary:
         row = StatesRow(at_s, status.ee, status.command, status.actuators)
         if not self._rows or self._rows[-1].states != row.states:
             self._rows.append(row)
+        if not self._parts or self._parts[-1][1] != status.part:
+            self._parts.append((at_s, status.part))
         if status.reason and (not self._reasons or self._reasons[-1][1] != status.reason):
             self._reasons.append((at_s, status.reason))
 
@@ -72,7 +75,9 @@ class Summary:
     def states(self) -> StatesLog:
         """Return the states of the tool, one row for each change, with its events."""
         events = tuple(sorted(self._events, key=lambda row: row.time_s)) if self._has_events else None
-        return StatesLog(self._description.sequence, tuple(self._rows), events=events)
+        return StatesLog(
+            self._description.sequence, tuple(self._rows), events=events, part_rows=tuple(self._parts)
+        )
 
     def as_json(self, proven: Verdict | None) -> dict[str, Any]:
         """Return the story in one sentence, and a row for each goal; times in seconds since time zero."""
@@ -85,7 +90,9 @@ class Summary:
             if failed and grip.decided_s is not None:
                 why += self._reason(grip.decided_s)
             took_s = None if grip.decided_s is None else grip.decided_s - grip.start_s
-            row = _goal(grip.start_s, "Grip", str(grip.decision), took_s, bounds.grip_ms, why)
+            row = _goal(
+                grip.start_s, f"Grip {grip.part}".rstrip(), str(grip.decision), took_s, bounds.grip_ms, why
+            )
             goals.append(row | {"ok": not failed})
         for release in story.releases:
             bound_ms = bounds.cancel_ms if release.cause is ReleaseCause.CANCEL else bounds.release_ms

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import heapq
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -157,11 +159,19 @@ class RecordedTables:
                     state.actuators,
                     active,
                     unknown,
+                    part=self._part_at(row.time_s),
                     alarms=tuple(shown.values()),
                     events=tuple(events),
                 )
                 events.clear()
                 yield Entry(at, PUBLISHED, Published(at, status, {}))
+
+    def _part_at(self, time_s: float) -> str:
+        """Return the part that is gripped, held or released; one that the tool does not name is left out."""
+        rows = self._states.part_rows
+        found = bisect_right(rows, time_s, key=itemgetter(0))
+        name = rows[found - 1][1] if found else ""
+        return name if name in self.description.parts else ""
 
     def _frames(self) -> Iterator[Entry]:
         for time_s, values in self._pressures.samples:
