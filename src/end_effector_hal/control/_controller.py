@@ -85,6 +85,7 @@ class Controller:
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
         self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
+        self._several = len(description.part_names) > 1
         self._on_bus = bool(description.register_outputs)
         self._commanded = self._statuses.outputs
         """Which actuators are commanded to be active, in sequence order."""
@@ -197,14 +198,17 @@ class Controller:
         """
         at = max(at, self._at)
         statuses = self._due_before(at)
-        if name == "grip" and (why := self._no_grip(at, part)):
+        event = self._event(name, part)
+        if event is None:
+            return Answer(False, no_part(self._description, part)), statuses
+        if name == "grip" and (why := self._no_grip(event, part, at)):
             return Answer(False, why), statuses
-        reaction = self._execution.receive(self._event(name, part), at)
+        reaction = self._execution.receive(event, at)
         if not reaction.taken:
             why = self._refusal(name, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
-        if name == "grip":
-            self._senses.use(self._number(part))
+        if name == "grip" and self._several:
+            self._senses.use(self._description.part_names.index(part) if part else 0)
         if name in ("grip", "drop"):
             self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
@@ -215,27 +219,29 @@ class Controller:
 
         The call changes nothing. ``part``: the part that is to be gripped; empty: the default one.
         """
-        if name == "grip":
-            return self._no_grip(self._at, part)
-        return "" if self._execution.takes(Event(name)) else self._refusal(name, self._at)
-
-    def _event(self, name: str, part: str) -> Event:
-        return self._senses.grip_event(self._number(part)) if name == "grip" else Event(name)
-
-    def _number(self, part: str) -> int:
-        return self._description.part_names.index(part) if part else 0
-
-    def _no_grip(self, at: int, part: str) -> str:
-        """Return why a part may not be gripped now; empty: it may."""
-        if part and part not in self._description.part_names:
+        event = self._event(name, part)
+        if event is None:
             return no_part(self._description, part)
-        if self._execution.takes(self._event("grip", part)):
-            return self._faulty(at)
-        before = self._senses.now.part
-        self._senses.now.use(self._number(part))
-        why = self._refusal("grip", at)
-        self._senses.now.use(before)
-        return why
+        if self._execution.takes(event):
+            return self._faulty(self._at) if name == "grip" else ""
+        return self._refusal(name, self._at, part)
+
+    def _event(self, name: str, part: str) -> Event | None:
+        """Return the event of a command; None: there is no such part."""
+        if name != "grip" or not (part or self._several):
+            return Event(name)
+        names = self._description.part_names
+        number = names.index(part) if part in names else -1 if part else 0
+        return self._senses.grip_event(number) if number >= 0 else None
+
+    def _no_grip(self, event: Event, part: str, at: int) -> str:
+        """Return why a part may not be gripped, as its own values or a device say; empty: the automata decide."""
+        why = self._faulty(at)
+        if not (why or self._several):
+            return ""
+        if self._execution.takes(event):
+            return why
+        return self._refusal("grip", at, part) if self._several else ""
 
     @property
     def blocking(self) -> dict[str, str]:
@@ -290,7 +296,7 @@ class Controller:
         """Compute the results of possible next inputs, one portion per item; the state does not change."""
         takes = self._execution.inputs
         commands = [self._event(name, "") for name in COMMANDS]
-        events = [event for event in (*self._senses.events, *commands) if event.channel in takes]
+        events = [event for event in (*self._senses.events, *commands) if event and event.channel in takes]
         return self._execution.look_ahead(events)
 
     @property
@@ -320,10 +326,15 @@ class Controller:
         recall(self, snapshot.memory)
         self._statuses.know({})
 
-    def _refusal(self, name: str, at: int) -> str:
-        senses, fault = self._senses.now, self._statuses.fault
-        tool = self._description.per_part[senses.part]
-        return refusal(tool, name, self.status(), senses, at, fault=fault)
+    def _refusal(self, name: str, at: int, part: str = "") -> str:
+        senses, fault, before = self._senses.now, self._statuses.fault, self._senses.now.part
+        if self._several and name == "grip":  # what its own values say
+            senses.use(self._description.part_names.index(part) if part else 0)
+        tool = self._description.per_part[senses.part] if self._several else self._description
+        why = refusal(tool, name, self.status(), senses, at, fault=fault)
+        if senses.part != before:
+            senses.use(before)
+        return why
 
     def _faulty(self, at: int) -> str:
         """Return why a device prevents a grip, as a sentence; empty: none does."""
@@ -406,7 +417,7 @@ class Controller:
         for step in steps:
             self._at = max(self._at, step.at)
             statuses.append(self._statuses.step(step, self._at))
-        if self._statuses.adopted:
+        if self._several and self._statuses.adopted:
             for event in self._senses.use(self._statuses.values["part"]):
                 statuses += self._receive(event, self._at)
         return statuses + self._switched() if statuses and self._on_bus else statuses

@@ -105,6 +105,8 @@ class StatusBuilder:
             each.index for each in execution.network.processes if each.template in _OF_CHANGER
         )
         self._tools, self._names = description.per_part, description.part_names
+        self._named = bool(description.parts)
+        self._allowed = [[part.attempts for _, part in tool.ordered] for tool in self._tools]
         self.values = {
             name: execution.value(name)
             for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
@@ -226,14 +228,14 @@ class StatusBuilder:
             evidence=self._senses.now.evidence,
             step=step,
             attempt=steps.steps[step].attempts if step >= 0 else 0,
-            attempts_allowed=self._tool.ordered[step][1].attempts if step >= 0 else 0,
+            attempts_allowed=self._allowed[values["part"]][step] if step >= 0 else 0,
             deadline=deadline,
             cause=_CAUSES[self._cause],
             cause_at=self._cause_at,
             reason=self._why if self._left else self._reason,
             lift_allowed=proven and hold.allows_lift,
             held=self.held,
-            part=self._part,
+            part=self._part if self._named else "",
             kept=self._kept,
             blowing=self._blowing,
             dropped=values["dropped"],

@@ -71,7 +71,6 @@ class SensorSet:
             for name in description.sequence
         }
         self._parts, self._named = description.ordered, bool(description.named_links)
-        self._several = len(description.part_names) > 1
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """Counter that grows whenever something may have changed."""
@@ -110,7 +109,7 @@ class SensorSet:
             part: position of the part in the description.
         """
         evidence = self.now.evidence_of(part)
-        levels = {f"evidence[{i}]": int(level) for i, level in enumerate(evidence)} if self._several else {}
+        levels = {f"evidence[{i}]": int(level) for i, level in enumerate(evidence)}
         return Event("grip", {**levels, "wanted": part})
 
     def use(self, part: int) -> list[Event]:

@@ -182,7 +182,7 @@ class Tool:
 
     def command(self, name: str, until_us: int | None = None, waits_us: int = 0) -> Answer:
         """Give a command, which waits for ``waits_us`` before it is decided."""
-        return self.ask(lambda: self.program.command(name, until_us), waits_us)
+        return self.ask(lambda: self.program.command(name, until_us=until_us), waits_us)
 
     def ask(self, question: Callable[[], Answer], waits_us: int = 0) -> Answer:
         """In a thread of its own, as a command comes; it waits for what only the worker does."""

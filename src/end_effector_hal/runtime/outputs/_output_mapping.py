@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from end_effector_hal.control import GripLastWill, Status, changer_will, maintenance_will
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import EndEffectorState, GripsPart, LastWill
+from end_effector_hal.vocabulary import NO_PART, EndEffectorState, GripsPart, LastWill
 
 from ._maintenance import Maintenance
 
@@ -44,6 +44,8 @@ class OutputMapping:
 
     def grips(self, status: Status, changes: Mapping[str, bool]) -> GripsPart:
         """Return the part of a status, and the registers that grip it of the outputs that are activated."""
+        if not status.part:
+            return NO_PART
         chosen = self._values.get(status.part, {})
         return GripsPart(
             status.part, {line: chosen[line] for line, on in changes.items() if on and line in chosen}
