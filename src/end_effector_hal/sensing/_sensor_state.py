@@ -178,7 +178,9 @@ class SensorState:
 
         What counts as gone too early is neither gone nor confirmed.
         """
-        levels = tuple([self._levels[number] for number in self._chosen[part]])
+        levels = self._levels
+        if len(self._chosen) > 1:
+            levels = tuple([levels[number] for number in self._chosen[part]])
         if not (self._on_bus and (early := self._gate.withheld(levels))):
             return levels
         return tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(levels)])
