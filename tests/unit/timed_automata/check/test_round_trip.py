@@ -88,5 +88,5 @@ def test_layout_comments_and_queries_are_kept():
         for old, new in zip(before.source.split(b"\n"), after.source.split(b"\n"), strict=True)
         if old != new
     ]
-    assert len(changed) == 19
+    assert len(changed) == 20
     assert changed[0][1].startswith(b"const int N = 8;  ")
