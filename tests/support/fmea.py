@@ -34,7 +34,6 @@ EVERY: Mapping[str, int] = {
     "remote_changer": 12,
     "remote_io": 10,
     "six_cups": 16,
-    "three_parts": 40,
     "two_coil_changer": 3,
     "two_epick": 9,
     "two_links": 6,

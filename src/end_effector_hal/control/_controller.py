@@ -126,6 +126,8 @@ class Controller:
         self._at, self._sensor_fault = at, sensor_fault
         names = self._description.part_names
         self._found_part = names.index(part) if part in names else -1
+        if not self._several:  # there is no other one, whatever is recorded
+            self._found_part = 0
         self._statuses.knows_part = self._found_part >= 0
         self._senses.use(max(self._found_part, 0))
         self._statuses.found, self._statuses.was_error = dict(levels), grip_error
@@ -331,10 +333,11 @@ class Controller:
         if self._several and name == "grip":  # what its own values say
             senses.use(self._description.part_names.index(part) if part else 0)
         tool = self._description.per_part[senses.part] if self._several else self._description
-        why = refusal(tool, name, self.status(), senses, at, fault=fault)
-        if senses.part != before:
-            senses.use(before)
-        return why
+        try:
+            return refusal(tool, name, self.status(), senses, at, fault=fault)
+        finally:
+            if senses.part != before:
+                senses.use(before)
 
     def _faulty(self, at: int) -> str:
         """Return why a device prevents a grip, as a sentence; empty: none does."""

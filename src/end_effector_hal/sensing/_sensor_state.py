@@ -75,6 +75,10 @@ class SensorState:
         for tool in description.per_part:
             stanzas += [each for each in enumerate(part for _, part in tool.ordered) if each not in stanzas]
         self._owners = tuple(index for index, _ in stanzas)
+        self._of_owner = tuple(
+            tuple(number for number, owner in enumerate(self._owners) if owner == index)
+            for index in range(len(self._parts))
+        )
         self._chosen = tuple(
             tuple(stanzas.index(each) for each in enumerate(part for _, part in tool.ordered))
             for tool in description.per_part
@@ -176,11 +180,10 @@ class SensorState:
     def evidence_of(self, part: int) -> tuple[Evidence, ...]:
         """Return what the newest readings prove of each actuator by the values of a part.
 
-        What counts as gone too early is neither gone nor confirmed.
+        It is gone only by the values of every part: whatever was held before, nothing is there. What counts as gone
+        too early is neither gone nor confirmed.
         """
-        levels = self._levels
-        if len(self._chosen) > 1:
-            levels = tuple([levels[number] for number in self._chosen[part]])
+        levels = self._levels if len(self._chosen) == 1 else self._shown(part)
         if not (self._on_bus and (early := self._gate.withheld(levels))):
             return levels
         return tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(levels)])
@@ -232,12 +235,24 @@ class SensorState:
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
         self.in_stand = self._is_in_stand(at)
 
+    def _shown(self, part: int) -> tuple[Evidence, ...]:
+        """Return the levels of a part's detectors, gone only where all detectors of the actuator say so."""
+        if len(self._chosen) == 1:
+            return self._levels
+        found = [self._levels[number] for number in self._chosen[part]]
+        for index, level in enumerate(found):
+            if level is Evidence.GONE:
+                others = {self._levels[number] for number in self._of_owner[index]} - {Evidence.GONE}
+                found[index] = (
+                    Evidence.UNKNOWN if Evidence.UNKNOWN in others else Evidence.PARTIAL if others else level
+                )
+        return tuple(found)
+
     def _judge(self) -> None:
         """Set the evidence of the part from the newest levels of the detectors."""
         self.evidence = self.evidence_of(self.part)
         if self._on_bus:
-            shown = [self._levels[number] for number in self._chosen[self.part]]
-            self.withheld = self._gate.withheld(shown)
+            self.withheld = self._gate.withheld(self._shown(self.part))
         if self.conditional:
             found = [i for i, each in self.by_conditions if each.empty]
             self.emptied = tuple([i for i in found if self.evidence[i] is not Evidence.CONFIRMED])

@@ -204,3 +204,39 @@ def test_a_step_is_an_event_of_the_part(description: Description) -> None:
     ]
     assert steps == [2]
     assert [step.attempts for step in tool.status.steps] == [0, 0, 1]
+
+
+UNLIKE = """
+parts:
+  box: {actuators: {bottom_vacuum: {gone_kpa: 19.0}}}
+  lid:
+    actuators:
+      bottom_vacuum: {confirmed_kpa: 18.0, lost_kpa: 15.0, lost_at_once_kpa: 12.0, gone_kpa: 5.0}
+"""
+
+
+@pytest.fixture(scope="module")
+def unlike(tmp_path_factory: pytest.TempPathFactory) -> Description:
+    """What counts as gone for the default part would confirm the other one."""
+    path: Path = tmp_path_factory.mktemp("unlike") / "end_effector.yaml"
+    path.write_text(profile_path().read_text(encoding="utf-8") + UNLIKE, encoding="utf-8")
+    return load(path)
+
+
+@pytest.mark.parametrize("part", ["box", "lid"])
+def test_what_any_part_takes_for_feedback_is_in_the_way_of_every_grip(unlike: Description, part: str) -> None:
+    tool = VirtualTool(unlike, "shows:bottom_vacuum:-18.5")
+    tool.run(1.0)
+    answer = tool.command("grip", part=part)
+    assert not answer.accepted
+    assert answer.reason.startswith("IL-07: ")
+    assert tool.status.ee is STAND_BY
+
+
+def test_a_release_is_proven_by_the_values_of_every_part(unlike: Description) -> None:
+    tool = gripped(unlike, "box")
+    tool.choose("shows:bottom_vacuum:-8")
+    tool.run(0.5)
+    assert tool.command("drop").accepted
+    tool.run(10.0)
+    assert tool.status.ee is EndEffectorState.RELEASE_ERROR

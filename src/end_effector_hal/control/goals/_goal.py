@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum, auto
 from typing import TypeVar
 
@@ -71,11 +71,13 @@ class Goal:
         command: GRIP, RELEASE, LOCK or UNLOCK.
         name: the client's name for the goal, for sentences.
         is_target: whether the goal is a position, which may be reached already.
+        part: name of the part that a grip is for; empty: the default one.
     """
 
     command: Command
     name: str
     is_target: bool = False
+    part: str = field(default="", kw_only=True)
     phase: Phase = Phase.WAITING
     ending: Ending | None = None
     cancelled: bool = False

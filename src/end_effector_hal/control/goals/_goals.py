@@ -121,7 +121,8 @@ class Goals(Generic[GoalT]):
         self._undecided.remove(goal)
         if not answer.accepted:
             newest = self._newest
-            if answer.decided and goal.is_target and newest and is_reached(goal.command, newest):
+            meant = goal.command is not Command.GRIP or (newest and goal.part in ("", newest.part))
+            if answer.decided and goal.is_target and newest and meant and is_reached(goal.command, newest):
                 return [self._end(goal, Outcome.SUCCEEDED, REACHED, at), *self._decide(at)]
             outcome = Outcome.REJECTED if answer.decided else Outcome.UNREACHABLE
             return [*self._refuse(goal, outcome, answer.reason, at), *self._decide(at)]

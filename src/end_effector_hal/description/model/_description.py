@@ -251,7 +251,9 @@ class Description(Part):
     def _changed_for(self, name: str) -> Description:
         own = self.parts[name].actuators
         actuators = {
-            each: type(stanza).model_validate(with_keys(stanza.model_dump(by_alias=True), own[each]))
+            each: type(stanza).model_validate(
+                with_keys(stanza.model_dump(by_alias=True, exclude_unset=True), own[each])
+            )
             if each in own
             else stanza
             for each, stanza in self.actuators.items()
@@ -344,10 +346,12 @@ class Description(Part):
 
     @property
     def chosen_outputs(self) -> frozenset[str]:
-        """The outputs on buses whose values that make them grip depend on the part."""
+        """The outputs on buses whose values that make them grip are other ones for some part."""
         found = [tool.register_outputs for tool in self.per_part]
         return frozenset(
-            line for line in self.register_outputs if len({each[line].command_on for each in found}) > 1
+            line
+            for line, output in self.register_outputs.items()
+            if any(each[line].command_on != output.command_on for each in found)
         )
 
     @property

@@ -122,6 +122,11 @@ class _JointGoals(GoalType):
         self.action, self._description, self._log = action, description, log
         self._ignored_told = False
 
+    def part(self, request: Any) -> str:
+        """Return the default part: what else is held is not what this goal asks for."""
+        del request
+        return self._description.part_names[0]
+
     def _of_position(self, position: float, ignored: str, values: Sequence[float]) -> Command | str:
         if abs(position) <= TOLERANCE:
             command = Command.GRIP

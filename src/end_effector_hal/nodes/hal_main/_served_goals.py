@@ -31,11 +31,10 @@ from ._goal_types import GoalType
 
 @dataclass(slots=True, eq=False)
 class ServedGoal(Goal):
-    """A goal of a client; ``part`` is the part that a grip is for, empty: the default one."""
+    """A goal of a client."""
 
     type: GoalType = field(kw_only=True)
     client: ClientGoal = field(kw_only=True)
-    part: str = field(kw_only=True)
 
 
 class ServedGoals:

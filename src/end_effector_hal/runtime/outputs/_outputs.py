@@ -177,7 +177,7 @@ class Outputs:
 
     def retry(self, status: Status, at: int) -> None:
         """Repeat the failed deactivations, and write the last will."""
-        self._ask(self._undone, self.mapping.last_will(status), at)
+        self._ask(self._undone, self.mapping.last_will(status), at, part=self.mapping.grips(status, {}))
         self.finish()
 
     def agree(self, at: int, *, gripping: bool = False) -> bool:

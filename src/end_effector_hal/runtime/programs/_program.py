@@ -341,7 +341,7 @@ class Program:
             self._publisher.repeat(at)
         return statuses
 
-    def _obstacle(self, name: str, at: int) -> str:
+    def _obstacle(self, name: str, at: int, part: str = "") -> str:
         """Return a sentence why a command at ``at`` µs is refused before it reaches the automata; empty: it is not."""
         adoption = self._adoption
         if not adoption.begun:
@@ -354,14 +354,14 @@ class Program:
         if name in ACTIVATING:
             if self._still_until > at:
                 return RELOADING
-            return self._latched.refuses or self._unread(name, at)
+            return self._latched.refuses or self._unread(name, at, part)
         return ""
 
-    def _unread(self, name: str, at: int) -> str:
+    def _unread(self, name: str, at: int, part: str) -> str:
         """Return a sentence if the e-stop is not read; empty: it is, or the automata refuse for another reason."""
         controller = self._adoption.controller
         why = unread_e_stop(self._description, controller.senses.now.readings, at)
-        return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name) else why
+        return "" if why and name not in MAINTENANCE_WORDS and controller.refusal(name, part) else why
 
     def _unrest(self) -> str:
         """Return a sentence why the program is not at rest; empty: it is."""
@@ -383,7 +383,7 @@ class Program:
         adoption = self._adoption
         if name not in ACTIVATING:
             adoption.look(at)
-        if obstacle := self._obstacle(name, at):
+        if obstacle := self._obstacle(name, at, part):
             return Answer(False, obstacle, decided=not adoption.lost), []
         answer, statuses = adoption.controller.command(name, at, part)
         self._commanded = answer.accepted and bool(statuses) and name not in ACTIVATING

@@ -35,6 +35,7 @@ class BusOutputs:
             for each in every
         }
         self._drops = set[str]()
+        self._gripping: dict[str, tuple[int, ...]] = {}
         self._sent: list[BusOutput] = []  # those of the write that is on its way
         self._heard = frozenset[int]()  # the units that answered a read of the last cycle
         self._commands = self._now = 0
@@ -42,17 +43,19 @@ class BusOutputs:
     def prepare(self, names: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`.
 
-        ``values``: the registers that make outputs grip from now on, by name.
+        ``values``: the registers with which their next activation grips, by name.
         """
         self._drops |= self._outputs.keys() & set(names)
-        for name in self._outputs.keys() & values.keys():
-            self._outputs[name].gripping = values[name]
+        self._gripping |= {name: values[name] for name in self._outputs.keys() & values.keys()}
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """Set the wanted levels of some outputs."""
         self._commands += 1
         for name, level in levels.items():
             self._outputs[name].turn = self._commands
+            if level:  # those of an earlier part are not written again
+                own = self._outputs[name].stanza.command_on
+                self._outputs[name].gripping = self._gripping.pop(name, own)
             self._outputs[name].command(level, at, drop=name in self._drops)
         self._drops -= levels.keys()
 

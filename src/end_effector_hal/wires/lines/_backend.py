@@ -81,7 +81,7 @@ class RemoteLines(Protocol):
 
     def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
         """Mark the next deactivation of these lines as a Drop: their devices may be acknowledged and
-        activated first. ``values``: the registers that make outputs grip from now on, by line.
+        activated first. ``values``: the registers with which their next activation grips, by line.
         """
         ...
 
