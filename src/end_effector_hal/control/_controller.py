@@ -124,8 +124,8 @@ class Controller:
             part: the part that is held by the record; empty, or unknown: there is no record.
         """
         self._at, self._sensor_fault = at, sensor_fault
-        names = self._description.part_names
-        self._found_part = names.index(part) if part in names else -1
+        number = self._description.part_number(part) if part and self._several else None
+        self._found_part = -1 if number is None else number
         if not self._several:  # there is no other one, whatever is recorded
             self._found_part = 0
         self._statuses.knows_part = self._found_part >= 0
@@ -210,7 +210,7 @@ class Controller:
             why = self._refusal(name, at)
             return Answer(False, why), statuses + self._told(reaction.steps)
         if name == "grip" and self._several:
-            self._senses.use(self._description.part_names.index(part) if part else 0)
+            self._senses.use(self._description.part_number(part) or 0)
         if name in ("grip", "drop"):
             self._statuses.blame(Cause.NONE, -1, self._at)
             self._hold.dropped()
@@ -232,9 +232,8 @@ class Controller:
         """Return the event of a command; None: there is no such part."""
         if name != "grip" or not (part or self._several):
             return Event(name)
-        names = self._description.part_names
-        number = names.index(part) if part in names else -1 if part else 0
-        return self._senses.grip_event(number) if number >= 0 else None
+        number = self._description.part_number(part)
+        return None if number is None else self._senses.grip_event(number)
 
     def _no_grip(self, event: Event, part: str, at: int) -> str:
         """Return why a part may not be gripped, as its own values or a device say; empty: the automata decide."""
@@ -331,7 +330,7 @@ class Controller:
     def _refusal(self, name: str, at: int, part: str = "") -> str:
         senses, fault, before = self._senses.now, self._statuses.fault, self._senses.now.part
         if self._several and name == "grip":  # what its own values say
-            senses.use(self._description.part_names.index(part) if part else 0)
+            senses.use(self._description.part_number(part) or 0)
         tool = self._description.per_part[senses.part] if self._several else self._description
         try:
             return refusal(tool, name, self.status(), senses, at, fault=fault)

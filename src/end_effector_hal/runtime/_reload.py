@@ -32,7 +32,8 @@ _OF_POLICY = {
     "labels": "the names of the outputs",
     "roles": "what each output drives",
     "opposites": "second coils and pulses",
-    "registers": "which outputs take registers of a part",
+    "release_us": "release_s of an actuator on a bus",
+    "registers": "how many values an output on a bus has (command_on)",
     "proven": "the inputs that the line arbiter reads itself",
 }
 CONTENT = "The description is valid and can be loaded."

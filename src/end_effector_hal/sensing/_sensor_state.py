@@ -65,7 +65,7 @@ class SensorState:
         self.readings = Readings(description, carrier)
         self._rules = LinkRules(description, carrier, self.readings.stale_us)
         self._gate, self._on_bus = OutputGate(description), bool(description.register_outputs)
-        self._parts = description.ordered
+        self._actuators = description.ordered
         self.faults = DeviceFaults(description)
         # all parts are judged all the time: what is proven of another one is known when it is asked for
         stanzas, self._uses = (
@@ -74,12 +74,12 @@ class SensorState:
         )
         for tool in description.per_part:
             stanzas += [each for each in enumerate(part for _, part in tool.ordered) if each not in stanzas]
-        self._owners = tuple(index for index, _ in stanzas)
-        self._of_owner = tuple(
-            tuple(number for number, owner in enumerate(self._owners) if owner == index)
-            for index in range(len(self._parts))
+        self._actuator_of = tuple(index for index, _ in stanzas)
+        self._detectors_of = tuple(
+            tuple(number for number, owner in enumerate(self._actuator_of) if owner == index)
+            for index in range(len(self._actuators))
         )
-        self._chosen = tuple(
+        self._detectors_for = tuple(
             tuple(stanzas.index(each) for each in enumerate(part for _, part in tool.ordered))
             for tool in description.per_part
         )
@@ -87,7 +87,7 @@ class SensorState:
         self.conditional = any(isinstance(each, ConditionDetector) for each in self._detectors)
         self._guarded = tuple(
             (number, description.sequence[index])
-            for number, index in enumerate(self._owners)
+            for number, index in enumerate(self._actuator_of)
             if is_guarded(self._detectors[number])
         )
         self.part = 0
@@ -104,7 +104,7 @@ class SensorState:
         self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
         self._levels: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._detectors)
-        self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._parts)
+        self.evidence: tuple[Evidence, ...] = (Evidence.UNKNOWN,) * len(self._actuators)
         self.withheld: tuple[int, ...] = ()
         self.tool = ToolEvidence.UNCLEAR
         self.emptied: tuple[int, ...] = ()
@@ -169,7 +169,7 @@ class SensorState:
     @property
     def by_conditions(self) -> tuple[tuple[int, ConditionDetector], ...]:
         """Detectors that judge by conditions, with the position of their actuator in the sequence."""
-        chosen = [(i, self._detectors[number]) for i, number in enumerate(self._chosen[self.part])]
+        chosen = [(i, self._detectors[number]) for i, number in enumerate(self._detectors_for[self.part])]
         return tuple([(i, each) for i, each in chosen if isinstance(each, ConditionDetector)])
 
     @property
@@ -183,7 +183,7 @@ class SensorState:
         It is gone only by the values of every part: whatever was held before, nothing is there. What counts as gone
         too early is neither gone nor confirmed.
         """
-        levels = self._levels if len(self._chosen) == 1 else self._shown(part)
+        levels = self._levels if len(self._detectors_for) == 1 else self._levels_for(part)
         if not (self._on_bus and (early := self._gate.withheld(levels))):
             return levels
         return tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(levels)])
@@ -196,7 +196,7 @@ class SensorState:
     def empty(self, index: int) -> str:
         """Return the kind's clause if an actuator has gripped nothing; empty: that is not proven."""
         found = any(i == index and each.empty for i, each in self.by_conditions)
-        return kind_of(self._parts[index][1]).empty if found else ""
+        return kind_of(self._actuators[index][1]).empty if found else ""
 
     @property
     def confirmed(self) -> bool:
@@ -228,21 +228,21 @@ class SensorState:
             # what follows a confirmation needs the lock (IL-05): after silence it is proven a little later
             levels.append(before if level is Evidence.CONFIRMED and too_early else level)
         if self.faults.channels and (unproven := self.faults.unproven(self.readings, at)):
-            for number, index in enumerate(self._owners):
-                levels[number] = Evidence.UNKNOWN if self._parts[index][0] in unproven else levels[number]
+            for number, index in enumerate(self._actuator_of):
+                levels[number] = Evidence.UNKNOWN if self._actuators[index][0] in unproven else levels[number]
         self._levels, self.tool = tuple(levels), tool
         self._judge()
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
         self.in_stand = self._is_in_stand(at)
 
-    def _shown(self, part: int) -> tuple[Evidence, ...]:
+    def _levels_for(self, part: int) -> tuple[Evidence, ...]:
         """Return the levels of a part's detectors, gone only where all detectors of the actuator say so."""
-        if len(self._chosen) == 1:
+        if len(self._detectors_for) == 1:
             return self._levels
-        found = [self._levels[number] for number in self._chosen[part]]
+        found = [self._levels[number] for number in self._detectors_for[part]]
         for index, level in enumerate(found):
             if level is Evidence.GONE:
-                others = {self._levels[number] for number in self._of_owner[index]} - {Evidence.GONE}
+                others = {self._levels[number] for number in self._detectors_of[index]} - {Evidence.GONE}
                 found[index] = (
                     Evidence.UNKNOWN if Evidence.UNKNOWN in others else Evidence.PARTIAL if others else level
                 )
@@ -252,7 +252,7 @@ class SensorState:
         """Set the evidence of the part from the newest levels of the detectors."""
         self.evidence = self.evidence_of(self.part)
         if self._on_bus:
-            self.withheld = self._gate.withheld(self._shown(self.part))
+            self.withheld = self._gate.withheld(self._levels_for(self.part))
         if self.conditional:
             found = [i for i, each in self.by_conditions if each.empty]
             self.emptied = tuple([i for i in found if self.evidence[i] is not Evidence.CONFIRMED])

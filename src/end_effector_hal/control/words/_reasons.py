@@ -53,7 +53,7 @@ def held_words(state: EndEffectorState) -> str:
 def no_part(description: Description, name: str) -> str:
     """Return that there is no such part, and what there is."""
     known = ", ".join(description.parts)
-    there = f"there are: {known}." if known else "this tool names no parts."
+    there = f"there are: {known}." if known else "the description has no `parts`."
     return f"There is no part {printable(name)!r}; {there}"
 
 

@@ -236,6 +236,11 @@ class Description(Part):
         """The tool as it grips each part, in the order of `part_names`: with the values of the part."""
         return tuple(map(self.for_part, self.part_names))
 
+    def part_number(self, name: str) -> int | None:
+        """Return the position of a part; an empty name is the default; None: there is no such part."""
+        names = self.part_names
+        return 0 if not name else names.index(name) if name in names else None
+
     def for_part(self, name: str) -> Description:
         """Return the tool as it grips a part; an empty name is the default; raises KeyError for an unknown one.
 

@@ -33,7 +33,7 @@ def part_faults(facts: Facts) -> Iterator[Fault]:
             path = ("parts", name, "actuators", str(each))
             if each not in uses and set(uses) <= set(sequence):
                 expected = f"one of {', '.join(uses)}"
-                what = f"no actuator that grips {name}"
+                what = f"{each!r} does not grip {name}"
                 yield Fault.at(
                     facts.places.key(*path), "EE-220", what, expected=expected, hint=did_you_mean(each, uses)
                 )
@@ -64,18 +64,18 @@ def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> I
     )
     if bits and isinstance(inside, dict) and "command_on" in inside:
         place = facts.places.value(*path, "modbus", "command_on")
-        what, expected = "single bits are the same for all parts", "registers of its own for this output"
+        what, expected = "command_on of a coil or of a bitmask is the same for all parts", "no command_on here"
         yield Fault.at(place, "EE-229", what, expected=expected)
 
 
 def activation_faults(description: Description, changed: Description) -> Iterator[Fault]:
-    """Yield a fault for each command of a part that activates its device unlike that of the actuator."""
+    """Yield a fault for each part whose command has other activation bits than the actuator's."""
     for line, output in changed.register_outputs.items():
         if output.commands_activate != description.register_outputs[line].commands_activate:
             name = next(name for name, part in changed.ordered if part.line == line)
-            what = "this command would activate the device, or would not, unlike that of the actuator"
+            what = "the activation bits of this command differ from those of the actuator's command"
             place = changed.place("actuators", name, "modbus", "command_on")
-            yield Fault.at(place, "EE-229", what, expected="the same bits of the activation")
+            yield Fault.at(place, "EE-229", what, expected="the same activation bits in both")
 
 
 def whole_parts(facts: Facts) -> Iterator[Facts]:

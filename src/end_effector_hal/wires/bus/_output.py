@@ -52,7 +52,7 @@ class BusOutput:
 
     Args:
         name: the name of the output.
-        stanza: its part of the description.
+        stanza: its stanza in the description.
         fresh_us: how long a report is valid.
     """
 
