@@ -139,7 +139,7 @@ def test_a_grip_asks_for_the_part_of_its_goal_and_a_position_for_the_default_one
     ask("TriggerGrip", part="")
     ask(GRIPPER_COMMAND.name, command=SimpleNamespace(position=0.0, max_effort=0.0))
     ask("Drop", part="lid")
-    assert transport.hal.asked == [("grip", "lid"), "grip", "grip"]
+    assert transport.hal.asked == [("grip", "lid"), "grip", ("grip", "panel")]
     assert ended == [
         *[("REJECTED", "There is no such part.")] * 3,
         ("REJECTED", "Only a grip is for a part: Drop needs an empty `part`."),

@@ -138,11 +138,15 @@ class Records:
                     arbiter.predicates.latch(FORMER, why)
             for name, why in late.faults.items():
                 arbiter.predicates.latch(name, why)
+        self._latch_troubles(arbiter)
+        self._sessions.keep(replace(arbiter.state, unread=self._unread))
+        self._latch_troubles(arbiter)  # what has just failed is said before anybody learns of what is not kept
+        state = arbiter.state
+        self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
+
+    def _latch_troubles(self, arbiter: LineArbiter) -> None:
         for name, why in self.troubles().items():
             arbiter.predicates.latch(name, why)
-        state = replace(arbiter.state, unread=self._unread)
-        self._sessions.keep(state)
-        self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
 
     def troubles(self) -> dict[str, str]:
         """Return the records that cannot be written now, as faults: sentences by name."""

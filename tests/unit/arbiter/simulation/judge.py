@@ -86,11 +86,13 @@ class Judge:
 
     def shown(self, faults: set[str], *, safe: set[str]) -> None:
         """The arbiter has told somebody of these faults; those that are ``safe`` stand on the disk."""
-        if "session record" in faults:  # it has said so: only the disk keeps them now
+        kept = faults
+        if "session record" in faults:  # it has said so: only the disk keeps them
+            kept = safe
             self.latched &= safe
         if missing := self.latched - faults:
             self._violated(f"the latch of {', '.join(sorted(missing))} is lost")
-        self.latched |= faults - TROUBLES
+        self.latched |= (faults & kept) - TROUBLES
 
     def _violated(self, what: str) -> None:
         self.violations.append(what)

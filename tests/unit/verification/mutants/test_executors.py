@@ -59,7 +59,7 @@ def play(network: Network, seed: int, observe: Callable[[Observation], object] |
         found = {
             name: int(chooser.random() < 0.1) for name in ("adopted_unlock", "adopted_fault", "adopted_error")
         }
-        execution.write({**levels, **adopted, **found})
+        execution.write({**levels, **adopted, **found, "adopted_part": 0})
         told += execution.receive(Event("adopt"), 0).steps
         for _ in range(INPUTS):
             kind = chooser.choices(["wait", "sensor", "command", "tool"], weights)[0]

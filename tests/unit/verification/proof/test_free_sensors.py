@@ -28,7 +28,11 @@ def text() -> str:
 def sized(count: int, **others: object) -> dict[str, object]:
     """The constants of the shipped tool with as many steps, each like one of its own, and bounds that fit."""
     constants = model_constants(load(profile_path()))
-    steps = {name: (each * 2)[:count] for name, each in constants.items() if isinstance(each, list)}
+    steps = {
+        name: [(row * 2)[:count] for row in each] if isinstance(each[0], list) else (each * 2)[:count]
+        for name, each in constants.items()
+        if isinstance(each, list)
+    }
     attempt_ms = 3 * 5050 + 2 * 1050
     bounds = {
         "GRIP_BOUND": count * (attempt_ms + 2050),

@@ -177,7 +177,11 @@ def surroundings_of_the_dead(text: str, changed: Mapping[str, object]) -> set[ob
 def of_size(text: str, count: int, changed: Mapping[str, object]) -> Network:
     """The shipped tool with so many steps, all like its first."""
     constants = model_constants(load(profile_path()))
-    lists = {name: each[:1] * count for name, each in constants.items() if isinstance(each, list)}
+    lists = {
+        name: [row[:1] * count for row in each] if isinstance(each[0], list) else each[:1] * count
+        for name, each in constants.items()
+        if isinstance(each, list)
+    }
     sized = {"N": count, "RELEASE_ORDER": list(range(count))[::-1], "GRIP_BOUND": 10**6}
     document = read_document(text.encode(), "tool.xml")
     return make_network(document, constants | lists | sized | dict(changed))

@@ -33,6 +33,7 @@ UNFOUND = {
     ("lines", "error"): "what a line arbiter answers is measured, too; after an error more is excused",
     ("start", "sensor_fault"): "the automata ask for it when they adopt the lines; a replay finds this",
     ("start", "grip_error"): "without an active line it changes nothing; else a replay finds this",
+    ("start", "part"): "a tool that names no parts has no other one; else a replay finds this",
     ("start", "levels"): "plain outputs stand there, too; what the first start finds, the replay judges",
 }
 """Why a changed value is no objection; by kind and key."""
