@@ -86,7 +86,9 @@ def test_an_unknown_part_is_refused_with_those_that_there_are(description: Descr
 def test_a_tool_that_names_no_parts_says_so() -> None:
     tool = VirtualTool(load(profile_path()))
     tool.run(1.0)
-    assert tool.command("grip", part="box").reason == "There is no part 'box'; the description has no `parts`."
+    assert (
+        tool.command("grip", part="box").reason == "There is no part 'box'; the description has no `parts`."
+    )
 
 
 def test_the_thresholds_are_those_of_the_part(description: Description) -> None:

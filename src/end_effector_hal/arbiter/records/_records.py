@@ -140,7 +140,9 @@ class Records:
                 arbiter.predicates.latch(name, why)
         self._latch_troubles(arbiter)
         self._sessions.keep(replace(arbiter.state, unread=self._unread))
-        self._latch_troubles(arbiter)  # what has just failed is said before anybody learns of what is not kept
+        self._latch_troubles(
+            arbiter
+        )  # what has just failed is said before anybody learns of what is not kept
         state = arbiter.state
         self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
 

@@ -64,7 +64,10 @@ def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> I
     )
     if bits and isinstance(inside, dict) and "command_on" in inside:
         place = facts.places.value(*path, "modbus", "command_on")
-        what, expected = "command_on of a coil or of a bitmask is the same for all parts", "no command_on here"
+        what, expected = (
+            "command_on of a coil or of a bitmask is the same for all parts",
+            "no command_on here",
+        )
         yield Fault.at(place, "EE-229", what, expected=expected)
 
 
