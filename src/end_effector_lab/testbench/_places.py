@@ -228,6 +228,7 @@ def write_description(description: Description, path: Path, what: str) -> None:
     content["automata"] = {**content.get("automata", {}), "file": str(description.automata_path)}
     yaml = YAML(typ="safe", pure=True)
     yaml.representer.sort_base_mapping_type_on_output = False  # the first part is the default one
+    yaml.width = 10_000  # a stanza on a line
     with os_errors("Cannot be written", path), path.open("w", encoding="utf-8") as file:
         file.write(f"# Written by eehal: {what}.\n")
         yaml.dump(content, file)

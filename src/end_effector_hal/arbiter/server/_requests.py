@@ -84,7 +84,8 @@ class RequestHandler:
                 about = {"pid": os.getpid(), "unclean": self._unclean}
                 return {"status": about | status_report(arbiter, at)}
             case "levels":
-                return {"levels": self._read_levels(), "part": arbiter.part}
+                part = {"part": arbiter.part} if arbiter.part else {}
+                return {"levels": self._read_levels(), **part}
             case "reset":
                 _log.info("%s resets the faults", connection.process)
                 return {"stays": arbiter.reset(at, self._records.troubles())}
