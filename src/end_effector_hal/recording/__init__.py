@@ -5,7 +5,7 @@ from ._compare import RunTables, Tolerances, compare_runs
 from ._compared_pressures import RunDifference, count_differences
 from ._events import EventRow, EventsWriter, event_row
 from ._files import RecordingLimits, append_whole, lock
-from ._levels import ChangerRow, SwitchesLog, is_part, read_changer, read_switches
+from ._levels import ChangerRow, SwitchesLog, is_part_name, read_changer, read_switches
 from ._of_tool import content_hash, hash_of, pressure_channels, product_version, run_info
 from ._pressures import KPA, PressuresLog, read_pressures
 from ._recording import Recording
@@ -57,7 +57,7 @@ __all__ = [
     "count_differences",
     "event_row",
     "hash_of",
-    "is_part",
+    "is_part_name",
     "lock",
     "pressure_channels",
     "product_version",

@@ -6,11 +6,11 @@ The levels of switches are 1 on, 0 off, empty without a valid reading; the state
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ChangerState, is_name
@@ -26,6 +26,8 @@ PART_COLUMNS = ("time_s", "part")
 _LEVELS = {"0": False, "1": True, "": None}
 
 Levels = tuple[bool | None, ...]
+Timed = TypeVar("Timed", bound=tuple[Any, ...])
+"""A row whose first value is its time, s."""
 
 
 @dataclass(frozen=True)
@@ -128,14 +130,14 @@ class PartsWriter(_ChangesWriter):
         self._last = self._resumed(_part_row)
 
     def write(self, time_s: float, part: str) -> bool:
-        """Write the name (`is_part`) that holds from ``time_s`` on; return False when it equals the last row."""
+        """Write the name (`is_part_name`) that holds from ``time_s`` on; return False when it equals the last row."""
         return self._change(time_s, part)
 
     def _text(self, row: tuple[float, str]) -> str:
         return f"{row[0]:.6f},{row[1]}\n"
 
 
-def is_part(name: str) -> bool:
+def is_part_name(name: str) -> bool:
     """Return whether a text from outside can be the name of a part; an empty one names none."""
     return not name or (is_name(name) and name.isidentifier())
 
@@ -162,12 +164,7 @@ def read_changer(path: str | Path) -> tuple[ChangerRow, ...]:
 
     Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
     """
-    if not Path(path).exists():
-        return ()
-    lines = read_lines(path)
-    if read_header(lines, path, CHANGER_COLUMNS):
-        raise UsageError("This is not a table of a tool changer.", where=f"{path}:1")
-    return tuple(read_rows(lines, _changer_row, itemgetter(0))[0])
+    return _read_if_there(path, CHANGER_COLUMNS, "a tool changer", _changer_row)
 
 
 def read_parts(path: str | Path) -> tuple[tuple[float, str], ...]:
@@ -175,12 +172,19 @@ def read_parts(path: str | Path) -> tuple[tuple[float, str], ...]:
 
     Raises UsageError with ``file:line`` if it is another kind of file; a truncated last line is left out.
     """
+    return _read_if_there(path, PART_COLUMNS, "parts", _part_row)
+
+
+def _read_if_there(
+    path: str | Path, columns: Sequence[str], of: str, read: Callable[[Line, float], Timed]
+) -> tuple[Timed, ...]:
+    """Return the rows of a table that not every recording has."""
     if not Path(path).exists():
         return ()
     lines = read_lines(path)
-    if read_header(lines, path, PART_COLUMNS):
-        raise UsageError("This is not a table of parts.", where=f"{path}:1")
-    return tuple(read_rows(lines, _part_row, itemgetter(0))[0])
+    if read_header(lines, path, columns):
+        raise UsageError(f"This is not a table of {of}.", where=f"{path}:1")
+    return tuple(read_rows(lines, read, itemgetter(0))[0])
 
 
 def _columns(channels: Sequence[str]) -> tuple[str, ...]:
@@ -197,7 +201,7 @@ def _switches_row(line: Line, columns: tuple[str, ...], earliest_s: float) -> tu
 
 def _part_row(line: Line, earliest_s: float = 0.0) -> tuple[float, str]:
     time, part = line.fields(PART_COLUMNS)
-    if not is_part(part):
+    if not is_part_name(part):
         raise line.fault(f"part is {part[:40]!r}, expected is a name or nothing.")
     return line.seconds(time, earliest_s), part
 

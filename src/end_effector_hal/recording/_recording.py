@@ -24,7 +24,7 @@ from end_effector_hal.wires import now_us
 from ._alarms import AlarmsWriter
 from ._events import EventRow, EventsWriter, event_row
 from ._files import RecordingLimits
-from ._levels import ChangerWriter, PartsWriter, SwitchesWriter, is_part
+from ._levels import ChangerWriter, PartsWriter, SwitchesWriter, is_part_name
 from ._of_tool import pressure_channels, run_info, switch_channels
 from ._pressures import PressuresWriter
 from ._run import RunInfo, read_run
@@ -231,7 +231,7 @@ class Recording(Closing):
             UsageError: it is not a name.
             ReportedError: rows cannot be written now.
         """
-        if not is_part(name):
+        if not is_part_name(name):
             raise UsageError(f"{printable(name)!r} is not the name of a part.")
         with self._lock:
             if "parts.csv" in self._writes and self._start is not None:
