@@ -18,8 +18,10 @@ lost, no refusal of the line arbiter, no unlock.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 from end_effector_hal.arbiter import arbiter_policy
 from end_effector_hal.control import model_constants
@@ -164,8 +166,9 @@ def fig5_network(description: Description) -> Network:
         )
         raise UsageError(what, where=str(description.source))
     constants = model_constants(description)
-    of_parts = {name: constants[name][0] for name in _TIMES_OF_PARTS}  # type: ignore[index]
-    return load_network(FIG5_FILE, {name: constants[name] for name in _TIMES} | of_parts)
+    for name in _TIMES_OF_PARTS:
+        constants[name] = cast("Sequence[Sequence[int]]", constants[name])[0]
+    return load_network(FIG5_FILE, {name: constants[name] for name in (*_TIMES, *_TIMES_OF_PARTS)})
 
 
 def grips_as_fig5(network: Network, templates: tuple[str, ...], fig5: Network) -> Inclusion:
