@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.sensing import HoldMonitor, SensorSet
-from end_effector_hal.signals import PART, Frame, PassingReadings, memory_of, recall
+from end_effector_hal.signals import NESTED, Frame, PassingReadings, memory_of, recall
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence, ToolEvidence
 from timed_automata import Event, Execution, ExecutionSnapshot, Network, Observation, Step
 
@@ -60,9 +60,9 @@ class Controller:
     """
 
     MEMORY: ClassVar = {
-        "_senses": PART,
-        "_hold": PART,
-        "_statuses": PART,
+        "_senses": NESTED,
+        "_hold": NESTED,
+        "_statuses": NESTED,
         "_levels": dict[str, int],
         "_commanded": tuple[bool, ...],
         "_sensor_fault": bool,

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.sensing import HoldMonitor, SensorSet
-from end_effector_hal.signals import PART
+from end_effector_hal.signals import NESTED
 from end_effector_hal.vocabulary import (
     LATCHED_ERRORS,
     Alarm,
@@ -66,8 +66,8 @@ class StatusBuilder:
         "adopted": bool,
         "held": bool,
         "_noticed": tuple[Alarm, ...],
-        "_steps": PART,
-        "_events": PART,
+        "_steps": NESTED,
+        "_events": NESTED,
         "_cause": int,
         "_cause_at": int,
         "_reason": str,

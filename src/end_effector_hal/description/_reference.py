@@ -12,7 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.errors import DescriptionError, ReportedError
-from end_effector_hal.kinds.stanza import PRINTABLE, Output, Part
+from end_effector_hal.kinds.stanza import PRINTABLE, BaseStanza, Output
 
 from ._fault import CODES
 from ._numbers import limits_of
@@ -71,7 +71,7 @@ def markdown() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _stanza(path: str, found: dict[str, type[Part]], document: dict[str, Any]) -> Iterator[str]:
+def _stanza(path: str, found: dict[str, type[BaseStanza]], document: dict[str, Any]) -> Iterator[str]:
     model, kinds = found[path], actuator_stanzas()
     of_kind, first = model in kinds.values(), next(iter(kinds))
     shared = not of_kind and is_common(path)

@@ -13,11 +13,11 @@ from end_effector_hal.description.model._channels import Channel
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.model._stanzas import GrippedPart, Link, PlainOutput
 from end_effector_hal.kinds import get_kind, usable_kinds
-from end_effector_hal.kinds.stanza import Actuator, Condition, Part
+from end_effector_hal.kinds.stanza import Actuator, BaseStanza, Condition
 
 from ._fault import Keys, Places
 
-MAPPINGS: dict[str, type[Part]] = {
+MAPPINGS: dict[str, type[BaseStanza]] = {
     "channels": Channel,
     "links": Link,
     "parts": GrippedPart,
@@ -27,7 +27,7 @@ MAPPINGS: dict[str, type[Part]] = {
 _KIND = re.compile(r"<\w+>")
 
 
-def fields_of(model: type[Part]) -> dict[str, FieldInfo]:
+def fields_of(model: type[BaseStanza]) -> dict[str, FieldInfo]:
     """Return the fields of a stanza by their key in the file."""
     return {each.alias or name: each for name, each in model.model_fields.items()}
 
@@ -37,9 +37,9 @@ def actuator_stanzas() -> dict[str, type[Actuator]]:
     return {name: kind.stanza for name, kind in usable_kinds().items()}
 
 
-def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
+def stanza_at(path: tuple[str | int, ...], kind: str) -> type[BaseStanza] | None:
     """Return the model of the stanza at a path; None: none is possible. ``kind``: that of an actuator."""
-    model: type[Part] | None = Description
+    model: type[BaseStanza] | None = Description
     if len(path) >= 2 and path[0] == "actuators":
         model, path = get_kind(kind).stanza, path[2:]
     elif len(path) >= 2 and path[0] in MAPPINGS:
@@ -48,20 +48,20 @@ def stanza_at(path: tuple[str | int, ...], kind: str) -> type[Part] | None:
         if isinstance(key, int):
             continue  # an element of a list is of the stanza that the list is of
         field = fields_of(model).get(str(key)) if model else None
-        model = part_in(field.annotation) if field else None
+        model = stanza_in(field.annotation) if field else None
     return model
 
 
-def part_in(annotation: Any) -> type[Part] | None:
+def stanza_in(annotation: Any) -> type[BaseStanza] | None:
     """Return the stanza in an annotation such as ``ToolChanger | None`` or of a list, not of a dictionary."""
-    if isinstance(annotation, type) and issubclass(annotation, Part):
+    if isinstance(annotation, type) and issubclass(annotation, BaseStanza):
         return annotation
     if get_origin(annotation) is dict:
         return None
-    return next(filter(None, map(part_in, get_args(annotation))), None)
+    return next(filter(None, map(stanza_in, get_args(annotation))), None)
 
 
-def top_mappings() -> dict[str, list[type[Part]]]:
+def top_mappings() -> dict[str, list[type[BaseStanza]]]:
     """Return the top-level keys with stanzas under the user's own names, and the models of these stanzas."""
     return {
         "links": [Link],
@@ -100,17 +100,17 @@ def of_any_kind(stanza: str) -> str:
     return _KIND.sub("<name>", stanza, count=1)
 
 
-def stanzas() -> dict[str, type[Part]]:
+def stanzas() -> dict[str, type[BaseStanza]]:
     """Return every stanza by its dotted path; the path of the whole description is ``""``."""
-    found: dict[str, type[Part]] = {}
+    found: dict[str, type[BaseStanza]] = {}
 
-    def walk(path: str, model: type[Part]) -> None:
+    def walk(path: str, model: type[BaseStanza]) -> None:
         found[path] = model
         if model is Condition:
             return  # conditions in conditions have the same keys
         for key, each in fields_of(model).items():
             below = f"{path}.{key}" if path else key
-            if part := part_in(each.annotation):
+            if part := stanza_in(each.annotation):
                 walk(below, part)
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():

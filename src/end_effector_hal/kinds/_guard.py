@@ -20,7 +20,7 @@ from typing import Any, ClassVar, TypeVar
 
 from end_effector_hal.kinds.stanza import Actuator, EvidenceConditions, Hold, Output, Supply
 from end_effector_hal.plugins import LONGEST, PluginError, attempt
-from end_effector_hal.signals import PART, ChannelReadings, Kind, clone, memory_of
+from end_effector_hal.signals import NESTED, ChannelReadings, Kind, clone, memory_of
 from end_effector_hal.vocabulary import LEAK, WEAK, Alarm, Evidence
 
 from ._kind import DeviceKind
@@ -50,7 +50,7 @@ class _Judge:
         fault: a sentence about the first failure; empty: there was none.
     """
 
-    MEMORY: ClassVar[dict[str, Any]] = {"_asked": PART, "fault": str}
+    MEMORY: ClassVar[dict[str, Any]] = {"_asked": NESTED, "fault": str}
 
     def __init__(self, maker: str, make: Callable[[], Any]) -> None:
         self._maker, self._make = maker, make

@@ -11,7 +11,14 @@ from math import inf
 from typing import Any, ClassVar, Protocol
 
 from end_effector_hal.kinds.stanza import Condition, EvidenceConditions, named
-from end_effector_hal.signals import GAUGE_PRESSURE, PART, ChannelReadings, Measure, MeasuredReadings, Streak
+from end_effector_hal.signals import (
+    GAUGE_PRESSURE,
+    NESTED,
+    ChannelReadings,
+    Measure,
+    MeasuredReadings,
+    Streak,
+)
 from end_effector_hal.vocabulary import Evidence
 
 _Asked = Callable[["_Sample"], bool | None]
@@ -34,7 +41,7 @@ class ConditionJudge:
     stale and so unknown; it never makes a condition hold.
     """
 
-    MEMORY: ClassVar = {"_streaks": PART, "_seen": list[int]}
+    MEMORY: ClassVar = {"_streaks": NESTED, "_seen": list[int]}
 
     def __init__(self, condition: Condition) -> None:
         numbers = count()
@@ -125,8 +132,8 @@ class ConditionDetector:
     """
 
     MEMORY: ClassVar = {
-        "_judges": PART,
-        "_contradiction": PART,
+        "_judges": NESTED,
+        "_contradiction": NESTED,
         "_held": bool,
         "level": Evidence,
         "empty": bool,

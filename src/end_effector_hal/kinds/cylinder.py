@@ -12,8 +12,8 @@ from pydantic import Field
 
 from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote, Travel
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Name, Seconds, Supply
-from end_effector_hal.kinds.stanza._part import Kilopascal, MaybeMillimetres
-from end_effector_hal.signals import PART, Kind, Streak
+from end_effector_hal.kinds.stanza._base import Kilopascal, MaybeMillimetres
+from end_effector_hal.signals import NESTED, Kind, Streak
 from end_effector_hal.vocabulary import Evidence, TableState, to_us
 
 
@@ -46,7 +46,7 @@ class CylinderDetector:
     "retracted"; without that bit, an extended bit that is off proves it.
     """
 
-    MEMORY: ClassVar = {"_held": bool, "_high": PART, "_low": PART, "level": Evidence}
+    MEMORY: ClassVar = {"_held": bool, "_high": NESTED, "_low": NESTED, "level": Evidence}
 
     def __init__(self, actuator: CylinderActuator, supply: Supply) -> None:
         self._actuator, self._supply = actuator, supply

@@ -36,9 +36,9 @@ from end_effector_hal.kinds.stanza import (
     Supply,
     named,
 )
-from end_effector_hal.kinds.stanza._part import Settling
+from end_effector_hal.kinds.stanza._base import Settling
 from end_effector_hal.kinds.stanza._tool import BlowOff
-from end_effector_hal.signals import PART, Kind, Streak, Trend
+from end_effector_hal.signals import NESTED, Kind, Streak, Trend
 from end_effector_hal.vocabulary import LEAK, WEAK, Evidence, TableState, to_us
 
 
@@ -85,7 +85,7 @@ class VacuumDetector:
     ``lost_kpa`` is enough to confirm it again, because a short silence must not look like a loss.
     """
 
-    MEMORY: ClassVar = {"_held": bool, "_above": PART, "_below": PART, "level": Evidence}
+    MEMORY: ClassVar = {"_held": bool, "_above": NESTED, "_below": NESTED, "level": Evidence}
 
     def __init__(self, actuator: VacuumActuator) -> None:
         self._actuator = actuator
@@ -130,7 +130,7 @@ class SecureDetector:
     A single sample decides nothing.
     """
 
-    MEMORY: ClassVar = {"_high": PART, "_low": PART, "secure": bool}
+    MEMORY: ClassVar = {"_high": NESTED, "_low": NESTED, "secure": bool}
 
     def __init__(self, actuator: VacuumActuator) -> None:
         self._part = actuator
@@ -167,10 +167,10 @@ class VacuumWatch:
     """Watches one vacuum circuit; one with a bit instead of a pressure is secure while the bit is on."""
 
     MEMORY: ClassVar = {
-        "_detector": PART,
-        "trend": PART,
-        "leaks": PART,
-        "keeps": PART,
+        "_detector": NESTED,
+        "trend": NESTED,
+        "leaks": NESTED,
+        "keeps": NESTED,
         "kpa": float | None,
         "secure": bool,
         "was_secure": bool,

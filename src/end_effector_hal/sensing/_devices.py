@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sequence_of, sources_of
 from end_effector_hal.description import Description
-from end_effector_hal.signals import PART, Frame
+from end_effector_hal.signals import NESTED, Frame
 from end_effector_hal.vocabulary import Alarm
 
 SAID_US = 10_000_000
@@ -28,7 +28,7 @@ class SendingDevice:
         name: the device in a sentence.
     """
 
-    MEMORY: ClassVar = {"_sequence": PART, "_rebooted_at": int | None, "_quick": int}
+    MEMORY: ClassVar = {"_sequence": NESTED, "_rebooted_at": int | None, "_quick": int}
 
     def __init__(self, channels: frozenset[str], sequence: tuple[int, int], name: str) -> None:
         self._channels, self._name = channels, name
@@ -81,7 +81,7 @@ class SendingDevices:
         links: names of the links by their channels.
     """
 
-    MEMORY: ClassVar = {"_devices": PART}
+    MEMORY: ClassVar = {"_devices": NESTED}
 
     def __init__(self, devices: Mapping[str, SendingDevice], links: Mapping[str, str]) -> None:
         self._devices, self._links = dict(devices), links

@@ -9,7 +9,7 @@ from typing import ClassVar
 from end_effector_hal.codecs import Carrier, period_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import HoldFinding, HoldWatch, fault_of, is_guarded, kind_of
-from end_effector_hal.signals import PART, ChannelReadings
+from end_effector_hal.signals import NESTED, ChannelReadings
 from end_effector_hal.vocabulary import LEAK, Alarm, Evidence
 
 from ._alarms import DEVICE_ALARMS, AlarmLog
@@ -31,7 +31,7 @@ class HoldMonitor:
         carrier: carries its channels.
     """
 
-    MEMORY: ClassVar = {"_log": PART, "_of_parts": PART, "_since": int | None}
+    MEMORY: ClassVar = {"_log": NESTED, "_of_parts": NESTED, "_since": int | None}
 
     def __init__(self, description: Description, senses: SensorSet, carrier: Carrier) -> None:
         self._description, self._senses, self._hold = description, senses, description.hold

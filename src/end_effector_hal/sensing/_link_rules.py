@@ -9,7 +9,7 @@ from typing import ClassVar
 from end_effector_hal.codecs import Carrier, shows_noise
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import COMPRESSED_AIR, kind_of
-from end_effector_hal.signals import INLINE, PART, Frame, Kind, Value
+from end_effector_hal.signals import INLINE, NESTED, Frame, Kind, Value
 from end_effector_hal.vocabulary import Alarm, to_us
 
 from ._devices import devices_of
@@ -42,7 +42,7 @@ class LinkRules:
 
     MEMORY: ClassVar = {
         "_devices": INLINE,
-        "_frozen": PART,
+        "_frozen": NESTED,
         "_doubts": dict[str, str],
     }
 

@@ -9,7 +9,7 @@ from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.conditions import shown
-from end_effector_hal.signals import INLINE, PART, Frame, Kind, StampGate, lengthen, streaks_of
+from end_effector_hal.signals import INLINE, NESTED, Frame, Kind, StampGate, lengthen, streaks_of
 from end_effector_hal.vocabulary import EMPTY, Alarm, Evidence, ToolEvidence, display_name
 from timed_automata import Event
 
@@ -53,7 +53,7 @@ class SensorSet:
         carrier: carries its channels.
     """
 
-    MEMORY: ClassVar = {"now": INLINE, "stamps": PART, "revision": int}
+    MEMORY: ClassVar = {"now": INLINE, "stamps": NESTED, "revision": int}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self.now = SensorState(description, carrier)

@@ -18,7 +18,7 @@ from end_effector_hal.sensing._link_rules import LinkRules
 from end_effector_hal.sensing._output_gate import OutputGate
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing.detectors import ReleaseDetector, SupplyDetector, ToolDetector
-from end_effector_hal.signals import PART, Frame, Value, clone, lengthen, streaks_of
+from end_effector_hal.signals import NESTED, Frame, Value, clone, lengthen, streaks_of
 from end_effector_hal.vocabulary import Alarm, Evidence, ToolEvidence
 
 
@@ -43,15 +43,15 @@ class SensorState:
     """
 
     MEMORY: ClassVar = {
-        "readings": PART,
-        "_rules": PART,
-        "_gate": PART,
-        "_detectors": PART,
+        "readings": NESTED,
+        "_rules": NESTED,
+        "_gate": NESTED,
+        "_detectors": NESTED,
         "part": int,
         "_levels": tuple[Evidence, ...],
-        "_tool": PART,
-        "_release": PART,
-        "supply": PART,
+        "_tool": NESTED,
+        "_release": NESTED,
+        "supply": NESTED,
         "_was_clear": bool,
         "evidence": tuple[Evidence, ...],
         "withheld": tuple[int, ...],

@@ -10,7 +10,7 @@ from end_effector_hal.description import Description, ToolChanger
 from end_effector_hal.kinds import below_ambient_kpa, kind_of
 from end_effector_hal.kinds.stanza import Supply
 from end_effector_hal.sensing._readings import Readings
-from end_effector_hal.signals import PART, Streak
+from end_effector_hal.signals import NESTED, Streak
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, to_us
 
 
@@ -44,7 +44,7 @@ class ReleaseDetector:
     defaults).
     """
 
-    MEMORY: ClassVar = {"_low": PART}
+    MEMORY: ClassVar = {"_low": NESTED}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
         self._changer = description.tool_changer
@@ -112,7 +112,7 @@ class ToolDetector:
     tool the evidence is ABSENT.
     """
 
-    MEMORY: ClassVar = {"_streaks": PART, "level": ToolEvidence}
+    MEMORY: ClassVar = {"_streaks": NESTED, "level": ToolEvidence}
 
     def __init__(self, changer: ToolChanger) -> None:
         self._changer = changer

@@ -1,6 +1,6 @@
 """Input from the sensor links before any judgement: frames, streaks, trends and time stamps; no I/O."""
 
-from ._memory import INLINE, PART, clone, memory_of, recall
+from ._memory import INLINE, NESTED, clone, memory_of, recall
 from ._readings import (
     GAUGE_PRESSURE,
     ChannelReadings,
@@ -17,7 +17,7 @@ from ._trend import Streak, Trend, lengthen, streaks_of
 __all__ = [
     "GAUGE_PRESSURE",
     "INLINE",
-    "PART",
+    "NESTED",
     "ChannelReadings",
     "Frame",
     "Kind",

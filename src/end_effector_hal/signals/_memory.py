@@ -1,7 +1,7 @@
 """Write the state of an object as plain data, and restore it in a new object.
 
 A recording that begins in the middle of a run needs this. Each class lists in ``MEMORY`` the attributes that change
-during its work, with their types; everything else follows from the description. `PART` marks attributes that hold
+during its work, with their types; everything else follows from the description. `NESTED` marks attributes that hold
 objects with a memory of their own: one object, None, or a list, tuple or dict whose structure is the same for the same
 description. The memory of an `INLINE` part is merged into that of its object.
 """
@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from end_effector_hal.errors import UsageError
 
-PART: Any = object()
+NESTED: Any = object()
 INLINE: Any = object()
 _CHANGED_IN_PLACE = (list, dict, deque, set)
 
@@ -36,7 +36,7 @@ T = TypeVar("T", bound=Remembers)
 def memory_of(thing: Remembers) -> dict[str, Any]:
     """Return the state of an object as plain data; equal states give equal data."""
     return {
-        name: _plain_part(getattr(holder, name)) if kind is PART else _plain(kind, getattr(holder, name))
+        name: _plain_nested(getattr(holder, name)) if kind is NESTED else _plain(kind, getattr(holder, name))
         for holder, name, kind in _remembered(thing)
     }
 
@@ -87,13 +87,13 @@ _LEAVES: set[type] = set()
 
 
 def _plan(thing: Remembers) -> _Plan:
-    parts = tuple(name for name, kind in thing.MEMORY.items() if kind is PART or kind is INLINE)
+    parts = tuple(name for name, kind in thing.MEMORY.items() if kind is NESTED or kind is INLINE)
     return _Plan(parts, tuple(name for name, kind in thing.MEMORY.items() if not _stays(kind, name in parts)))
 
 
-def _stays(kind: Any, is_part: bool) -> bool:
+def _stays(kind: Any, is_part_name: bool) -> bool:
     """Return whether values of this declared type cannot be changed in place."""
-    if is_part or kind in (int, bool, float, str, type(None)):
+    if is_part_name or kind in (int, bool, float, str, type(None)):
         return True
     if isinstance(kind, UnionType):
         return all(_stays(each, False) for each in get_args(kind))
@@ -123,8 +123,8 @@ def recall(thing: Remembers, memory: object, where: str = "memory") -> None:
     found = _same_keys(memory, [name for _, name, _ in remembered], where)
     for holder, name, kind in remembered:
         place = f"{where}.{name.lstrip('_')}"
-        if kind is PART:
-            _recall_part(getattr(holder, name), found[name], place)
+        if kind is NESTED:
+            _recall_nested(getattr(holder, name), found[name], place)
             continue
         try:
             value = _adapter(kind).validate_python(found[name])
@@ -144,17 +144,17 @@ def _remembered(thing: Remembers) -> Iterator[tuple[Remembers, str, Any]]:
             yield thing, name, kind
 
 
-def _plain_part(part: Any) -> Any:
+def _plain_nested(part: Any) -> Any:
     if part is None:
         return None
     if isinstance(part, list | tuple):
-        return [_plain_part(each) for each in part]
+        return [_plain_nested(each) for each in part]
     if isinstance(part, Mapping):
-        return {str(key): _plain_part(each) for key, each in part.items()}
+        return {str(key): _plain_nested(each) for key, each in part.items()}
     return memory_of(part)
 
 
-def _recall_part(part: Any, memory: object, where: str) -> None:
+def _recall_nested(part: Any, memory: object, where: str) -> None:
     if part is None:
         if memory is not None:
             raise UsageError(f"A recorded state cannot be read: {where}: the tool has no such part.")
@@ -162,11 +162,11 @@ def _recall_part(part: Any, memory: object, where: str) -> None:
         if not isinstance(memory, list) or len(memory) != len(part):
             raise UsageError(f"A recorded state cannot be read: {where}: expected are {len(part)} entries.")
         for number, (each, its) in enumerate(zip(part, memory, strict=True)):
-            _recall_part(each, its, f"{where}[{number}]")
+            _recall_nested(each, its, f"{where}[{number}]")
     elif isinstance(part, Mapping):
         found = _same_keys(memory, [str(key) for key in part], where)
         for key, each in part.items():
-            _recall_part(each, found[str(key)], f"{where}[{key}]")
+            _recall_nested(each, found[str(key)], f"{where}[{key}]")
     else:
         recall(part, memory, where)
 

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from end_effector_hal.nodes.data_logger import events_of
 from end_effector_hal.nodes.transport import AMBIENT_PA, EventMessage, StateMessage
-from end_effector_hal.recording import is_part
+from end_effector_hal.recording import is_part_name
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 Value = TypeVar("Value")
@@ -41,7 +41,7 @@ def state_of(content: Any) -> StateMessage:
     }
     if len(used["actuator_names"]) != len(used["actuators"]):
         raise ValueError("its lists are not of the same length")
-    if not is_part(used["part"]):
+    if not is_part_name(used["part"]):
         raise ValueError("its part is not a name")
     unused: dict[str, Any] = {each.name: None for each in fields(StateMessage) if each.name not in used}
     message = StateMessage(**used, **unused)

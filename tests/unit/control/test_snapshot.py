@@ -16,7 +16,7 @@ from pydantic_core import to_json
 from end_effector_hal.control import Controller, ControllerSnapshot, network_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.signals._memory import INLINE, PART
+from end_effector_hal.signals._memory import INLINE, NESTED
 from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 from timed_automata import Network
@@ -113,7 +113,7 @@ def parts(thing: Any, where: str) -> Iterator[tuple[str, Any]]:
     elif thing is not None:
         yield where, thing
         for name, kind in thing.MEMORY.items():
-            if kind is PART or kind is INLINE:
+            if kind is NESTED or kind is INLINE:
                 yield from parts(getattr(thing, name), f"{where}.{name}")
 
 

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 from end_effector_hal.description._fault import Fault, Places
 from end_effector_hal.description.reading._text import read_text
 from end_effector_hal.description.reading._yaml import Reader
-from end_effector_hal.kinds.stanza import Name, Part, Word
+from end_effector_hal.kinds.stanza import BaseStanza, Name, Word
 
 Confirmed = Literal["maker", "drivers", "no"]
 CONFIRMED = {
@@ -24,14 +24,14 @@ Text = Annotated[Word, Field(min_length=1, max_length=400)]
 Stanza = dict[str, Any]
 
 
-class SourceDocument(Part):
+class SourceDocument(BaseStanza):
     """A document, or the code of a public driver, that the facts of a device come from."""
 
     title: Text
     url: Word = ""
 
 
-class DocumentedRegister(Part):
+class DocumentedRegister(BaseStanza):
     """A register, or a row of them, and the place where it is documented."""
 
     address: Annotated[int, Field(ge=0, le=0xFFFF)]
@@ -42,14 +42,14 @@ class DocumentedRegister(Part):
     confirmed: Confirmed | None = None
 
 
-class DeviceOutput(Part):
+class DeviceOutput(BaseStanza):
     """One of several outputs of a device: the channels and the keys of an actuator that uses it."""
 
     channels: dict[Name, Stanza] = Field(default={}, max_length=64)
     actuator: Stanza = Field(default={})
 
 
-class DeviceFile(Part):
+class DeviceFile(BaseStanza):
     """The keys of a device's file.
 
     ``link``, ``channels``, ``actuator`` and ``inputs`` are stanzas of a description; they are judged where they are

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 from pydantic_core import PydanticKnownError
 
-from end_effector_hal.kinds.stanza import LineName, Name, Names, Part, Word, stanza_fault
+from end_effector_hal.kinds.stanza import BaseStanza, LineName, Name, Names, Word, stanza_fault
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import MOST_CHANNELS
 
@@ -119,7 +119,7 @@ def mask_shift(bitmask: int) -> int:
     return (bitmask & -bitmask).bit_length() - 1
 
 
-class TextValue(Part):
+class TextValue(BaseStanza):
     """A value in a line of text, found by its position among the fields or by its key."""
 
     field: Annotated[int | None, Field(ge=1, le=MOST_CHANNELS)] = Field(
@@ -134,7 +134,7 @@ class TextValue(Part):
     )
 
 
-class JsonValue(Part):
+class JsonValue(BaseStanza):
     """A value in a line of JSON."""
 
     key: Annotated[str, Field(min_length=1, max_length=80)] = Field(
@@ -146,7 +146,7 @@ class JsonValue(Part):
     )
 
 
-class RecordValue(Part):
+class RecordValue(BaseStanza):
     """A value in a binary record."""
 
     byte: Bytes = Field(description="its first byte, counted from 0 at the first byte after the start bytes")
@@ -155,7 +155,7 @@ class RecordValue(Part):
     bitmask: Bitmask = Field(default=None, description="these bits of it, moved down to bit 0; default: all")
 
 
-class RegisterValue(Part):
+class RegisterValue(BaseStanza):
     """A value in a register, or a coil, of a Modbus device."""
 
     unit: Annotated[int, Field(ge=0, le=255)] = Field(
@@ -177,7 +177,7 @@ class RegisterValue(Part):
     bitmask: Bitmask = Field(default=None, description="these bits of it, moved down to bit 0; default: all")
 
 
-class DigitalInput(Part):
+class DigitalInput(BaseStanza):
     """An input line of the board."""
 
     line: LineName = Field(description="name of the GPIO line, as gpioinfo shows it")
@@ -200,7 +200,7 @@ class DigitalInput(Part):
         return self
 
 
-class AnalogInput(Part):
+class AnalogInput(BaseStanza):
     """An analog input through Linux IIO, read from sysfs: ``in_<channel>_raw`` of a device."""
 
     device: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.,:@-]{1,64}$")] = Field(
@@ -211,18 +211,18 @@ class AnalogInput(Part):
     )
 
 
-def part_of(stanza: Part, key: str) -> Any:
+def part_of(stanza: BaseStanza, key: str) -> Any:
     """Return the value of a key; the field of `json` has another name, because pydantic has a method of that name."""
     return getattr(stanza, "json_" if key == "json" else key)
 
 
-class CodecValue(Part):
+class CodecValue(BaseStanza):
     """A channel of the codec that a link names; the codec defines its meaning."""
 
     channel: Name = Field(description="its name in the codec; docs/reference/codecs.md lists them")
 
 
-class DeviceAlarm(Part):
+class DeviceAlarm(BaseStanza):
     """A fault that a device reports while a bit is on, or while a channel has a code."""
 
     text: Annotated[Word, Field(min_length=1, max_length=200)] = Field(
@@ -258,7 +258,7 @@ DeviceAlarms = Annotated[
 ]
 
 
-class Channel(Part):
+class Channel(BaseStanza):
     """One signal: its source (one of text, json, record, modbus, codec, digital, analog) and its meaning."""
 
     link: Name | None = Field(
@@ -421,7 +421,7 @@ Ask = Annotated[
 ]
 
 
-class TextFrame(Part):
+class TextFrame(BaseStanza):
     """Lines of text, one frame per line; a line ends with a line feed, with or without a carriage return."""
 
     start: Annotated[str, Field(max_length=16)] = Field(default="", description="each line begins with it")
@@ -440,13 +440,13 @@ class TextFrame(Part):
     ask: Ask = None
 
 
-class JsonFrame(Part):
+class JsonFrame(BaseStanza):
     """Lines of JSON, one object and one frame per line."""
 
     ask: Ask = None
 
 
-class RecordFrame(Part):
+class RecordFrame(BaseStanza):
     """Binary records of a fixed length."""
 
     framing: Literal["start", "cobs", "slip"] = Field(
@@ -463,7 +463,7 @@ class RecordFrame(Part):
     checksum_order: ByteOrder = Field(default="little", description="which byte of the checksum comes first")
 
 
-class ModbusFrame(Part):
+class ModbusFrame(BaseStanza):
     """Modbus RTU or TCP: the HAL requests values, and the devices on the bus answer."""
 
     timeout_ms: Annotated[int, Field(ge=1, le=5000)] = Field(
@@ -479,7 +479,7 @@ class ModbusFrame(Part):
     )
 
 
-class LinkFrame(Part):
+class LinkFrame(BaseStanza):
     """The frame format of a link, declared here instead of by a codec's name: one of text, json, record, modbus."""
 
     text: TextFrame | None = Field(default=None, description="lines of text")
@@ -501,7 +501,7 @@ class LinkFrame(Part):
         return self.json_ is None and (declared is None or declared.checksum != "none")
 
 
-class Inputs(Part):
+class Inputs(BaseStanza):
     """How the inputs of the board are read, if a channel comes from one."""
 
     period_ms: Annotated[int, Field(ge=1, le=1000)] = Field(

@@ -20,13 +20,13 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_names, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import (
     Actuator,
+    BaseStanza,
     Endings,
     Hold,
     Name,
     Names,
     Opposite,
     Output,
-    Part,
     RegisterOutput,
     Supply,
     Word,
@@ -77,7 +77,7 @@ def _validated(value: object) -> Actuator:
 AnyActuator = Annotated[Actuator, _ByKind()]
 
 
-class Description(Part):
+class Description(BaseStanza):
     """The description of a whole end-effector."""
 
     schema_version: Literal[2] = Field(

@@ -9,13 +9,13 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from end_effector_hal.kinds.stanza import (
+    BaseStanza,
     BelowAmbient,
     ChangerEndings,
     Name,
     Names,
     Opposite,
     Output,
-    Part,
     RosName,
     Samples,
     Seconds,
@@ -69,7 +69,7 @@ class ToolChanger(Output):
     service: RosName = Field(default="SetToolChanger", description="ROS service")
 
 
-class EStop(Part):
+class EStop(BaseStanza):
     """An emergency-stop input (IL-13): while it is open, and until a reset, nothing is activated."""
 
     channel: Name = Field(
@@ -77,7 +77,7 @@ class EStop(Part):
     )
 
 
-class Lines(Part):
+class Lines(BaseStanza):
     """The access to the output lines."""
 
     backend: Literal["gpiod", "virtual"] = Field(
@@ -89,7 +89,7 @@ class Lines(Part):
     )
 
 
-class Freshness(Part):
+class Freshness(BaseStanza):
     """How long a reading is valid."""
 
     stale_s: Seconds = Field(
@@ -147,7 +147,7 @@ MaybeDuration = Annotated[float | None, Field(gt=0, le=3600)]
 _COMPUTED = "null: computed from the steps"
 
 
-class MaintenanceSettings(Part):
+class MaintenanceSettings(BaseStanza):
     """Maintenance: the `/Set*` services drive single actuators (IL-12)."""
 
     lease_s: Seconds = Field(
@@ -156,7 +156,7 @@ class MaintenanceSettings(Part):
     )
 
 
-class Interlocks(Part):
+class Interlocks(BaseStanza):
     """Interlocks that can be switched off, only here."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, populate_by_name=True)
@@ -177,7 +177,7 @@ class Interlocks(Part):
     il_09: bool = Field(default=True, alias="IL-09", description="only an explicit Drop releases a held part")
 
 
-class Bounds(Part):
+class Bounds(BaseStanza):
     """The limits that the environment keeps and those that the integrator requires; the proof covers both."""
 
     reaction_ms: Milliseconds = Field(default=50, description="D: longest allowed reaction delay")
@@ -190,7 +190,7 @@ class Bounds(Part):
     )
 
 
-class Automata(Part):
+class Automata(BaseStanza):
     """The UPPAAL file, and the processes of it that the HAL executes."""
 
     file: str = Field(
@@ -238,7 +238,7 @@ OF_THE_COMMAND = ("command_on",)
 """Keys under ``modbus`` that a part may change."""
 
 
-class GrippedPart(Part):
+class GrippedPart(BaseStanza):
     """A part that the tool grips: which actuators grip it, and with which values."""
 
     summary: Word = Field(default="", description="a few words, for people")

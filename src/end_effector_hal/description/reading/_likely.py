@@ -9,10 +9,10 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, closest
-from end_effector_hal.description._shape import fields_of, part_in, stanza_at, top_mappings
+from end_effector_hal.description._shape import fields_of, stanza_at, stanza_in, top_mappings
 from end_effector_hal.description.model._channels import Channel
 from end_effector_hal.description.model._description import Description
-from end_effector_hal.kinds.stanza import NO_CHANNEL, Part
+from end_effector_hal.kinds.stanza import NO_CHANNEL, BaseStanza
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _fits(key: str, value: object) -> bool:
         inside = value.values() if isinstance(value, dict) else ()
         return any(isinstance(each, dict) and not known.isdisjoint(each) for each in inside)
     annotation = fields_of(Description)[key].annotation
-    if part := part_in(annotation):
+    if part := stanza_in(annotation):
         return isinstance(value, dict) and (not value or not fields_of(part).keys().isdisjoint(value))
     return (
         value is not None and not isinstance(value, dict) and isinstance(value, list) == _is_list(annotation)
@@ -115,7 +115,7 @@ def _is_one(key: str, value: object) -> bool:
     )
 
 
-def _has_its_keys(model: type[Part], stanza: dict[str, Any]) -> bool:
+def _has_its_keys(model: type[BaseStanza], stanza: dict[str, Any]) -> bool:
     fields = fields_of(model)
     needed = {name for name, each in fields.items() if each.is_required()}
     return needed <= stanza.keys() <= fields.keys()
@@ -171,7 +171,7 @@ def _remove(tree: dict[str, Any], path: Keys) -> None:
 
 def _fill(stanza: dict[str, Any], path: Keys, kind: str) -> None:
     """Fill in each required key that is missing; an unknown channel becomes ``none``."""
-    model: type[Part] | None = stanza_at(path, kind)
+    model: type[BaseStanza] | None = stanza_at(path, kind)
     for key, field in fields_of(model).items() if model else ():
         if field.is_required() and key not in stanza and key != "kind":
             stanza[key] = 0 if field.annotation is int else NO_CHANNEL if key == "channel" else _UNREAD

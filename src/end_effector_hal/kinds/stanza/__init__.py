@@ -1,16 +1,12 @@
 """The building blocks of stanzas: a frozen base, value types with units, endings, compressed air."""
 
-from ._conditions import Condition, EvidenceConditions, stanza_fault
-from ._endings import ChangerEndings, Endings
-from ._line import LineAddress, LineName, line_text
-from ._output import Output
-from ._part import (
+from ._base import (
     NO_CHANNEL,
     PRINTABLE,
+    BaseStanza,
     BelowAmbient,
     Name,
     Names,
-    Part,
     RosName,
     Samples,
     Seconds,
@@ -18,6 +14,10 @@ from ._part import (
     Word,
     named,
 )
+from ._conditions import Condition, EvidenceConditions, stanza_fault
+from ._endings import ChangerEndings, Endings
+from ._line import LineAddress, LineName, line_text
+from ._output import Output
 from ._registers import Activation, Handshake, RegisterOutput, lowest_bit
 from ._tool import Actuator, Hold, Opposite, Supply
 
@@ -26,6 +26,7 @@ __all__ = [
     "PRINTABLE",
     "Activation",
     "Actuator",
+    "BaseStanza",
     "BelowAmbient",
     "ChangerEndings",
     "Condition",
@@ -39,7 +40,6 @@ __all__ = [
     "Names",
     "Opposite",
     "Output",
-    "Part",
     "RegisterOutput",
     "RosName",
     "Samples",

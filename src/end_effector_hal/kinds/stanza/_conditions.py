@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple, Self
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 from pydantic_core import PydanticCustomError
 
-from ._part import Name, Part
+from ._base import BaseStanza, Name
 
 DEEPEST, MOST = 6, 64
 """Limits: levels of one condition, and conditions of one actuator (every ``all``, ``on`` … counts)."""
@@ -36,7 +36,7 @@ class Leaf(NamedTuple):
     thresholds: tuple[tuple[str, float], ...]
 
 
-class Condition(Part):
+class Condition(BaseStanza):
     """A condition over channels: exactly one of `all`, `any`, `not`, `on`, or `channel` with one threshold.
 
     The threshold of a pressure has `_kpa` in its key; that of another quantity is in the unit of its channel.
@@ -224,7 +224,7 @@ def stanza_fault(code: str, what: str, expected: str, hint: str = "") -> Pydanti
     return PydanticCustomError("stanza_fault", "{what}, expected {expected}", told)
 
 
-class EvidenceConditions(Part):
+class EvidenceConditions(BaseStanza):
     """Conditions that prove an actuator. They replace the evidence of its kind.
 
     The evidence is UNKNOWN while a channel that decides is not known, and while the sensors contradict each other:

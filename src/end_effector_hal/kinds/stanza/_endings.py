@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ._part import Part
+from ._base import BaseStanza
 
 Ending = Literal["hold", "release"]
 ProgramEnding = Literal["hold", "release", "leave"]
@@ -26,7 +26,7 @@ _DEATH = "the program dies; the line arbiter does this"
 _POWER_UP = "found active at the start; hold: stays and is judged; release: deactivated"
 
 
-class GrippingEndings(Part):
+class GrippingEndings(BaseStanza):
     """What an ending does before GRIPPED, when nothing is held yet; a release keeps the release order."""
 
     cancel: Ending = Field(default="release", description=_CANCEL)
@@ -36,7 +36,7 @@ class GrippingEndings(Part):
     process_death: ProgramEnding = Field(default="release", description=_DEATH)
 
 
-class HeldEndings(Part):
+class HeldEndings(BaseStanza):
     """What an ending does while a part is held; `release` is only allowed if IL-09 is switched off."""
 
     lost: Ending = Field(default="hold", description=_LOST)
@@ -44,7 +44,7 @@ class HeldEndings(Part):
     process_death: ProgramEnding = Field(default="hold", description=_DEATH)
 
 
-class Endings(Part):
+class Endings(BaseStanza):
     """The endings of every actuator without its own. A Drop releases all actuators, whatever is declared."""
 
     gripping: GrippingEndings = Field(
@@ -54,7 +54,7 @@ class Endings(Part):
     power_up: Ending = Field(default="hold", description=_POWER_UP)
 
 
-class OwnGrippingEndings(Part):
+class OwnGrippingEndings(BaseStanza):
     """The endings of this actuator alone before GRIPPED; null: as in `endings` of the whole tool."""
 
     cancel: Ending | None = Field(default=None, description=_CANCEL)
@@ -64,7 +64,7 @@ class OwnGrippingEndings(Part):
     process_death: ProgramEnding | None = Field(default=None, description=_DEATH)
 
 
-class OwnHeldEndings(Part):
+class OwnHeldEndings(BaseStanza):
     """The endings of this actuator alone while a part is held; null: as in `endings` of the whole tool."""
 
     lost: Ending | None = Field(default=None, description=_LOST)
@@ -72,7 +72,7 @@ class OwnHeldEndings(Part):
     process_death: ProgramEnding | None = Field(default=None, description=_DEATH)
 
 
-class OwnEndings(Part):
+class OwnEndings(BaseStanza):
     """The endings of one actuator; a key that is not written is taken from `endings` of the whole tool."""
 
     gripping: OwnGrippingEndings = Field(
@@ -90,7 +90,7 @@ class OwnEndings(Part):
         )
 
 
-class ChangerEndings(Part):
+class ChangerEndings(BaseStanza):
     """What an ending does to the unlock output; when the output is inactive, a spring locks the changer."""
 
     sigterm: ProgramEnding = Field(
@@ -101,5 +101,5 @@ class ChangerEndings(Part):
     )
 
 
-def _written(part: Part) -> dict[str, str]:
+def _written(part: BaseStanza) -> dict[str, str]:
     return {key: value for key, value in part if value is not None}

@@ -6,8 +6,8 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
+from ._base import PRINTABLE
 from ._conditions import stanza_fault
-from ._part import PRINTABLE
 
 LAST_OFFSET = 0xFFFF
 LONGEST = 64

@@ -6,12 +6,12 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from ._base import BaseStanza, Word
 from ._line import LineName
-from ._part import Part, Word
 from ._registers import RegisterOutput, with_line
 
 
-class Output(Part):
+class Output(BaseStanza):
     """An output: a `line` of the board, or a coil, a bit or registers of a Modbus device (`modbus`)."""
 
     line: LineName = Field(

@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ._part import Name, Part
+from ._base import BaseStanza, Name
 
 Registers = Annotated[tuple[Annotated[int, Field(ge=0, le=0xFFFF)], ...], Field(strict=False, max_length=16)]
 Steps = Annotated[tuple[Registers, ...], Field(strict=False, max_length=8)]
 
 
-class Activation(Part):
+class Activation(BaseStanza):
     """The writes that a device needs before it obeys commands.
 
     The HAL makes these writes only at the beginning of a commanded activation or of a Drop.
@@ -35,7 +35,7 @@ class Activation(Part):
     )
 
 
-class Handshake(Part):
+class Handshake(BaseStanza):
     """How a device accepts written values: it sets a bit, and the master acknowledges that bit.
 
     The master writes `request`, the device turns `taken` on, the master writes `end`, the device turns `taken` off.
@@ -59,7 +59,7 @@ class Handshake(Part):
     )
 
 
-class RegisterOutput(Part):
+class RegisterOutput(BaseStanza):
     """Registers or a coil of a Modbus device on the link, written by the line arbiter as the bus master."""
 
     link: Name | None = Field(

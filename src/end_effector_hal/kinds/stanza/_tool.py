@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from ._base import BaseStanza, Kilopascal, MaybeSeconds, Name, RosName, Seconds, Word
 from ._conditions import EvidenceConditions
 from ._endings import OwnEndings
 from ._line import LineName
 from ._output import Output
-from ._part import Kilopascal, MaybeSeconds, Name, Part, RosName, Seconds, Word
 
 
-class Opposite(Part):
+class Opposite(BaseStanza):
     """The second coil of a valve, which drives the device back."""
 
     line: LineName = Field(description="name of the GPIO line of that coil")
@@ -84,7 +84,7 @@ class Actuator(Output):
     )
 
 
-class Supply(Part):
+class Supply(BaseStanza):
     """The compressed-air supply (IL-06)."""
 
     channel: Name = Field(default="supply", description="its pressure; none: no such sensor")
@@ -104,7 +104,7 @@ class Supply(Part):
         return reading
 
 
-class Hold(Part):
+class Hold(BaseStanza):
     """The watch over a held part; it warns, and never releases anything."""
 
     secure_within_s: Seconds = Field(

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind
 from end_effector_hal.kinds.stanza import Actuator, Name, Seconds, Supply
-from end_effector_hal.signals import PART, Kind, Streak
+from end_effector_hal.signals import NESTED, Kind, Streak
 from end_effector_hal.vocabulary import Evidence, TableState, to_us
 
 
@@ -34,7 +34,7 @@ class JawState(TableState):
 class JawDetector:
     """Closed (confirmed) when its switch has stood for ``stands_s``, open (gone) by the other one."""
 
-    MEMORY: ClassVar = {"_closed": PART}
+    MEMORY: ClassVar = {"_closed": NESTED}
 
     def __init__(self, part: JawActuator) -> None:
         self._part = part

@@ -10,7 +10,7 @@ from end_effector_hal.description._numbers import number
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.model._stanzas import EStop, ToolChanger
 from end_effector_hal.kinds import kind_of, usable_kinds
-from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Part, Supply
+from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, BaseStanza, Supply
 from end_effector_hal.signals import Kind
 
 _CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
@@ -67,7 +67,7 @@ def _uses(description: Description) -> Iterator[Use]:
             yield Use(("channels", name), "alarm", name, bit=True, written=True)
 
 
-def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> Iterator[Use]:
+def _of(stanza: tuple[str | int, ...], part: BaseStanza, key: str, *, bit: bool) -> Iterator[Use]:
     channel = getattr(part, key)
     if channel and channel != NO_CHANNEL:
         yield Use(stanza, key, channel, bit, key in part.model_fields_set)
@@ -75,7 +75,7 @@ def _of(stanza: tuple[str | int, ...], part: Part, key: str, *, bit: bool) -> It
 
 def bits_by_default() -> frozenset[str]:
     """Return the default names of bits of all devices, whether this tool has the device or not."""
-    keyed: list[tuple[type[Part], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
+    keyed: list[tuple[type[BaseStanza], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
     keyed += [
         (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
         for kind in usable_kinds().values()

@@ -36,7 +36,7 @@ def named(channel: str | None) -> str | None:
     return None if channel == NO_CHANNEL else channel
 
 
-class Part(BaseModel):
+class BaseStanza(BaseModel):
     """One stanza of a description."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
