@@ -63,7 +63,7 @@ class ArbiterCost:
 def measure_arbiter(blocks: int, hold_s: float, say: Callable[[str], None]) -> ArbiterCost:
     """Measure commands in alternating blocks, directly and through the arbiter; then hold for ``hold_s``."""
     description = load(profile_path())
-    gripping = [part.line for _, part in description.ordered]
+    gripping = [actuator.line for _, actuator in description.ordered]
     line = gripping[0]
     unwind = [LastWillStep(each) for each in reversed(gripping)]
     with ExitStack() as stack:

@@ -129,10 +129,10 @@ class Tool:
         """Return sensor values that match the lines; they vary, since a constant sensor counts as frozen."""
         self._number += 1
         values: dict[str, int | bool | None] = dict(AT_REST)
-        for name, part in self.description.ordered:
-            if self.chip.active[part.line]:
+        for name, actuator in self.description.ordered:
+            if self.chip.active[actuator.line]:
                 shown = -80_000 if name.endswith("vacuum") else 600_000
-                values[part.channel] = shown
+                values[actuator.channel] = shown
                 if name == "cylinder":
                     values |= {"cylinder_extended": True, "cylinder_retracted": False}
         noise = 25 * (self._number % 4)

@@ -93,7 +93,7 @@ def block(hardware: Hardware, client: Driven, notes: Tail, cycles: int) -> Laten
     try:
         if failed:
             raise MatchError(" ".join(failed))
-        lines = [part.line for _, part in hardware.description.ordered]
+        lines = [actuator.line for _, actuator in hardware.description.ordered]
         return product_latencies(read(hardware.saw), new, lines)
     except MatchError as error:
         print(f"left out: {error}", file=sys.stderr)

@@ -53,7 +53,7 @@ def measure_blocks(
     hardware: Hardware, floor: Floor, client: Driven, notes: Path, plan: Plan, say: Callable[[str], None]
 ) -> Result:
     """Alternate blocks of product and floor; each block of the product begins and ends with nothing gripped."""
-    result, lines = Result(), [part.line for _, part in hardware.description.ordered]
+    result, lines = Result(), [actuator.line for _, actuator in hardware.description.ordered]
     tail, floor_tails = Tail(notes), [Tail(path) for path in floor.notes]
     client.tell("cycles 1")  # whatever is slow the first time
     client.wait_done(expected_s=CYCLE_S, timeout_s=LONGEST_S)

@@ -71,4 +71,6 @@ def _lost(value: object, lost_pa: float) -> bool:
 
 
 def _first_vacuum(description: Description) -> tuple[str, VacuumActuator]:
-    return next((name, part) for name, part in description.ordered if isinstance(part, VacuumActuator))
+    return next(
+        (name, actuator) for name, actuator in description.ordered if isinstance(actuator, VacuumActuator)
+    )

@@ -18,8 +18,8 @@ def declared(
     """With ``endings`` of the whole tool, of the tool changer, and of single actuators, by name."""
     shipped = load(profile_path())
     actuators = {
-        name: part.model_copy(update={"endings": OwnEndings.model_validate(own.get(name, {}))})
-        for name, part in shipped.actuators.items()
+        name: actuator.model_copy(update={"endings": OwnEndings.model_validate(own.get(name, {}))})
+        for name, actuator in shipped.actuators.items()
     }
     assert own.keys() <= actuators.keys()
     assert shipped.tool_changer

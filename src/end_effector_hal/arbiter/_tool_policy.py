@@ -56,7 +56,7 @@ def arbiter_policy(description: Description) -> Policy:
         labels=labels,
         roles={line: _role(description, line, label) for line, label in labels.items()},
         longest_last_will_us=max(
-            LONGEST_LAST_WILL_US, sum(to_us(part.release_s) for _, part in description.ordered)
+            LONGEST_LAST_WILL_US, sum(to_us(actuator.release_s) for _, actuator in description.ordered)
         ),
         faults={SENSOR_FAULT: HAL} if changer else {},
         opposites={
@@ -64,9 +64,9 @@ def arbiter_policy(description: Description) -> Policy:
             for line, each in description.opposites.items()
         },
         release_us={
-            part.line: to_us(part.release_s)
-            for _, part in description.ordered
-            if part.line in description.register_outputs
+            actuator.line: to_us(actuator.release_s)
+            for _, actuator in description.ordered
+            if actuator.line in description.register_outputs
         },
         registers={
             line: len(each.command_on)
@@ -80,7 +80,7 @@ def arbiter_policy(description: Description) -> Policy:
 
 def _role(description: Description, line: str, label: str) -> Role:
     """Describe what a line drives, how, and on which chip or bus, for an arbiter with another description."""
-    kinds = {part.line: f" ({part.kind})" for part in description.actuators.values()}
+    kinds = {actuator.line: f" ({actuator.kind})" for actuator in description.actuators.values()}
     words, coil = label + kinds.get(line, ""), description.opposites.get(line)
     if coil:
         words += f" with {'pulses and ' if coil.pulse_s else ''}the second coil {coil.line}"
@@ -106,9 +106,9 @@ def _exclusions(description: Description) -> list[Exclusion]:
     if changer and description.interlocks.il_01:
         gripping = [line for line in client_lines(description, HAL) if line != changer.line]
         never += [Exclusion(changer.line, line) for line in gripping]
-    for _, part in description.ordered:
-        if output := kind_of(part).opposing_output(part):
-            never.append(Exclusion(part.line, output.line, "IL-08", "IL-08", to_us(output.gap_s)))
+    for _, actuator in description.ordered:
+        if output := kind_of(actuator).opposing_output(actuator):
+            never.append(Exclusion(actuator.line, output.line, "IL-08", "IL-08", to_us(output.gap_s)))
     return never
 
 
@@ -117,7 +117,7 @@ def _needs(description: Description, line: str) -> list[Need]:
     fitted = predicates_fitted(description, carrier_of(description))
     locks = description.interlocks
     unlocks = description.tool_changer is not None and line == description.tool_changer.line
-    grips = any(line == part.line for _, part in description.ordered)
+    grips = any(line == actuator.line for _, actuator in description.ordered)
     asked = [
         (IL_01, unlocks and locks.il_01),
         (IL_02, unlocks and locks.il_02),

@@ -219,9 +219,9 @@ def _hints(description: Description) -> Iterator[str]:
                 "on the way is a reading like any other; declare it where the device can send one, or let "
                 "conditions hold for some time (for_ms, samples)"
             )
-    for name, part in description.ordered:
-        measure = measures_of(description).get(part.channel)
-        if part.evidence is None and measure and measure.decimals > 1:
+    for name, actuator in description.ordered:
+        measure = measures_of(description).get(actuator.channel)
+        if actuator.evidence is None and measure and measure.decimals > 1:
             yield (
                 f"{description.where('actuators', name)}: {name} has a threshold finer than 0.1 kPa, and "
                 "alarms and the page show no more decimals than that; `eehal listen` shows all of them"

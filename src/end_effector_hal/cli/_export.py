@@ -251,12 +251,12 @@ def _parts(description: Description) -> Iterator[str]:
         grip_s=longest_s,
     )  # fmt: skip
     travels = {joint.actuator: joint.travel for joint in actuator_joints(description)}
-    for name, part in description.ordered:
+    for name, actuator in description.ordered:
         travel = travels.get(name)
         yield _ACTUATOR.format(
             tool=tool, actuator=name, type=travel.joint if travel else "fixed",
-            what=f"{part.kind}: {'0 released, its upper limit active' if travel else _FIXED}",
-            moves=_MOVES.format(upper=travel.upper, velocity=travel.upper / part.timeout_s) if travel else "",
+            what=f"{actuator.kind}: {'0 released, its upper limit active' if travel else _FIXED}",
+            moves=_MOVES.format(upper=travel.upper, velocity=travel.upper / actuator.timeout_s) if travel else "",
         )  # fmt: skip
     yield _HARDWARE.format(tool=tool)
     yield from _ros2_control(description)

@@ -92,8 +92,8 @@ def _endings(description: Description) -> Constants:
     return {**keeps, "MIXED": any(len(set(some)) > 1 for some in keeps.values())}
 
 
-def _shows_empty(part: Actuator, carried: Mapping[str, Kind]) -> bool:
-    conditions = kind_of(part).conditions(part)
+def _shows_empty(actuator: Actuator, carried: Mapping[str, Kind]) -> bool:
+    conditions = kind_of(actuator).conditions(actuator)
     empty = conditions.empty if conditions else None
     return empty is not None and empty.can_be_known(carried)
 

@@ -398,11 +398,11 @@ class Controller:
         # of an output that nobody knows anything of there is no level: then the sensors decide, in doubt it is active
         unknown = self._description.may_be_unknown - found.keys()
         pairs = zip(self._description.ordered, self._senses.now.evidence, strict=True)
-        gone = {part.line for (_, part), level in pairs if level is Evidence.GONE}
-        parts = [part for _, part in self._description.ordered]
+        gone = {actuator.line for (_, actuator), level in pairs if level is Evidence.GONE}
+        actuators = [actuator for _, actuator in self._description.ordered]
         adopted = {
-            f"adopted[{i}]": int(found.get(part.line, part.line in unknown - gone))
-            for i, part in enumerate(parts)
+            f"adopted[{i}]": int(found.get(actuator.line, actuator.line in unknown - gone))
+            for i, actuator in enumerate(actuators)
         }
         changer = self._description.tool_changer
         if changer is not None:

@@ -75,7 +75,7 @@ def maintenance_will(lines: Iterable[str]) -> LastWill:
 
 def ending_in_words(description: Description, status: Status, *, on: str) -> str:
     """Return what happens to the outputs at this end of the tool's process; empty: none is active."""
-    name_of = {part.line: name for name, part in description.ordered}
+    name_of = {actuator.line: name for name, actuator in description.ordered}
     will = GripLastWill(description).of(status, on=on)
     released = [name_of[step.line] for step in will if step.line in name_of]
     stay = tuple(

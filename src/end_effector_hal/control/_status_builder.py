@@ -96,7 +96,7 @@ class StatusBuilder:
         self._blows = [(i, f"blow[{i}]") for i in blown]
         blows = [name for _, name in self._blows]
         self._per_actuator, self._of_a_release = {*self._valves, *self._states}, {*self._keeps, *blows}
-        self._lines = [part.line for _, part in description.ordered]
+        self._lines = [actuator.line for _, actuator in description.ordered]
         self._unread = description.may_be_unknown  # nobody may know how they stand: in doubt active
         self._used = used_channels(description)
         self._fastened = _condition(execution.network, "fastened")
@@ -106,7 +106,7 @@ class StatusBuilder:
         )
         self._tools, self._names = description.per_part, description.part_names
         self._named = bool(description.parts)
-        self._allowed = [[part.attempts for _, part in tool.ordered] for tool in self._tools]
+        self._allowed = [[actuator.attempts for _, actuator in tool.ordered] for tool in self._tools]
         self.values = {
             name: execution.value(name)
             for name in (*_SCALARS, *self._valves, *self._states, *self._keeps, *blows)
@@ -186,8 +186,8 @@ class StatusBuilder:
         ordered = self._description.ordered
         names = [
             display_name(name)
-            for name, part in ordered
-            if part.line in self._unread and part.line not in self.found
+            for name, actuator in ordered
+            if actuator.line in self._unread and actuator.line not in self.found
         ]
         if cause != Cause.UNPROVEN_AT_START or not names:
             return ""

@@ -171,32 +171,34 @@ class GuardedKind(DeviceKind[Any]):
         """A sentence about the first failure of a margin; empty: there was none."""
         self._known: dict[tuple[str, int], tuple[Actuator, Any]] = {}
 
-    def preset(self, part: Any) -> EvidenceConditions | None:
+    def preset(self, actuator: Any) -> EvidenceConditions | None:
         """Return the checked conditions of the plug-in."""
 
         def checked(conditions: EvidenceConditions | None) -> EvidenceConditions | None:
             return conditions if conditions is None else _of_type(conditions, EvidenceConditions)
 
-        return self._once("preset()", part, lambda: checked(self._kind.preset(part)))
+        return self._once("preset()", actuator, lambda: checked(self._kind.preset(actuator)))
 
-    def can_confirm(self, part: Any, carried: Mapping[str, Kind]) -> bool:
+    def can_confirm(self, actuator: Any, carried: Mapping[str, Kind]) -> bool:
         """Return whether any of the carried channels could confirm the actuator."""
         return attempt(
-            self._name("can_confirm()"), lambda: _of_type(self._kind.can_confirm(part, carried), bool)
+            self._name("can_confirm()"), lambda: _of_type(self._kind.can_confirm(actuator, carried), bool)
         )
 
-    def detector(self, part: Any, supply: Supply) -> Detector:
+    def detector(self, actuator: Any, supply: Supply) -> Detector:
         """Return a new detector, with a guard if the plug-in defines its own."""
         if type(self._kind).detector is DeviceKind.detector:
-            return super().detector(part, supply)
-        return GuardedDetector(self._name("detector()"), lambda: self._kind.detector(part, supply))
+            return super().detector(actuator, supply)
+        return GuardedDetector(self._name("detector()"), lambda: self._kind.detector(actuator, supply))
 
-    def hold_watch(self, part: Any, hold: Hold, period_us: int) -> GuardedWatch | None:
+    def hold_watch(self, actuator: Any, hold: Hold, period_us: int) -> GuardedWatch | None:
         """Return a new guarded watch; None: the kind has none."""
-        watch = GuardedWatch(self._name("hold_watch()"), lambda: self._kind.hold_watch(part, hold, period_us))
+        watch = GuardedWatch(
+            self._name("hold_watch()"), lambda: self._kind.hold_watch(actuator, hold, period_us)
+        )
         return watch if watch.watches else None
 
-    def plausible(self, part: Any) -> PressureRange:
+    def plausible(self, actuator: Any) -> PressureRange:
         """Return the checked pressure range of the plug-in."""
 
         def checked(span: object) -> PressureRange:
@@ -204,40 +206,42 @@ class GuardedKind(DeviceKind[Any]):
             _line(found.what)
             return PressureRange(_number(found.low), _number(found.high), found.what)
 
-        return self._once("plausible()", part, lambda: checked(self._kind.plausible(part)))
+        return self._once("plausible()", actuator, lambda: checked(self._kind.plausible(actuator)))
 
-    def margin_pa(self, part: Any, gauge_pa: float, supply_pa: float) -> float:
+    def margin_pa(self, actuator: Any, gauge_pa: float, supply_pa: float) -> float:
         """Return the margin, Pa; NaN if the plug-in fails."""
         try:
             return attempt(
-                self._name("margin_pa()"), lambda: float(self._kind.margin_pa(part, gauge_pa, supply_pa))
+                self._name("margin_pa()"), lambda: float(self._kind.margin_pa(actuator, gauge_pa, supply_pa))
             )
         except PluginError as error:
             self.fault = self.fault or error.what
             return float("nan")
 
-    def lost(self, part: Any, readings: ChannelReadings, at: int) -> str:
+    def lost(self, actuator: Any, readings: ChannelReadings, at: int) -> str:
         """Return the plug-in's phrase about the loss; the default phrase if the plug-in fails."""
         try:
-            return attempt(self._name("lost()"), lambda: _line(self._kind.lost(part, readings, at)))
+            return attempt(self._name("lost()"), lambda: _line(self._kind.lost(actuator, readings, at)))
         except PluginError as error:
-            return f"{super().lost(part, readings, at)} ({error.what.rstrip('.')})"
+            return f"{super().lost(actuator, readings, at)} ({error.what.rstrip('.')})"
 
-    def not_fitted(self, part: Any, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: Any, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Yield the checked phrases of the plug-in."""
         yield from attempt(
             self._name("not_fitted()"),
-            lambda: [_line(each) for each in islice(self._kind.not_fitted(part, carried), MOST_SAID)],
+            lambda: [_line(each) for each in islice(self._kind.not_fitted(actuator, carried), MOST_SAID)],
         )
 
-    def limits(self, part: Any, supply: Supply) -> dict[str, float]:
+    def limits(self, actuator: Any, supply: Supply) -> dict[str, float]:
         """Return the checked thresholds of the plug-in."""
         return attempt(
             self._name("limits()"),
-            lambda: {_line(name): _number(each) for name, each in self._kind.limits(part, supply).items()},
+            lambda: {
+                _line(name): _number(each) for name, each in self._kind.limits(actuator, supply).items()
+            },
         )
 
-    def travel(self, part: Any) -> Travel | None:
+    def travel(self, actuator: Any) -> Travel | None:
         """Return the checked joint of the plug-in."""
 
         def checked(travel: Travel | None) -> Travel | None:
@@ -248,17 +252,17 @@ class GuardedKind(DeviceKind[Any]):
                 raise ValueError(f"{joint!r} or {upper!r} is no travel")
             return Travel(joint, upper)
 
-        return self._once("travel()", part, lambda: checked(self._kind.travel(part)))
+        return self._once("travel()", actuator, lambda: checked(self._kind.travel(actuator)))
 
-    def channel_names(self, part: Any) -> tuple[str, ...]:
+    def channel_names(self, actuator: Any) -> tuple[str, ...]:
         """Return the checked names of the actuator's channels."""
-        return self._once("channel_names()", part, lambda: _names(self._kind.channel_names(part)))
+        return self._once("channel_names()", actuator, lambda: _names(self._kind.channel_names(actuator)))
 
-    def proofs(self, part: Any) -> tuple[str, ...]:
+    def proofs(self, actuator: Any) -> tuple[str, ...]:
         """Return the checked names of the channels that confirm."""
-        return self._once("proofs()", part, lambda: _names(self._kind.proofs(part)))
+        return self._once("proofs()", actuator, lambda: _names(self._kind.proofs(actuator)))
 
-    def opposing_output(self, part: Any) -> Any:
+    def opposing_output(self, actuator: Any) -> Any:
         """Return the checked stanza of the opposing output."""
 
         def checked(output: Any) -> Any:
@@ -268,7 +272,9 @@ class GuardedKind(DeviceKind[Any]):
                 _line(output.line), _number(getattr(output, "gap_s", None))
             return output
 
-        return self._once("opposing_output()", part, lambda: checked(self._kind.opposing_output(part)))
+        return self._once(
+            "opposing_output()", actuator, lambda: checked(self._kind.opposing_output(actuator))
+        )
 
     def _name(self, what: str) -> str:
         return f"{_class(self._kind)}.{what}"
@@ -283,14 +289,14 @@ class GuardedKind(DeviceKind[Any]):
 
         return fault
 
-    def _once(self, what: str, part: Actuator, question: Callable[[], T]) -> T:
+    def _once(self, what: str, actuator: Actuator, question: Callable[[], T]) -> T:
         """Return the plug-in's answer for a part.
 
         The plug-in is asked only once, so that a restart gets the same answer as the start.
         """
-        key = what, id(part)
+        key = what, id(actuator)
         if key not in self._known:
-            self._known[key] = part, attempt(self._name(what), question)
+            self._known[key] = actuator, attempt(self._name(what), question)
         found: T = self._known[key][1]
         return found
 

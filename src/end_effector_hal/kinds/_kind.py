@@ -72,21 +72,21 @@ class DeviceKind(Generic[Stanza]):
     empty: ClassVar[str] = "has gripped nothing"
     """Phrase for an actuator whose conditions show that it gripped nothing; follows the actuator's name."""
 
-    def preset(self, part: Stanza) -> EvidenceConditions | None:
+    def preset(self, actuator: Stanza) -> EvidenceConditions | None:
         """Return the conditions that prove an actuator of this kind; None: its own detector decides."""
         return None
 
-    def detector(self, part: Stanza, supply: Supply) -> Detector:
+    def detector(self, actuator: Stanza, supply: Supply) -> Detector:
         """Return a new detector for an actuator that declares no evidence of its own."""
-        if (preset := self.preset(part)) is None:
+        if (preset := self.preset(actuator)) is None:
             raise NotImplementedError(f"the kind {self.name} has neither a preset nor a detector")
         return ConditionDetector(preset)
 
-    def plausible(self, part: Stanza) -> PressureRange:
+    def plausible(self, actuator: Stanza) -> PressureRange:
         """Return the range of pressures that are possible at ``channel``."""
         return COMPRESSED_AIR
 
-    def margin_pa(self, part: Stanza, gauge_pa: float, supply_pa: float) -> float:
+    def margin_pa(self, actuator: Stanza, gauge_pa: float, supply_pa: float) -> float:
         """Return the distance from the threshold that matters, Pa; negative on the wrong side.
 
         It is NaN where no pressure decides.
@@ -98,53 +98,53 @@ class DeviceKind(Generic[Stanza]):
         """
         return float("nan")
 
-    def hold_watch(self, part: Stanza, hold: Hold, period_us: int) -> HoldWatch | None:
+    def hold_watch(self, actuator: Stanza, hold: Hold, period_us: int) -> HoldWatch | None:
         """Return a new watch over one actuator while a part is held; None: the evidence is sufficient.
 
         ``period_us`` is the period of the frames, µs.
         """
         return None
 
-    def lost(self, part: Stanza, readings: ChannelReadings, at: int) -> str:
+    def lost(self, actuator: Stanza, readings: ChannelReadings, at: int) -> str:
         """Return the readings of a lost actuator and those required, to follow the words ``… was lost:``."""
-        if conditions := self.conditions(part):
+        if conditions := self.conditions(actuator):
             return shown(conditions.channels, readings, at)
         return "its sensor shows nothing any more"
 
-    def not_fitted(self, part: Stanza, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: Stanza, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Yield a phrase for each function that is off because a channel of ``part`` is not carried."""
         yield from ()
 
-    def limits(self, part: Stanza, supply: Supply) -> dict[str, float]:
+    def limits(self, actuator: Stanza, supply: Supply) -> dict[str, float]:
         """Return the thresholds for a recording, positive kPa by name; figures draw ``confirmed_kpa``."""
         return {}
 
-    def travel(self, part: Stanza) -> Travel | None:
+    def travel(self, actuator: Stanza) -> Travel | None:
         """Return the joint that the actuator moves; None: there is none, or its distance is not defined."""
         return None
 
-    def conditions(self, part: Stanza) -> EvidenceConditions | None:
+    def conditions(self, actuator: Stanza) -> EvidenceConditions | None:
         """Return the conditions that prove an actuator: its own, else its kind's preset; None: neither."""
-        return part.evidence or self.preset(part)
+        return actuator.evidence or self.preset(actuator)
 
-    def can_confirm(self, part: Stanza, carried: Mapping[str, Kind]) -> bool:
+    def can_confirm(self, actuator: Stanza, carried: Mapping[str, Kind]) -> bool:
         """Return whether any of the carried channels could confirm the actuator."""
-        if conditions := self.conditions(part):
+        if conditions := self.conditions(actuator):
             return conditions.confirmed.can_be_known(carried)
-        return any(name in carried for name in self.proofs(part))
+        return any(name in carried for name in self.proofs(actuator))
 
-    def channel_names(self, part: Stanza) -> tuple[str, ...]:
+    def channel_names(self, actuator: Stanza) -> tuple[str, ...]:
         """Return the names of the actuator's channels that prove something, carried or not."""
-        if part.evidence is not None:
-            return part.evidence.channels
-        named = (getattr(part, each.key) for each in self.channels)
+        if actuator.evidence is not None:
+            return actuator.evidence.channels
+        named = (getattr(actuator, each.key) for each in self.channels)
         return tuple(name for name in named if name)
 
-    def proofs(self, part: Stanza) -> tuple[str, ...]:
+    def proofs(self, actuator: Stanza) -> tuple[str, ...]:
         """Return the names of the actuator's channels that can confirm it alone."""
-        named = (getattr(part, each.key) for each in self.channels if each.confirms)
+        named = (getattr(actuator, each.key) for each in self.channels if each.confirms)
         return tuple(name for name in named if name)
 
-    def opposing_output(self, part: Stanza) -> Any:
+    def opposing_output(self, actuator: Stanza) -> Any:
         """Return the stanza of the output that is never active together with ``line``; None: none."""
-        return getattr(part, self.opposing) if self.opposing else None
+        return getattr(actuator, self.opposing) if self.opposing else None

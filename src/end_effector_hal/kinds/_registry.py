@@ -101,53 +101,57 @@ def get_kind(name: str) -> DeviceKind[Any]:
     return kind if name in OWN else attempt(f"The kind {name}", lambda: GuardedKind(kind))
 
 
-def kind_of(part: Actuator) -> DeviceKind[Any]:
+def kind_of(actuator: Actuator) -> DeviceKind[Any]:
     """Return the kind of an actuator."""
-    return get_kind(part.kind)
+    return get_kind(actuator.kind)
 
 
-def detector_of(part: Actuator, supply: Supply) -> Detector:
+def detector_of(actuator: Actuator, supply: Supply) -> Detector:
     """Return a new detector of an actuator: by the evidence that it declares, else that of its kind."""
-    return ConditionDetector(part.evidence) if part.evidence else kind_of(part).detector(part, supply)
+    return (
+        ConditionDetector(actuator.evidence)
+        if actuator.evidence
+        else kind_of(actuator).detector(actuator, supply)
+    )
 
 
-def lost_words(part: Actuator, readings: ChannelReadings, at: int) -> str:
+def lost_words(actuator: Actuator, readings: ChannelReadings, at: int) -> str:
     """Return the readings of a lost actuator, as a phrase that follows ``… was lost:``."""
-    if part.evidence:
-        return shown(part.evidence.channels, readings, at)
-    return kind_of(part).lost(part, readings, at)
+    if actuator.evidence:
+        return shown(actuator.evidence.channels, readings, at)
+    return kind_of(actuator).lost(actuator, readings, at)
 
 
-def confirmed_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
+def confirmed_words(actuator: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
     """Return the readings that do not confirm an actuator, and the values that would."""
-    kind = kind_of(part)
-    if conditions := kind.conditions(part):
+    kind = kind_of(actuator)
+    if conditions := kind.conditions(actuator):
         channels, wanted = list(conditions.confirmed.channels), asked(conditions.confirmed)
     else:
-        channels, least = _carried(part, readings), kind.limits(part, supply).get("confirmed_kpa")
-        wanted = "" if least is None else f"at least {least:g} kPa{_below(part)}"
+        channels, least = _carried(actuator, readings), kind.limits(actuator, supply).get("confirmed_kpa")
+        wanted = "" if least is None else f"at least {least:g} kPa{_below(actuator)}"
     now = shown(channels, readings, at)
     return "; ".join(filter(None, (now, wanted and f"confirmed means {wanted}")))
 
 
-def _carried(part: Actuator, readings: ChannelReadings) -> list[str]:
-    return [each for each in kind_of(part).channel_names(part) if each in readings.carried]
+def _carried(actuator: Actuator, readings: ChannelReadings) -> list[str]:
+    return [each for each in kind_of(actuator).channel_names(actuator) if each in readings.carried]
 
 
-def _below(part: Actuator) -> str:
-    return " below ambient" if kind_of(part).below_ambient else ""
+def _below(actuator: Actuator) -> str:
+    return " below ambient" if kind_of(actuator).below_ambient else ""
 
 
-def present_words(part: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
+def present_words(actuator: Actuator, supply: Supply, readings: ChannelReadings, at: int) -> str:
     """Return the readings that contradict a release, the values that would prove it, and the remedy."""
-    kind = kind_of(part)
-    conditions = kind.conditions(part)
+    kind = kind_of(actuator)
+    conditions = kind.conditions(actuator)
     if conditions:
         channels = list(conditions.gone.channels)
         gone = f"gone means {asked(conditions.gone)}"
     else:
-        channels, least = _carried(part, readings), kind.limits(part, supply).get("gone_kpa")
-        gone = f"gone means less than {least:g} kPa{_below(part)}" if least is not None else ""
+        channels, least = _carried(actuator, readings), kind.limits(actuator, supply).get("gone_kpa")
+        gone = f"gone means less than {least:g} kPa{_below(actuator)}" if least is not None else ""
     now = shown(channels, readings, at)
     # without a value it is no question of its zero
     read = any(readings.get(channel, at) is not None for channel in channels)
@@ -210,19 +214,19 @@ class SwitchMeaning(NamedTuple):
         return f"{'on' if level else 'off'}{meaning and ': '}{meaning}"
 
 
-def switch_meanings(part: Actuator) -> dict[str, SwitchMeaning]:
+def switch_meanings(actuator: Actuator) -> dict[str, SwitchMeaning]:
     """Return the meaning of each bit that an actuator may have, by channel, carried or not.
 
     If several switches together prove something, each switch that must be on for it gets its word.
     """
-    kind = kind_of(part)
-    if (conditions := kind.conditions(part)) is not None:
+    kind = kind_of(actuator)
+    if (conditions := kind.conditions(actuator)) is not None:
         proven = [(word, each) for word, each in conditions.named if word in _PROVEN]
         bits = dict.fromkeys(leaf.channel for leaf in conditions.leaves if leaf.bit)
         return {name: SwitchMeaning(_on(name, proven), _proves(name, False, proven)) for name in bits}
     found = {}
     for key in kind.channels:
-        name = getattr(part, key.key)
+        name = getattr(actuator, key.key)
         if name and name != NO_CHANNEL and (key.carries is Kind.BIT or key.bit_instead):
             on = "confirmed" if key.confirms else key.meaning
             found[name] = SwitchMeaning(on, "gone" if key.bit_instead else "")

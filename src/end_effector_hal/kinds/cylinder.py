@@ -57,18 +57,18 @@ class CylinderDetector:
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """Return the evidence after one more sample at ``at`` µs."""
-        part = self._actuator
-        pressure = readings.get(part.channel, at)
-        extended = readings.get(part.extended_bit, at)
-        retracted = readings.get(part.retracted_bit, at)
+        actuator = self._actuator
+        pressure = readings.get(actuator.channel, at)
+        extended = readings.get(actuator.extended_bit, at)
+        retracted = readings.get(actuator.retracted_bit, at)
         lacking = pressure is None and (
-            part.channel in readings.carried or (extended is None and retracted is None)
+            actuator.channel in readings.carried or (extended is None and retracted is None)
         )
         if lacking and not extended:
             return self.expire()
-        if pressure is not None and part.channel in readings.arrived:
+        if pressure is not None and actuator.channel in readings.arrived:
             self._high.take(pressure >= self._threshold_pa(readings, at), at)
-            self._low.take(pressure < part.retracted_kpa * 1000, at)
+            self._low.take(pressure < actuator.retracted_kpa * 1000, at)
         if extended or self._high.lasted(at, self._extended_us):
             self._held = True
             self.level = Evidence.CONFIRMED
@@ -141,43 +141,43 @@ class Cylinder(DeviceKind[CylinderActuator]):
     joint_rules = (JointRule(("retracted_kpa", "extended_fraction", "supply.refuse_kpa"), _apart),)
     moves = True
 
-    def detector(self, part: CylinderActuator, supply: Supply) -> CylinderDetector:
+    def detector(self, actuator: CylinderActuator, supply: Supply) -> CylinderDetector:
         """Return a detector that judges the pressure and the position bits."""
-        return CylinderDetector(part, supply)
+        return CylinderDetector(actuator, supply)
 
-    def margin_pa(self, part: CylinderActuator, gauge_pa: float, supply_pa: float) -> float:
+    def margin_pa(self, actuator: CylinderActuator, gauge_pa: float, supply_pa: float) -> float:
         """Return the distance above the threshold of confirmation, Pa."""
-        return gauge_pa - part.extended_fraction * supply_pa
+        return gauge_pa - actuator.extended_fraction * supply_pa
 
-    def lost(self, part: CylinderActuator, readings: ChannelReadings, at: int) -> str:
+    def lost(self, actuator: CylinderActuator, readings: ChannelReadings, at: int) -> str:
         """Return the remaining pressure and the required one."""
-        value = readings.get(part.channel, at)
+        value = readings.get(actuator.channel, at)
         if value is None or isinstance(value, bool):
-            return super().lost(part, readings, at)
-        return f"{value / 1000:.0f} kPa, {part.extended_fraction:.0%} of the supply pressure required"
+            return super().lost(actuator, readings, at)
+        return f"{value / 1000:.0f} kPa, {actuator.extended_fraction:.0%} of the supply pressure required"
 
-    def not_fitted(self, part: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: CylinderActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Yield for each missing sensor which other one proves the position, and what is not detected."""
-        if part.channel not in carried:
-            proof = f"only {part.extended_bit} confirms that it is extended, thresholds are off"
-            yield f"channel: {part.channel}: {proof}: lost air is not detected"
-        for key, bit in (("extended_bit", part.extended_bit), ("retracted_bit", part.retracted_bit)):
+        if actuator.channel not in carried:
+            proof = f"only {actuator.extended_bit} confirms that it is extended, thresholds are off"
+            yield f"channel: {actuator.channel}: {proof}: lost air is not detected"
+        for key, bit in (("extended_bit", actuator.extended_bit), ("retracted_bit", actuator.retracted_bit)):
             if bit not in carried:
-                yield f"{key}: {bit or NO_CHANNEL}: {self._instead(part, key.removesuffix('_bit'), carried)}"
+                yield f"{key}: {bit or NO_CHANNEL}: {self._instead(actuator, key.removesuffix('_bit'), carried)}"
 
-    def limits(self, part: CylinderActuator, supply: Supply) -> dict[str, float]:
+    def limits(self, actuator: CylinderActuator, supply: Supply) -> dict[str, float]:
         """Return the thresholds at the nominal supply pressure, kPa."""
-        extended_kpa = part.extended_fraction * supply.nominal_kpa
+        extended_kpa = actuator.extended_fraction * supply.nominal_kpa
         lost_kpa = extended_kpa - supply.hysteresis_kpa
-        return {"confirmed_kpa": extended_kpa, "gone_kpa": part.retracted_kpa, "lost_kpa": lost_kpa}
+        return {"confirmed_kpa": extended_kpa, "gone_kpa": actuator.retracted_kpa, "lost_kpa": lost_kpa}
 
-    def travel(self, part: CylinderActuator) -> Travel | None:
+    def travel(self, actuator: CylinderActuator) -> Travel | None:
         """Return the stroke as a prismatic joint; None: the stanza does not define it."""
-        return None if part.stroke_mm is None else Travel("prismatic", part.stroke_mm / 1000)
+        return None if actuator.stroke_mm is None else Travel("prismatic", actuator.stroke_mm / 1000)
 
-    def _instead(self, part: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:
-        if part.channel in carried:
-            return f"only the pressure {part.channel} confirms that it is {position}: a stuck rod is not detected"
+    def _instead(self, actuator: CylinderActuator, position: str, carried: Mapping[str, Kind]) -> str:
+        if actuator.channel in carried:
+            return f"only the pressure {actuator.channel} confirms that it is {position}: a stuck rod is not detected"
         if position == "extended":
             return "extended cannot be proven"
         return "retracted is assumed to be the opposite of extended: a rod that stops on its way counts as retracted"

@@ -67,12 +67,13 @@ class Magnet(DeviceKind[MagnetActuator]):
     states = MagnetState
     opposing = "blow_off"
 
-    def preset(self, part: MagnetActuator) -> EvidenceConditions | None:
+    def preset(self, actuator: MagnetActuator) -> EvidenceConditions | None:
         """Return the conditions over the sensor of its part."""
-        return part_conditions(part)
+        return part_conditions(actuator)
 
-    def not_fitted(self, part: MagnetActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: MagnetActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Yield a phrase if only ``part_bit`` confirms a release."""
-        if part.gone_bit not in carried:
-            proof = f"only {part.part_bit} off confirms a release"
-            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {proof}: a part that only lost its grip is not detected"
+        if actuator.gone_bit not in carried:
+            proof = f"only {actuator.part_bit} off confirms a release"
+            gone = actuator.gone_bit or NO_CHANNEL
+            yield f"gone_bit: {gone}: {proof}: a part that only lost its grip is not detected"

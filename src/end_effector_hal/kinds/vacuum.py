@@ -101,20 +101,20 @@ class VacuumDetector:
             return self.expire()
         if self._actuator.channel not in readings.arrived:
             return self.level
-        part = self._actuator
+        actuator = self._actuator
         kpa = below_ambient_kpa(value)
-        self._above.take(kpa >= (part.lost_kpa if self._held else part.confirmed_kpa), at)
-        self._below.take(kpa < part.lost_kpa, at)
+        self._above.take(kpa >= (actuator.lost_kpa if self._held else actuator.confirmed_kpa), at)
+        self._below.take(kpa < actuator.lost_kpa, at)
         if self._held:
-            if kpa < part.lost_at_once_kpa or self._below.samples >= part.lost_samples:
+            if kpa < actuator.lost_at_once_kpa or self._below.samples >= actuator.lost_samples:
                 self._held = False
-            elif self._above.samples >= part.confirmed_samples:
+            elif self._above.samples >= actuator.confirmed_samples:
                 self.level = Evidence.CONFIRMED
-        elif self._above.samples >= part.confirmed_samples:
+        elif self._above.samples >= actuator.confirmed_samples:
             self._held = True
             self.level = Evidence.CONFIRMED
         if not self._held:
-            self.level = Evidence.GONE if kpa < part.gone_kpa else Evidence.PARTIAL
+            self.level = Evidence.GONE if kpa < actuator.gone_kpa else Evidence.PARTIAL
         return self.level
 
     def expire(self) -> Evidence:
@@ -177,9 +177,9 @@ class VacuumWatch:
         "judged": bool,
     }
 
-    def __init__(self, part: VacuumActuator, hold: Hold, period_us: int) -> None:
-        self._part, self._hold = part, hold
-        self._detector = SecureDetector(part)
+    def __init__(self, actuator: VacuumActuator, hold: Hold, period_us: int) -> None:
+        self._part, self._hold = actuator, hold
+        self._detector = SecureDetector(actuator)
         self.trend = Trend(to_us(hold.trend_s), period_us)
         self.leaks, self.keeps = Streak(), Streak()
         self.kpa: float | None = None
@@ -301,44 +301,51 @@ class Vacuum(DeviceKind[VacuumActuator]):
     samples = "confirmed_samples"
     below_ambient = True
 
-    def preset(self, part: VacuumActuator) -> EvidenceConditions | None:
+    def preset(self, actuator: VacuumActuator) -> EvidenceConditions | None:
         """Return the conditions over its switches; None: it has no part switch."""
-        return part_conditions(part)
+        return part_conditions(actuator)
 
-    def detector(self, part: VacuumActuator, supply: Supply) -> Detector:
+    def detector(self, actuator: VacuumActuator, supply: Supply) -> Detector:
         """Return a detector that judges the pressure, or the switches if there is a part switch."""
-        return VacuumDetector(part) if self.preset(part) is None else super().detector(part, supply)
+        return (
+            VacuumDetector(actuator) if self.preset(actuator) is None else super().detector(actuator, supply)
+        )
 
-    def plausible(self, part: VacuumActuator) -> PressureRange:
+    def plausible(self, actuator: VacuumActuator) -> PressureRange:
         """Return the range of its pressure, which is wider with a blow-off: it adds compressed air."""
-        high = COMPRESSED_AIR.high if part.blow_off is not None else HIGHEST_KPA
+        high = COMPRESSED_AIR.high if actuator.blow_off is not None else HIGHEST_KPA
         return PressureRange(LOWEST_KPA, high, "a vacuum circuit")
 
-    def margin_pa(self, part: VacuumActuator, gauge_pa: float, supply_pa: float) -> float:
+    def margin_pa(self, actuator: VacuumActuator, gauge_pa: float, supply_pa: float) -> float:
         """Return the distance beyond the threshold of loss, Pa."""
-        return -gauge_pa - part.lost_kpa * 1000
+        return -gauge_pa - actuator.lost_kpa * 1000
 
-    def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch | None:
+    def hold_watch(self, actuator: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch | None:
         """Return a watch for weak grips and leaks; None: only switches prove the part."""
-        return None if self.preset(part) and not named(part.channel) else VacuumWatch(part, hold, period_us)
+        return (
+            None
+            if self.preset(actuator) and not named(actuator.channel)
+            else VacuumWatch(actuator, hold, period_us)
+        )
 
-    def lost(self, part: VacuumActuator, readings: ChannelReadings, at: int) -> str:
+    def lost(self, actuator: VacuumActuator, readings: ChannelReadings, at: int) -> str:
         """Return the remaining vacuum and the required one."""
-        value = readings.get(part.channel, at)
-        if value is None or isinstance(value, bool) or self.preset(part):
-            return super().lost(part, readings, at)
-        return f"{-value / 1000:.1f} kPa below ambient, {part.lost_kpa:g} kPa required"
+        value = readings.get(actuator.channel, at)
+        if value is None or isinstance(value, bool) or self.preset(actuator):
+            return super().lost(actuator, readings, at)
+        return f"{-value / 1000:.1f} kPa below ambient, {actuator.lost_kpa:g} kPa required"
 
-    def not_fitted(self, part: VacuumActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: VacuumActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """Yield a phrase for each thing that a switch without a second sensor does not detect."""
-        if self.preset(part) is None:
+        if self.preset(actuator) is None:
             return
-        if part.channel not in carried:
-            yield f"channel: {part.channel}: only {part.part_bit} shows a part: a weak grip and a leak are not detected"
-        if part.gone_bit not in carried:
+        if actuator.channel not in carried:
+            proof = f"only {actuator.part_bit} shows a part"
+            yield f"channel: {actuator.channel}: {proof}: a weak grip and a leak are not detected"
+        if actuator.gone_bit not in carried:
             left = "what is left of a vacuum under its threshold is not seen"
-            yield f"gone_bit: {part.gone_bit or NO_CHANNEL}: {part.part_bit} off counts as vented: {left}"
+            yield f"gone_bit: {actuator.gone_bit or NO_CHANNEL}: {actuator.part_bit} off counts as vented: {left}"
 
-    def limits(self, part: VacuumActuator, supply: Supply) -> dict[str, float]:
+    def limits(self, actuator: VacuumActuator, supply: Supply) -> dict[str, float]:
         """Return the thresholds, kPa below ambient."""
-        return {name: getattr(part, name) for name in _THRESHOLDS}
+        return {name: getattr(actuator, name) for name in _THRESHOLDS}

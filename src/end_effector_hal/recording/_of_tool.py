@@ -84,8 +84,8 @@ def switch_channels(description: Description) -> tuple[str, ...]:
 def _switches(description: Description) -> dict[str, dict[str, Any]]:
     """Return the switches that prove something about an actuator, with the actuator and their meanings."""
     fitted, found = switch_channels(description), dict[str, dict[str, Any]]()
-    for name, part in description.ordered:
-        for channel, meaning in switch_meanings(part).items():
+    for name, actuator in description.ordered:
+        for channel, meaning in switch_meanings(actuator).items():
             if channel in fitted:
                 found.setdefault(channel, {"actuator": name, "on": meaning.on, "off": meaning.off})
     return found

@@ -52,8 +52,10 @@ class HoldMonitor:
 
     def _watches_of(self, tool: Description, used: Sequence[bool], carrier: Carrier) -> dict[int, HoldWatch]:
         watches = (
-            kind_of(part).hold_watch(part, self._hold, period_of(carrier, part.channel)) if uses else None
-            for (_, part), uses in zip(tool.ordered, used, strict=True)
+            kind_of(actuator).hold_watch(actuator, self._hold, period_of(carrier, actuator.channel))
+            if uses
+            else None
+            for (_, actuator), uses in zip(tool.ordered, used, strict=True)
         )
         return {index: watch for index, watch in enumerate(watches) if watch is not None}
 
@@ -176,8 +178,8 @@ class HoldMonitor:
 
     def _readable(self, index: int, name: str, at: int) -> None:
         if self._senses.now.evidence[index] is Evidence.UNKNOWN:
-            readings, part = self._senses.now.readings, self._description.actuators[name]
-            channels = kind_of(part).channel_names(part)
+            readings, actuator = self._senses.now.readings, self._description.actuators[name]
+            channels = kind_of(actuator).channel_names(actuator)
             sent = next((each for each in channels if readings.sent_invalid(each, at)), "")
             why = {"why": why_invalid(self._description, sent)} if sent else {}
             self._log.raise_(Alarm("evidence.unread", name, why, at))

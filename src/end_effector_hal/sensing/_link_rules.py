@@ -50,7 +50,9 @@ class LinkRules:
         self._devices = devices_of(description, carrier)
         kinds = carrier.channels
         ranges = {description.supply.channel: COMPRESSED_AIR}
-        ranges |= {part.channel: kind_of(part).plausible(part) for _, part in description.ordered}
+        ranges |= {
+            actuator.channel: kind_of(actuator).plausible(actuator) for _, actuator in description.ordered
+        }
         self._ranges = {
             channel: span for channel, span in ranges.items() if kinds.get(channel) is Kind.PRESSURE
         }
@@ -119,7 +121,7 @@ def frozen_after(description: Description, carrier: Carrier) -> dict[str, float]
     """
     if not shows_noise(carrier):
         return {}
-    declared = {part.channel: part.frozen_s for _, part in description.ordered}
+    declared = {actuator.channel: actuator.frozen_s for _, actuator in description.ordered}
     declared[description.supply.channel] = description.supply.frozen_s
     kinds = carrier.channels
     return {

@@ -29,7 +29,9 @@ class OutputGate:
 
     def __init__(self, description: Description) -> None:
         outputs = description.register_outputs
-        self._lines = tuple(part.line if part.line in outputs else "" for _, part in description.ordered)
+        self._lines = tuple(
+            actuator.line if actuator.line in outputs else "" for _, actuator in description.ordered
+        )
         self._after = (OPEN,) * len(self._lines)  # only a later frame opens the gate, µs
 
     def switch(self, index: int, at: int, *, active: bool) -> None:

@@ -35,7 +35,11 @@ def predicates_fitted(description: Description, carrier: Carrier) -> frozenset[s
         fitted.add(LOCKED)
     elif changer and changer.present_bit in carried:
         fitted.add(PRESENT)
-    proving = (channel for _, part in description.ordered for channel in kind_of(part).channel_names(part))
+    proving = (
+        channel
+        for _, actuator in description.ordered
+        for channel in kind_of(actuator).channel_names(actuator)
+    )
     if changer and any(channel in carried for channel in proving):
         fitted.add(NOTHING_GRIPPED)
     if changer and changer.stand_bit in carried:

@@ -73,14 +73,16 @@ class SensorState:
             tuple(map(description.uses, description.part_names)),
         )
         for tool in description.per_part:
-            stanzas += [each for each in enumerate(part for _, part in tool.ordered) if each not in stanzas]
+            stanzas += [
+                each for each in enumerate(actuator for _, actuator in tool.ordered) if each not in stanzas
+            ]
         self._actuator_of = tuple(index for index, _ in stanzas)
         self._detectors_of = tuple(
             tuple(number for number, owner in enumerate(self._actuator_of) if owner == index)
             for index in range(len(self._actuators))
         )
         self._detectors_for = tuple(
-            tuple(stanzas.index(each) for each in enumerate(part for _, part in tool.ordered))
+            tuple(stanzas.index(each) for each in enumerate(actuator for _, actuator in tool.ordered))
             for tool in description.per_part
         )
         self._detectors = tuple(detector_of(part, description.supply) for _, part in stanzas)

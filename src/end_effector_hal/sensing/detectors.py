@@ -51,11 +51,11 @@ class ReleaseDetector:
         self._vented_us = to_us(self._changer.vented_s) if self._changer else 0
         self._below_ambient: list[str] = []
         self._others: list[int] = []
-        for index, (_, part) in enumerate(description.ordered):
-            kind = kind_of(part)
-            if kind.below_ambient and part.channel in carrier.channels:
-                self._below_ambient.append(part.channel)
-            elif any(channel in carrier.channels for channel in kind.channel_names(part)):
+        for index, (_, actuator) in enumerate(description.ordered):
+            kind = kind_of(actuator)
+            if kind.below_ambient and actuator.channel in carrier.channels:
+                self._below_ambient.append(actuator.channel)
+            elif any(channel in carrier.channels for channel in kind.channel_names(actuator)):
                 self._others.append(index)
         self._low = [Streak() for _ in self._below_ambient]
 

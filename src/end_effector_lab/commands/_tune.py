@@ -156,7 +156,7 @@ def _foreign(recorded: Description, tool: Description) -> str:
     """Return the reason why a recording belongs to another tool; empty if it belongs to this one."""
     if recorded.sequence != tool.sequence:
         return f"its actuators are {', '.join(recorded.sequence)}, and not {', '.join(tool.sequence)}"
-    kinds = [(name, part.kind, tool.actuators[name].kind) for name, part in recorded.ordered]
+    kinds = [(name, actuator.kind, tool.actuators[name].kind) for name, actuator in recorded.ordered]
     wrong = [f"{name} is a {theirs}, and not a {ours}" for name, theirs, ours in kinds if theirs != ours]
     return "; ".join(wrong)
 

@@ -144,9 +144,11 @@ def measures(
     description: Description, log: StatesLog, story: Story, slow_release: str | None
 ) -> list[Measure]:
     """Return every time-out and reset of the recording, and the wait for ``slow_release`` during the release."""
-    parts = description.actuators
+    actuators = description.actuators
     found = [
-        Measure(f"{attempt.actuator} time-out {attempt.number}", parts[attempt.actuator].timeout_s, length)
+        Measure(
+            f"{attempt.actuator} time-out {attempt.number}", actuators[attempt.actuator].timeout_s, length
+        )
         for attempt in story.timeouts
         if (length := attempt.length_s) is not None
     ]
@@ -154,10 +156,10 @@ def measures(
     for reset in story.resets:
         count[reset.actuator] += 1
         name = f"{reset.actuator} reset {count[reset.actuator]}"
-        found.append(Measure(name, parts[reset.actuator].reset_s, reset.length_s))
+        found.append(Measure(name, actuators[reset.actuator].reset_s, reset.length_s))
     waited = _release_wait(log, slow_release) if slow_release else None
     if slow_release and waited is not None:
-        found.append(Measure(f"{slow_release} release", parts[slow_release].release_s, waited))
+        found.append(Measure(f"{slow_release} release", actuators[slow_release].release_s, waited))
     return found
 
 

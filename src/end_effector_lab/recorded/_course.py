@@ -29,9 +29,9 @@ class TriedCourse:
     gone: int | None = None
 
 
-def course_of(part: Actuator, supply: Supply, activation: RecordedAttempt) -> TriedCourse:
+def course_of(actuator: Actuator, supply: Supply, activation: RecordedAttempt) -> TriedCourse:
     """Sample every reading of an activation with a new detector of ``part``."""
-    detector = detector_of(part, supply)
+    detector = detector_of(actuator, supply)
     confirmed = lost = gone = None
     since, until = activation.since, activation.until
     for readings in activation.readings:
@@ -70,7 +70,7 @@ class GripOutcome:
 
 
 def outcome_of(
-    part: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[TriedCourse]
+    actuator: Actuator, activations: Sequence[RecordedAttempt], courses: Sequence[TriedCourse]
 ) -> GripOutcome:
     """Return the outcome of the attempts of one grip with the time-outs of ``part``.
 
@@ -79,11 +79,11 @@ def outcome_of(
         activations: its recorded attempts.
         courses: the course of each attempt, with the thresholds of ``part``.
     """
-    timeout_us = to_us(part.timeout_s)
+    timeout_us = to_us(actuator.timeout_s)
     failed, lost, undecided, attempt = True, False, False, 0
     after_us: int | None = None
     for number, (each, course) in enumerate(zip(activations, courses, strict=True), start=1):
-        if number > part.attempts:
+        if number > actuator.attempts:
             break
         if course.confirmed is not None and course.confirmed <= timeout_us:
             failed, attempt, lost = False, number, course.lost is not None
@@ -93,7 +93,7 @@ def outcome_of(
         if ended - each.since < timeout_us - SLACK_US:
             failed, undecided = False, True
             break
-    stuck, unknown = _release(part, activations[-1], courses[-1])
+    stuck, unknown = _release(actuator, activations[-1], courses[-1])
     return GripOutcome(failed, lost, stuck, undecided or unknown, attempt, after_us)
 
 
@@ -101,11 +101,11 @@ SLACK_US = 100_000
 """Allowed deviation of a recorded time-out from the declared one, µs: two periods of a usual link."""
 
 
-def _release(part: Actuator, last: RecordedAttempt, course: TriedCourse) -> tuple[bool, bool]:
+def _release(actuator: Actuator, last: RecordedAttempt, course: TriedCourse) -> tuple[bool, bool]:
     """Return whether the feedback is present for too long, and whether that is unknown."""
     if last.until is None:
         return False, False
-    limit_us = to_us(part.release_s)
+    limit_us = to_us(actuator.release_s)
     if course.gone is not None:
         return course.gone > limit_us, False
     known = last.seen_until - last.until >= limit_us

@@ -70,15 +70,15 @@ class TunableKey:
         """Whether the key is one of `WAITS`."""
         return self.path[0] in WAITS
 
-    def with_value(self, part: Actuator, supply: Supply, value: float) -> Actuator | None:
+    def with_value(self, actuator: Actuator, supply: Supply, value: float) -> Actuator | None:
         """Return the actuator with another value; None: the value alone is invalid."""
-        tree = part.model_dump(by_alias=True, mode="json")
+        tree = actuator.model_dump(by_alias=True, mode="json")
         place: Any = tree
         for key in self.path[:-1]:
             place = place[key]
         place[self.path[-1]] = int(value) if self.whole else value
         try:
-            found = type(part).model_validate(tree)
+            found = type(actuator).model_validate(tree)
         except (ValidationError, ValueError):
             return None
         return found if _consistent(found, supply) else None
@@ -117,14 +117,14 @@ def parameters_of(description: Description, part: str = "") -> Iterator[TunableK
 
 def not_tried(description: Description) -> Iterator[tuple[str, str]]:
     """Yield keys of times and thresholds that no recorded grip can judge, with the reason."""
-    for name, part in description.ordered:
+    for name, actuator in description.ordered:
         yield f"actuators.{name}.reset_s", _OTHER_PAUSE
-        if part.frozen_s is not None:
+        if actuator.frozen_s is not None:
             yield f"actuators.{name}.frozen_s", _FROZEN
-        for key, _ in _own(part):
+        for key, _ in _own(actuator):
             if key.startswith("secure"):
                 yield f"actuators.{name}.{key}", _WARNS
-            elif part.evidence is None and _is_idle(description, part, key):
+            elif actuator.evidence is None and _is_idle(description, actuator, key):
                 yield f"actuators.{name}.{key}", _NO_PRESSURE
     yield "hold.*", _WARNS
     yield "supply.*", _NOT_BY_GRIPS
@@ -133,18 +133,18 @@ def not_tried(description: Description) -> Iterator[tuple[str, str]]:
         yield "tool_changer.*", _NOT_BY_GRIPS
 
 
-def _is_idle(description: Description, part: Actuator, key: str) -> bool:
+def _is_idle(description: Description, actuator: Actuator, key: str) -> bool:
     """Return whether the key is a threshold of a pressure that the link lacks: only a switch is evidence."""
     return (
         key.endswith(_OF_PRESSURES)
-        and carrier_of(description).channels.get(part.channel) is not Kind.PRESSURE
+        and carrier_of(description).channels.get(actuator.channel) is not Kind.PRESSURE
     )
 
 
-def _own(part: Actuator) -> Iterator[tuple[str, float]]:
+def _own(actuator: Actuator) -> Iterator[tuple[str, float]]:
     """Yield the numbers that only this kind of actuator has."""
-    for key in type(part).model_fields:
-        value = getattr(part, key)
+    for key in type(actuator).model_fields:
+        value = getattr(actuator, key)
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if number and key not in Actuator.model_fields and key.endswith(tuple(UNITS)):
             yield key, value
@@ -162,18 +162,18 @@ def _numbers(tree: Any, path: Path = ()) -> Iterator[tuple[Path, float]]:
             yield (*path, key), value
 
 
-def _consistent(part: Actuator, supply: Supply) -> bool:
+def _consistent(actuator: Actuator, supply: Supply) -> bool:
     """Return whether the numbers are in the order that `eehal check` requires."""
-    kind = kind_of(part)
+    kind = kind_of(actuator)
     for low, relation, high in kind.orders:
-        less, more = getattr(part, low), getattr(part, high)
+        less, more = getattr(actuator, low), getattr(actuator, high)
         if less is not None and more is not None and not (less < more or (relation == "<=" and less == more)):
             return False
     for rule in kind.joint_rules:
         numbers = {
             key: getattr(supply, key.removeprefix("supply."))
             if key.startswith("supply.")
-            else getattr(part, key)
+            else getattr(actuator, key)
             for key in rule.keys
         }
         if None not in numbers.values() and rule.fault("", numbers, lambda key: key):

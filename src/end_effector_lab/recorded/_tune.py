@@ -168,10 +168,10 @@ def _as_recorded(
     """Return whether the recorded thresholds lead from the readings to the recorded decisions."""
     if gripped and gripped not in recorded.part_names:
         return False
-    part = recorded.for_part(gripped).actuators[name]
+    actuator = recorded.for_part(gripped).actuators[name]
     slack_us = max(recorded.bounds.reaction_ms * 1000, 2 * SAMPLE_US)
     for each in activations:
-        found = course_of(part, recorded.supply, each).confirmed
+        found = course_of(actuator, recorded.supply, each).confirmed
         if each.confirmed is None:
             # what is confirmed as the time-out passes may be decided either way
             if found is not None and each.since + found < (each.until or each.seen_until) - slack_us:
@@ -224,11 +224,11 @@ class _Trial:
         courses = self._courses if parameter.waits else self._follow(part)
         return self._count(self._outcomes(part, courses))
 
-    def _follow(self, part: Actuator) -> list[list[TriedCourse]]:
-        return [[course_of(part, self._description.supply, each) for each in grip] for grip in self.grips]
+    def _follow(self, actuator: Actuator) -> list[list[TriedCourse]]:
+        return [[course_of(actuator, self._description.supply, each) for each in grip] for grip in self.grips]
 
-    def _outcomes(self, part: Actuator, courses: list[list[TriedCourse]]) -> list[GripOutcome]:
-        return [outcome_of(part, grip, each) for grip, each in zip(self.grips, courses, strict=True)]
+    def _outcomes(self, actuator: Actuator, courses: list[list[TriedCourse]]) -> list[GripOutcome]:
+        return [outcome_of(actuator, grip, each) for grip, each in zip(self.grips, courses, strict=True)]
 
     def _count(self, outcomes: Sequence[GripOutcome]) -> Counts:
         pairs = list(zip(outcomes, self._today, strict=True))

@@ -65,29 +65,29 @@ def shown_by_conditions(description: Description) -> dict[str, ShownByConditions
     """
     taken = {description.supply.channel, *_elsewhere(description)}
     found: dict[str, ShownByConditions] = {}
-    for name, part in description.ordered:
-        if part.evidence is None:
+    for name, actuator in description.ordered:
+        if actuator.evidence is None:
             continue
         free = {
             leaf.channel: BIT
             if leaf.bit
             else range_kpa(description, leaf.channel) or widest(description, leaf.channel)
-            for leaf in part.evidence.leaves
+            for leaf in actuator.evidence.leaves
             if leaf.channel not in taken
         }
         taken |= free.keys()
         if free:
-            found[name] = _solved(description, name, part.evidence, free)
+            found[name] = _solved(description, name, actuator.evidence, free)
     return found
 
 
 def _elsewhere(description: Description) -> Iterator[str]:
     """Yield the channels that the bench sets by their meaning."""
-    for _, part in description.ordered:
-        for key in kind_of(part).channels:
+    for _, actuator in description.ordered:
+        for key in kind_of(actuator).channels:
             # what evidence replaces is not asked for by default
-            if (channel := named(getattr(part, key.key))) and (
-                part.evidence is None or key.key in part.model_fields_set
+            if (channel := named(getattr(actuator, key.key))) and (
+                actuator.evidence is None or key.key in actuator.model_fields_set
             ):
                 yield channel
     if changer := description.tool_changer:

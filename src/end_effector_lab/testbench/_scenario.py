@@ -241,14 +241,16 @@ def traits_of(description: Description) -> dict[str, frozenset[str]]:
     lacks PRESSURE.
     """
     found = {name: physics.traits for name, physics in device_physics(description).items()}
-    blind = [name for name, part in description.ordered if not _shows_pressure(part)]
+    blind = [name for name, actuator in description.ordered if not _shows_pressure(actuator)]
     return found | {name: found[name] - {PRESSURE} for name in blind}
 
 
-def _shows_pressure(part: Actuator) -> bool:
-    asked = part.evidence
-    keys = [key for key in kind_of(part).channels if asked is None or key.key in part.model_fields_set]
-    fitted = any(key.carries is not Kind.BIT and named(getattr(part, key.key)) for key in keys)
+def _shows_pressure(actuator: Actuator) -> bool:
+    asked = actuator.evidence
+    keys = [
+        key for key in kind_of(actuator).channels if asked is None or key.key in actuator.model_fields_set
+    ]
+    fitted = any(key.carries is not Kind.BIT and named(getattr(actuator, key.key)) for key in keys)
     return fitted or (asked is not None and any(not leaf.bit for leaf in asked.leaves))
 
 

@@ -35,21 +35,23 @@ def chosen_models(text: str | None, description: Description) -> Models:
         UsageError: there is no such model, or the bus commands nothing at that unit.
     """
     found: dict[str, dict[int, str]] = {}
-    parts = {part.line: part for _, part in description.ordered}
+    actuators = {actuator.line: actuator for _, actuator in description.ordered}
     for link, outputs in description.buses.items():
         for line, output in outputs.items():
-            device = getattr(parts.get(line), "device", None)  # the name of a device in a library
+            device = getattr(actuators.get(line), "device", None)  # the name of a device in a library
             if device and (model := model_for(device)):
                 found.setdefault(link, {})[output.unit] = model.name
-    for part in filter(None, (text or "").split(",")):
-        place, _, name = part.partition("=")
+    for chosen in filter(None, (text or "").split(",")):
+        place, _, name = chosen.partition("=")
         link, _, unit = place.rpartition(":")
         if name and model_for(name) is None:
-            raise UsageError(f"--model {part}: no model is named {name!r}.", todo=did_you_mean(name, MODELS))
+            raise UsageError(
+                f"--model {chosen}: no model is named {name!r}.", todo=did_you_mean(name, MODELS)
+            )
         units = {str(each.unit) for each in description.buses.get(link, {}).values()}
         if unit not in units:
             raise UsageError(
-                f"--model {part}: no output of the tool is at {place!r}.",
+                f"--model {chosen}: no output of the tool is at {place!r}.",
                 todo=f"Expected: UNIT=NAME or LINK:UNIT=NAME; there are the units {', '.join(sorted(units))}.",
             )
         found.setdefault(link, {}).pop(int(unit), None)
@@ -76,8 +78,8 @@ def played_units(description: Description, models: Models) -> Iterator[tuple[str
 def shown_by_models(description: Description, models: Models) -> frozenset[str]:
     """Return the actuators whose pressure sensor is part of a unit that has a model: it has no faults of a sensor."""
     found = set()
-    for name, part in description.ordered:
-        channel = description.channels.get(part.channel or "")
+    for name, actuator in description.ordered:
+        channel = description.channels.get(actuator.channel or "")
         register = channel.modbus if channel else None
         model = models.get(channel.link or "", {}).get(register.unit) if channel and register else None
         if model and _model(model).wire is UnitModel.wire:
@@ -114,15 +116,15 @@ class ModelledUnits:
             for name, each in self._outputs.items()
         }
         changer = description.tool_changer
-        parts = {part.line: name for name, part in description.ordered}
-        parts |= {changer.line: TOOL_CHANGER} if changer else {}
+        devices = {actuator.line: name for name, actuator in description.ordered}
+        devices |= {changer.line: TOOL_CHANGER} if changer else {}
         self.models: dict[int, UnitModel] = {}
         """The models by unit."""
         for unit, name in models.items():
             model, own = _model(name), {}
             for (at, channel), output in self._names.items():
-                if at == unit and output in parts:
-                    own[channel] = bench.devices[parts[output]]
+                if at == unit and output in devices:
+                    own[channel] = bench.devices[devices[output]]
             if not all(isinstance(device, model.physics) for device in own.values()):
                 raise UsageError(
                     f"--model {unit}={name}: it cannot drive an actuator of this kind.",

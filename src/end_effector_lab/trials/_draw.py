@@ -50,7 +50,7 @@ class CaseSource:
         for fault in faults_of(description):
             if fault != NOMINAL:
                 self._faults.setdefault(fault.partition(":")[0], []).append(fault)
-        parts = [part for _, part in description.ordered]
+        parts = [actuator for _, actuator in description.ordered]
         seconds = {0.02, 0.05, 0.1, 0.15, 1.0, *(part.timeout_s for part in parts)}
         seconds |= {part.reset_s for part in parts} | {part.release_s for part in parts}
         if changer := description.tool_changer:

@@ -128,7 +128,7 @@ class Effects:
         return "; ".join(said) or "no sensor of a grip is affected"
 
     def _sensor(self, name: str) -> SensorView:
-        fault, part = self.fault, self._description.actuators[name]
+        fault, actuator = self.fault, self._description.actuators[name]
         if fault.name in SILENCING and self._is_of_link(name):
             return ANYTHING if self._keeps_its_level(name) else self._blind(name)
         if fault.name in DAMAGING:
@@ -146,7 +146,7 @@ class Effects:
                 return SensorView(_YES if engaged and self._phase == GRIP else frozenset({NO}))
             case "fails-once" | "fails":
                 pending = engaged and self._phase == GRIP
-                fails = (fault.number or 1.0) >= part.attempts and not pending
+                fails = (fault.number or 1.0) >= actuator.attempts and not pending
                 return SensorView(frozenset({NO}) if fails else _YES)
             case "stuck-release" if self._phase == RELEASE and not engaged:
                 return NORMAL  # it was deactivated before
@@ -182,13 +182,13 @@ class Effects:
 
     def _leaking(self, name: str) -> SensorView:
         """Return the view of a leaking actuator by its final pressure."""
-        part, supply = self._description.actuators[name], self._description.supply
+        actuator, supply = self._description.actuators[name], self._description.supply
         if self.fault.name == "leak-grows":
             return SensorView(frozenset({YES, NO}), frozenset({LOST, YES}), _YES)
-        device = physics_of(part.kind).on_air(Valve(0), Supply(supply.nominal_kpa), 0)
+        device = physics_of(actuator.kind).on_air(Valve(0), Supply(supply.nominal_kpa), 0)
         device.leak(self.fault.number or 4.0)
         device.settle(True)
-        left, limits = abs(device.pressure_kpa or 0.0), kind_of(part).limits(part, supply)
+        left, limits = abs(device.pressure_kpa or 0.0), kind_of(actuator).limits(actuator, supply)
         return SensorView(
             _YES if left > limits.get("confirmed_kpa", 0.0) else frozenset({NO}),
             _YES if left > limits.get("lost_kpa", 0.0) else frozenset({LOST}),
@@ -200,14 +200,14 @@ class Effects:
 
     def _proofs(self, name: str) -> list[Channel]:
         """Return the declared channels that confirm the actuator."""
-        part, channels = self._description.actuators[name], self._description.channels
-        return [channels[each] for each in kind_of(part).channel_names(part) if each in channels]
+        actuator, channels = self._description.actuators[name], self._description.channels
+        return [channels[each] for each in kind_of(actuator).channel_names(actuator) if each in channels]
 
     def _has_switch(self, name: str) -> bool:
         """Return whether a switch confirms the actuator, too."""
-        part = self._description.actuators[name]
-        bits = [key.key for key in kind_of(part).channels if key.carries is Kind.BIT]
-        return any(named(getattr(part, key)) for key in bits)
+        actuator = self._description.actuators[name]
+        bits = [key.key for key in kind_of(actuator).channels if key.carries is Kind.BIT]
+        return any(named(getattr(actuator, key)) for key in bits)
 
     def _is_of_link(self, name: str) -> bool:
         """Return whether the sensor of the actuator uses the silent link."""
@@ -263,8 +263,10 @@ class Effects:
 
     def _is_watched_frozen(self) -> bool:
         """Return whether a frozen sensor is detected, because its readings lack the usual noise."""
-        part = self._description.actuators.get(self.fault.place)
+        actuator = self._description.actuators.get(self.fault.place)
         watched = (
-            part is not None and part.frozen_s is not None and shows_noise(carrier_of(self._description))
+            actuator is not None
+            and actuator.frozen_s is not None
+            and shows_noise(carrier_of(self._description))
         )
         return self.fault.name == "frozen-after" and watched

@@ -140,10 +140,10 @@ def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
 
 def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
     """Return representative numbers: values on both sides of the description's limit."""
-    part = description.actuators.get(place)
+    actuator = description.actuators.get(place)
     match fault:
         case "fails":
-            attempts = part.attempts if part else 3
+            attempts = actuator.attempts if actuator else 3
             return (str(attempts - 1), str(attempts)) if attempts > 1 else (str(attempts),)
         case "leak":
             return ("4", "40")
@@ -152,9 +152,9 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
         case "lost-after":
             return ("0.1", "1")
         case "shows":
-            limits = kind_of(part).limits(part, description.supply) if part else {}
+            limits = kind_of(actuator).limits(actuator, description.supply) if actuator else {}
             there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
-            below = part is not None and kind_of(part).below_ambient
+            below = actuator is not None and kind_of(actuator).below_ambient
             return ("0", f"{-min(there, 100.0) if below else there:g}")
         case "frozen-after" | "silent-after" | "babble-after" | "reboot-after" | "closed-after":
             return ("0",)

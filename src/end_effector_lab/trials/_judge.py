@@ -85,7 +85,7 @@ class Judge:
             if each.pulse_s is not None
             for coil in (line, each.line)
         }
-        self._line = {name: part.line for name, part in description.ordered}
+        self._line = {name: actuator.line for name, actuator in description.ordered}
         changer = description.tool_changer
         self._changer = changer.line if changer else ""
         limited = changer is not None and not changer.latching
@@ -217,10 +217,10 @@ class Judge:
 
     def _stays_without_power(self, name: str) -> bool:
         """Return whether a valve with two coils is, or is moving, where its first coil moves it: it stays there."""
-        part = self._description.actuators[name]
-        pulsed = part.modbus is not None and part.modbus.pulse_s is not None
-        kept = pulsed and part.on_power_loss in ("hold", "keep")
-        if part.line not in self._description.opposites and not kept:
+        actuator = self._description.actuators[name]
+        pulsed = actuator.modbus is not None and actuator.modbus.pulse_s is not None
+        kept = pulsed and actuator.on_power_loss in ("hold", "keep")
+        if actuator.line not in self._description.opposites and not kept:
             return False
         valve = self._tool.bench.devices[name].valve
         return valve.is_open == valve.settled
@@ -442,9 +442,9 @@ class Judge:
         if self._disturbed or not self._arbiter.lives:
             self._unwound_by = None if self._disturbed else 1 << 62
             return
-        parts = self._description.actuators.values()
+        actuators = self._description.actuators.values()
         blown = sum(each.whole_ms for each in self._description.blow_offs.values()) * 1000
-        longest = round(sum(part.release_s for part in parts) * 1e6) + blown
+        longest = round(sum(actuator.release_s for actuator in actuators) * 1e6) + blown
         self._unwound_by = self._tool.at + longest + MARGIN_US
 
     # Rules 6 and 7

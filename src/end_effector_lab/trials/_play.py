@@ -296,7 +296,7 @@ class Trial:
         limit = tool.at + (durations.grip_ms + durations.release_ms) * 1000 + MARGIN_US
         begun, acts_slowly = tool.at, tool.bench.scenario.text != NOMINAL
         if len(tool.living) < 2:
-            releases = sum(part.release_s for part in self._description.actuators.values())
+            releases = sum(actuator.release_s for actuator in self._description.actuators.values())
             self._go(tool.at + round(releases * 1e6) + 3_000_000)
             self._judge.at_rest(still=True)
             return

@@ -36,14 +36,17 @@ class Reality:
         self._description, self._tool = description, tool
         self._faults: frozenset[str] = frozenset()
         self._carried = carried = carrier_of(description).channels
-        parts = description.ordered
-        self._by_pressure = {name for name, part in parts if carried.get(part.channel) is Kind.PRESSURE}
-        self._by_conditions = {name for name, part in parts if kind_of(part).conditions(part)}
+        actuators = description.ordered
+        self._by_pressure = {
+            name for name, actuator in actuators if carried.get(actuator.channel) is Kind.PRESSURE
+        }
+        self._by_conditions = {name for name, actuator in actuators if kind_of(actuator).conditions(actuator)}
         self._opens_kpa = {
             name: kpa
-            for name, part in parts
-            if carried.get(part.channel) is Kind.BIT
-            and (kpa := kind_of(part).limits(part, description.supply).get("confirmed_kpa")) is not None
+            for name, actuator in actuators
+            if carried.get(actuator.channel) is Kind.BIT
+            and (kpa := kind_of(actuator).limits(actuator, description.supply).get("confirmed_kpa"))
+            is not None
         }
         self._reads_air = description.supply.channel in carried
         self._has_wires = any(channel.digital for channel in description.channels.values())
@@ -188,8 +191,8 @@ class Reality:
             found["unlocked"] = not devices[TOOL_CHANGER].bits["locked"]
             found["vented"] = all(
                 abs(devices[name].pressure_kpa or 0.0) < changer.vented_kpa + NOISE_KPA
-                for name, part in self._description.ordered
-                if name in self._by_pressure and kind_of(part).below_ambient
+                for name, actuator in self._description.ordered
+                if name in self._by_pressure and kind_of(actuator).below_ambient
             )
             found["away"] = not {"not-in-stand", f"stand-shows:{TOOL_CHANGER}:0"}.isdisjoint(self._faults)
             told = HAL in tool.living and tool.statuses[-1].changer_fault == ChangerFault.SENSOR
@@ -204,8 +207,8 @@ class Reality:
     def _is_over(self, name: str, limit: str, margin_kpa: float) -> bool:
         """Return whether a pressure with a sensor is above a threshold of the description."""
         tool = self._description.for_part(self._tool.statuses[-1].part)
-        device, part = self._tool.bench.devices[name], tool.actuators[name]
-        kpa = kind_of(part).limits(part, self._description.supply).get(limit)
+        device, actuator = self._tool.bench.devices[name], tool.actuators[name]
+        kpa = kind_of(actuator).limits(actuator, self._description.supply).get(limit)
         if name not in self._by_pressure or kpa is None or device.pressure_kpa is None:
             return False
         return abs(device.pressure_kpa) > kpa + margin_kpa

@@ -43,9 +43,9 @@ class BusDevices:
     ) -> None:
         self._outputs = description.buses[name]
         self._kept = {
-            part.line
-            for _, part in description.ordered
-            if part.line in self._outputs and part.on_power_loss in ("hold", "keep")
+            actuator.line
+            for _, actuator in description.ordered
+            if actuator.line in self._outputs and actuator.on_power_loss in ("hold", "keep")
         }
         self._board = SensorBoard.on_bus(description, name, bench, 0, obey, models)
         self._obey = obey

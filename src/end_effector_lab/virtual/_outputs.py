@@ -29,7 +29,7 @@ class Switching(NamedTuple):
 
 def switchings(description: Description, edges: Iterable[Edge]) -> Iterator[Switching]:
     """Yield the switchings of actuators with one line, two coils or pulses; the last coil decides."""
-    by_line = {part.line: name for name, part in description.ordered}
+    by_line = {actuator.line: name for name, actuator in description.ordered}
     second = {each.line: by_line[line] for line, each in description.opposites.items() if line in by_line}
     for edge in edges:
         if edge.line in second:

@@ -61,7 +61,7 @@ class Run:
 def lines(world: World) -> list[bool]:
     with ArbiterClient(world.socket, "test") as observer:
         levels = observer.levels()
-    return [levels[part.line] for _, part in world.description.ordered]
+    return [levels[actuator.line] for _, actuator in world.description.ordered]
 
 
 def kill_arbiter(world: World) -> None:

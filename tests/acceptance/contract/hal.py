@@ -46,7 +46,7 @@ def quick() -> Description:
     """The shipped tool with a stroke, and with shorter time-outs: still many times what a confirmation takes."""
     tool = load(profile_path())
     shorter = {"timeout_s": 2.5, "reset_s": 0.3, "attempts": 2}
-    actuators = {name: part.model_copy(update=shorter) for name, part in tool.actuators.items()}
+    actuators = {name: actuator.model_copy(update=shorter) for name, actuator in tool.actuators.items()}
     actuators["cylinder"] = actuators["cylinder"].model_copy(update={"stroke_mm": STROKE_MM})
     return tool.model_copy(update={"actuators": actuators})
 

@@ -15,7 +15,7 @@ from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 
 CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-arbiter"
-BOTTOM, CYLINDER, TOP = [part.line for _, part in load("/etc/eehal/end_effector.yaml").ordered]
+BOTTOM, CYLINDER, TOP = [actuator.line for _, actuator in load("/etc/eehal/end_effector.yaml").ordered]
 WILL = [(TOP, False, 0), (CYLINDER, False, 600_000), (BOTTOM, False, 1_200_000)]
 ACTIVE = dict.fromkeys((BOTTOM, CYLINDER, TOP), True)
 

@@ -18,7 +18,7 @@ from tests.support.places import DEPLOY
 
 CHECK = Path(__file__).with_name("check_arbiter.py")
 LINES = load(profile_path()).output_lines
-GRIPPING = [part.line for _, part in load(profile_path()).ordered]
+GRIPPING = [actuator.line for _, actuator in load(profile_path()).ordered]
 HELD = dict.fromkeys(LINES, False) | dict.fromkeys(GRIPPING, True)
 
 pytestmark = [

@@ -74,7 +74,7 @@ def test_the_doctor_listens_and_the_testbench_shows_what_the_lines_do(name: str,
         assert "the declared frame" in said.what
         reader = SensorReader(tool, frames.put)
         reader.start()
-        cup = next(part for part in tool.actuators.values() if part.kind == "vacuum")
+        cup = next(actuator for actuator in tool.actuators.values() if actuator.kind == "vacuum")
         lines = VirtualLines(tmp_path / "chip")
         lines.request([cup.line])
         lines.set({cup.line: True})

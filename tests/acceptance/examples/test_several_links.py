@@ -92,7 +92,7 @@ def test_a_port_that_is_unplugged_comes_back_while_the_other_goes_on(tmp_path: P
         wait_until("nothing is proven", lambda: set(tool.status.evidence) == {Evidence.UNKNOWN})
         assert tool.status.ee is EndEffectorState.GRIPPED
         one = PtyPort(world.description.links["jaws"].port)
-        inputs = VirtualInputs(world.chip, [part.line for _, part in world.description.ordered])
+        inputs = VirtualInputs(world.chip, [actuator.line for _, actuator in world.description.ordered])
         sensors = open_sensors(None, world.description)
         with Testbench(world.description, inputs, {"jaws": one}, sensors):
             wait_until("one is back", lambda: tool.links["jaws"].state is LinkState.UP)

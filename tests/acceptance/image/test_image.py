@@ -101,7 +101,7 @@ def edges(bench: Path) -> list[tuple[str, bool]]:
     return written[len(TOOL.output_lines) :]
 
 
-GRIPPING = [part.line for _, part in TOOL.ordered]
+GRIPPING = [actuator.line for _, actuator in TOOL.ordered]
 ONE_GRIP_AND_DROP = [*((line, True) for line in GRIPPING), *((line, False) for line in reversed(GRIPPING))]
 
 

@@ -40,7 +40,7 @@ def quick() -> Description:
     """The shipped tool with short times, a blow-off valve and an e-stop: whatever an interlock can need."""
     tool = load(profile_path())
     short = {"timeout_s": 0.5, "reset_s": 0.05, "release_s": 0.5, "attempts": 1}
-    actuators = {name: part.model_copy(update=short) for name, part in tool.actuators.items()}
+    actuators = {name: actuator.model_copy(update=short) for name, actuator in tool.actuators.items()}
     bottom = actuators["bottom_vacuum"]
     assert isinstance(bottom, VacuumActuator)
     actuators["bottom_vacuum"] = bottom.model_copy(update={"blow_off": BlowOff(line=BLOW_OFF)})

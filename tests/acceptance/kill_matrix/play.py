@@ -54,7 +54,7 @@ class Play:
         self.system, self.cell = system, cell
         description = system.description
         self.expected: Expected = expected(description, cell)
-        self.names = {part.line: name for name, part in description.ordered}
+        self.names = {actuator.line: name for name, actuator in description.ordered}
         self.gripping = tuple(self.names)
         self.changer = description.tool_changer.line if description.tool_changer else ""
         self.names[self.changer] = "unlock"

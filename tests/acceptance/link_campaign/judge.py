@@ -37,7 +37,7 @@ class Judge:
         self.oracle = Oracle(description, bench, FROZEN_US + STALE_US + SAMPLES_US + late_us)
         self._late_us = late_us
         self._names = description.sequence
-        self._gripping = {part.line for _, part in description.ordered}
+        self._gripping = {actuator.line for _, actuator in description.ordered}
         self._held = False
         self._last: Status | None = None
         self._swapped_until = 0

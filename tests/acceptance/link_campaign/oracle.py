@@ -51,11 +51,11 @@ class Oracle:
         return all(any(seen[name][1] for at, seen in self._seen if at >= since) for name in names)
 
     def _truth(self, name: str) -> tuple[bool, bool]:
-        part, device = self._description.actuators[name], self._bench.devices[name]
+        actuator, device = self._description.actuators[name], self._bench.devices[name]
         kpa = device.pressure_kpa or 0.0
-        if isinstance(part, VacuumActuator):
-            return -kpa >= part.lost_kpa - MARGIN_KPA, -kpa < part.gone_kpa + MARGIN_KPA
+        if isinstance(actuator, VacuumActuator):
+            return -kpa >= actuator.lost_kpa - MARGIN_KPA, -kpa < actuator.gone_kpa + MARGIN_KPA
         supply = self._description.supply
-        least = part.extended_fraction * supply.refuse_kpa - supply.hysteresis_kpa
+        least = actuator.extended_fraction * supply.refuse_kpa - supply.hysteresis_kpa
         extended = device.bits["extended"]
-        return extended or kpa >= least, not extended and kpa < part.retracted_kpa + 20 * MARGIN_KPA
+        return extended or kpa >= least, not extended and kpa < actuator.retracted_kpa + 20 * MARGIN_KPA

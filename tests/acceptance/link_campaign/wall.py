@@ -55,7 +55,9 @@ class Hardware(World, Watcher):
 
     def _start(self) -> None:
         changer = self.description.tool_changer
-        lines = [part.line for _, part in self.description.ordered] + ([changer.line] if changer else [])
+        lines = [actuator.line for _, actuator in self.description.ordered] + (
+            [changer.line] if changer else []
+        )
         self.bench = Testbench(
             self.description, VirtualInputs(self.chip, lines), PtyPort(str(self.port)), watcher=self
         )

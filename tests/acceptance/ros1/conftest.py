@@ -198,7 +198,9 @@ class System:
 def quick() -> Description:
     """The shipped tool with shorter time-outs, still many times what a confirmation takes."""
     tool = load(profile_path())
-    actuators = {name: part.model_copy(update={"timeout_s": 3.0}) for name, part in tool.actuators.items()}
+    actuators = {
+        name: actuator.model_copy(update={"timeout_s": 3.0}) for name, actuator in tool.actuators.items()
+    }
     return tool.model_copy(update={"actuators": actuators})
 
 

@@ -69,7 +69,7 @@ def test_a_grip_of_a_part_asks_for_it_and_is_published_with_it(system: Any) -> N
     done = system.cli(*RUN, "_script:=grip lid; quit")
     subscriber.unregister()
     assert done.returncode == 1
-    why = "There is no part 'lid'; this tool names no parts."
+    why = "There is no part 'lid'; the description has no `parts`."
     assert done.stdout.splitlines()[-1] == f"grip lid: REJECTED. {why}"
     assert seen == ["lid", ""]
 

@@ -56,7 +56,7 @@ def test_what_two_killed_programs_have_left_is_unwound_though_both_are_pid_0(tmp
     with World(load(profile_path()), "nominal", tmp_path) as world:
         arbiter = [*EEHAL, "arbiter", world.description_path]
         program = [sys.executable, "-c", GRIP, world.description_path]
-        lines = [part.line for _, part in world.description.ordered]
+        lines = [actuator.line for _, actuator in world.description.ordered]
 
         def active() -> list[bool]:
             return [bool(read_chip(world.chip).lines[line].level) for line in lines]

@@ -37,7 +37,7 @@ def quick() -> Description:
     """The shipped tool with one short attempt per step, and an e-stop."""
     tool = load(profile_path())
     short = {"timeout_s": 1.0, "attempts": 1}
-    actuators = {name: part.model_copy(update=short) for name, part in tool.actuators.items()}
+    actuators = {name: actuator.model_copy(update=short) for name, actuator in tool.actuators.items()}
     return tool.model_copy(update={"actuators": actuators, "e_stop": EStop()})
 
 

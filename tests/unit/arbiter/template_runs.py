@@ -57,7 +57,7 @@ class Run:
     def __post_init__(self) -> None:
         self.lines, self.at = Lines(), 0
         self.rules = self.arbiter_type(self.lines, self.policy, 0)
-        self.names = [part.line for _, part in self.description.ordered]
+        self.names = [actuator.line for _, actuator in self.description.ordered]
         assert self.description.tool_changer
         self.unlock = self.description.tool_changer.line
         self.blow_offs = {

@@ -75,7 +75,7 @@ def test_it_is_checked_without_an_edit(number: int) -> None:
     assert _check.check(tool.source).faults == ()
     assert (tool.name, tool.source.parent.name) == ("my_2nd_tool", "My 2nd Tool")
     wanted = [":".join(each.split(":")[:2]) for each in actuators.split(",")]
-    assert [f"{name}:{part.kind}" for name, part in tool.ordered] == wanted
+    assert [f"{name}:{actuator.kind}" for name, actuator in tool.ordered] == wanted
     assert (tool.tool_changer is None) is ("--no-tool-changer" in options)
     assert (tool.lines.backend == "virtual") is ("--virtual" in options)
 
@@ -94,7 +94,7 @@ def test_a_channel_named_like_an_actuator_or_its_kind_is_its_own() -> None:
         catch_exceptions=False,
     )
     tool = load(Path("tool/end_effector.yaml"))
-    assert {name: part.channel for name, part in tool.ordered} == {
+    assert {name: actuator.channel for name, actuator in tool.ordered} == {
         "a": "bottom",
         "b": "top",
         "rod": "cylinder",
@@ -110,7 +110,9 @@ def test_actuators_are_distributed_among_links_in_turn_or_as_they_name_them() ->
         name = actuators.replace(":", "_").replace(",", "_")
         CliRunner().invoke(eehal, ["init", name, "--actuators", actuators, *options], catch_exceptions=False)
         tool = load(Path(name, "end_effector.yaml"))
-        assert {part.channel: tool.channels[part.channel].link for _, part in tool.ordered} == links
+        assert {
+            actuator.channel: tool.channels[actuator.channel].link for _, actuator in tool.ordered
+        } == links
         assert len({link.port for link in tool.links.values()}) == 2
 
 

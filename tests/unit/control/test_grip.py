@@ -278,8 +278,8 @@ def test_what_nobody_knows_of_two_coils_is_decided_by_the_sensors_and_nothing_el
     """Its sensors say gone: that never overrules a level or a record, or a broken wire would drop a part."""
     opposite = Opposite(line="BACK", pulse_s=0.1)
     parts = {
-        name: part.model_copy(update={"opposite": opposite}) if part.line == BOTTOM else part
-        for name, part in description.actuators.items()
+        name: actuator.model_copy(update={"opposite": opposite}) if actuator.line == BOTTOM else actuator
+        for name, actuator in description.actuators.items()
     }
     tool = VirtualTool(description.model_copy(update={"actuators": parts}), found=levels)
     tool.run(1.5)
@@ -288,10 +288,10 @@ def test_what_nobody_knows_of_two_coils_is_decided_by_the_sensors_and_nothing_el
 
 def test_what_nobody_knows_and_no_sensor_proves_gone_is_held(description: Description) -> None:
     parts = {
-        name: part.model_copy(update={"opposite": Opposite(line="BACK", pulse_s=0.1)})
-        if part.line == BOTTOM
-        else part
-        for name, part in description.actuators.items()
+        name: actuator.model_copy(update={"opposite": Opposite(line="BACK", pulse_s=0.1)})
+        if actuator.line == BOTTOM
+        else actuator
+        for name, actuator in description.actuators.items()
     }
     tool = VirtualTool(description.model_copy(update={"actuators": parts}), found={})
     tool.link = False

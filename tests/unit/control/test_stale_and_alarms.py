@@ -94,10 +94,10 @@ def named(status: Status, description: Description) -> set[str]:
     for alarm in status.alarm_texts:
         if alarm.startswith("No valid reading of ") and "while it holds a part" not in alarm:
             found |= set(re.findall(r"\w+", alarm.removeprefix("No valid reading of ").partition(":")[0]))
-        for name, part in description.ordered:
+        for name, actuator in description.ordered:
             if alarm.startswith(f"No valid reading of {display_name(name)} while"):
-                bits = (getattr(part, "extended_bit", None), getattr(part, "retracted_bit", None))
-                found |= {channel for channel in (part.channel, *bits) if channel in status.stale}
+                bits = (getattr(actuator, "extended_bit", None), getattr(actuator, "retracted_bit", None))
+                found |= {channel for channel in (actuator.channel, *bits) if channel in status.stale}
     return found
 
 

@@ -56,28 +56,28 @@ class Faulty(Vacuum):
     name = "faulty"
     stanza = FaultyActuator
 
-    def detector(self, part: VacuumActuator, supply: Supply) -> VacuumDetector:
-        found: VacuumDetector = or_broken("Faulty.detector()", lambda: FaultyDetector(part))
+    def detector(self, actuator: VacuumActuator, supply: Supply) -> VacuumDetector:
+        found: VacuumDetector = or_broken("Faulty.detector()", lambda: FaultyDetector(actuator))
         return found
 
-    def hold_watch(self, part: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch:
-        found: VacuumWatch = or_broken("Faulty.hold_watch()", lambda: FaultyWatch(part, hold, period_us))
+    def hold_watch(self, actuator: VacuumActuator, hold: Hold, period_us: int) -> VacuumWatch:
+        found: VacuumWatch = or_broken("Faulty.hold_watch()", lambda: FaultyWatch(actuator, hold, period_us))
         return found
 
-    def plausible(self, part: VacuumActuator) -> Any:
-        return or_broken("Faulty.plausible()", lambda: Vacuum.plausible(self, part))
+    def plausible(self, actuator: VacuumActuator) -> Any:
+        return or_broken("Faulty.plausible()", lambda: Vacuum.plausible(self, actuator))
 
-    def margin_pa(self, part: VacuumActuator, gauge_pa: float, supply_pa: float) -> Any:
-        return or_broken("Faulty.margin_pa()", lambda: Vacuum.margin_pa(self, part, gauge_pa, supply_pa))
+    def margin_pa(self, actuator: VacuumActuator, gauge_pa: float, supply_pa: float) -> Any:
+        return or_broken("Faulty.margin_pa()", lambda: Vacuum.margin_pa(self, actuator, gauge_pa, supply_pa))
 
-    def lost(self, part: VacuumActuator, readings: ChannelReadings, at: int) -> Any:
-        return or_broken("Faulty.lost()", lambda: Vacuum.lost(self, part, readings, at))
+    def lost(self, actuator: VacuumActuator, readings: ChannelReadings, at: int) -> Any:
+        return or_broken("Faulty.lost()", lambda: Vacuum.lost(self, actuator, readings, at))
 
-    def limits(self, part: VacuumActuator, supply: Supply) -> Any:
-        return or_broken("Faulty.limits()", lambda: Vacuum.limits(self, part, supply))
+    def limits(self, actuator: VacuumActuator, supply: Supply) -> Any:
+        return or_broken("Faulty.limits()", lambda: Vacuum.limits(self, actuator, supply))
 
-    def channel_names(self, part: VacuumActuator) -> Any:
-        return or_broken("Faulty.channel_names()", lambda: Vacuum.channel_names(self, part))
+    def channel_names(self, actuator: VacuumActuator) -> Any:
+        return or_broken("Faulty.channel_names()", lambda: Vacuum.channel_names(self, actuator))
 
 
 def described() -> Description:

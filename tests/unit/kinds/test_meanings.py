@@ -23,8 +23,10 @@ TOOLS = Path("examples/tools")
     ],
 )
 def test_of_the_examples(tool: str, actuator: str, expected: dict[str, tuple[str, str]]) -> None:
-    part = load_tool(TOOLS / tool / "end_effector.yaml").actuators[actuator]
-    assert switch_meanings(part) == {name: SwitchMeaning(*words) for name, words in expected.items()}
+    description = load_tool(TOOLS / tool / "end_effector.yaml")
+    assert switch_meanings(description.actuators[actuator]) == {
+        name: SwitchMeaning(*words) for name, words in expected.items()
+    }
 
 
 def test_of_declared_evidence(verdin: Description) -> None:
@@ -35,8 +37,8 @@ def test_of_declared_evidence(verdin: Description) -> None:
         "fault": {"on": "c"},
     }
     evidence = EvidenceConditions.model_validate(conditions)
-    part = verdin.actuators["cylinder"].model_copy(update={"evidence": evidence})
-    assert switch_meanings(part) == {
+    actuator = verdin.actuators["cylinder"].model_copy(update={"evidence": evidence})
+    assert switch_meanings(actuator) == {
         "a": SwitchMeaning("confirmed", "gone"),
         "b": SwitchMeaning("gone", ""),
         "c": SwitchMeaning("", ""),

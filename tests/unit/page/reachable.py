@@ -204,15 +204,15 @@ class Placed:
 
     def _readings(self, shown: Shown) -> dict[str, Any]:
         values: dict[str, Any] = dict.fromkeys(carrier_of(self.description).channels)
-        for (_, part), number in zip(self.description.ordered, shown.evidence, strict=True):
+        for (_, actuator), number in zip(self.description.ordered, shown.evidence, strict=True):
             level = Evidence(number)
             if level is Evidence.UNKNOWN:
                 continue
-            if kind_of(part).below_ambient:
+            if kind_of(actuator).below_ambient:
                 barely_gone = level is Evidence.GONE and not shown.vented
-                values[part.channel] = -7_000 if barely_gone else VACUUM_PA[level]
+                values[actuator.channel] = -7_000 if barely_gone else VACUUM_PA[level]
             else:
-                values |= dict(zip(kind_of(part).channel_names(part), CYLINDER[level], strict=True))
+                values |= dict(zip(kind_of(actuator).channel_names(actuator), CYLINDER[level], strict=True))
         values["supply"] = 600_000 if shown.supply_ok else 350_000
         locked, unlocked = {
             ToolEvidence.UNCLEAR: (None, None),

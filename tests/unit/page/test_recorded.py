@@ -186,8 +186,8 @@ def test_a_record_that_cannot_be_read_ends_its_file_and_no_other(copy: Path) -> 
 
 
 def test_a_trace_of_another_description_is_left_out(copy: Path, verdin: Description, tmp_path: Path) -> None:
-    part = verdin.actuators["cylinder"].model_copy(update={"attempts": 2})
-    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": part}})
+    actuator = verdin.actuators["cylinder"].model_copy(update={"attempts": 2})
+    other = verdin.model_copy(update={"actuators": {**verdin.actuators, "cylinder": actuator}})
     tool = RecordedTool(tmp_path / "other", description=other)
     tool.run(1.0)
     tool.close()

@@ -50,9 +50,9 @@ def of(tuning: Tuning, key: str) -> Any:
 
 def changed(name: str, key: str, value: float) -> Description:
     parameter = next(each for each in parameters_of(TOOL) if (each.actuator, each.path) == (name, (key,)))
-    part = parameter.with_value(TOOL.actuators[name], TOOL.supply, value)
-    assert part is not None
-    return TOOL.model_copy(update={"actuators": {**TOOL.actuators, name: part}})
+    actuator = parameter.with_value(TOOL.actuators[name], TOOL.supply, value)
+    assert actuator is not None
+    return TOOL.model_copy(update={"actuators": {**TOOL.actuators, name: actuator}})
 
 
 def waits(description: Description, actuator: int) -> list[float]:
@@ -177,10 +177,10 @@ def test_memory_is_bounded(nominal: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_values_that_make_no_sense_alone_are_not_tried() -> None:
     lost = TunableKey("bottom_vacuum", ("lost_kpa",), 50.0, whole=False)
-    part = TOOL.actuators["bottom_vacuum"]
-    assert lost.with_value(part, TOOL.supply, 56.0) is None  # confirmed at 55
-    assert lost.with_value(part, TOOL.supply, 150.0) is None
-    assert lost.with_value(part, TOOL.supply, 54.0) is not None
+    actuator = TOOL.actuators["bottom_vacuum"]
+    assert lost.with_value(actuator, TOOL.supply, 56.0) is None  # confirmed at 55
+    assert lost.with_value(actuator, TOOL.supply, 150.0) is None
+    assert lost.with_value(actuator, TOOL.supply, 54.0) is not None
 
 
 def command(*words: object) -> Result:

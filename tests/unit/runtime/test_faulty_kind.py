@@ -185,10 +185,10 @@ def test_a_margin_that_fails_is_not_known_and_is_told(tool: Tool) -> None:
 def test_what_the_tool_is_made_of_is_refused_in_one_sentence(method: str, how: Callable[[], Any]) -> None:
     broken[method] = how
     description = described()
-    part, kind = description.actuators["top_vacuum"], get_kind("faulty")
+    actuator, kind = description.actuators["top_vacuum"], get_kind("faulty")
     ask = getattr(kind, method.removeprefix("Faulty.").removesuffix("()"))
     with pytest.raises(UsageError) as caught:
-        ask(part, description.supply) if "limits" in method else ask(part)
+        ask(actuator, description.supply) if "limits" in method else ask(actuator)
     assert str(caught.value).startswith(f"{method} failed with ")
 
 

@@ -158,9 +158,9 @@ class Tool:
     def frame(self) -> Frame:
         self.at, self._number = self.at + PERIOD, self._number + 1
         shown = dict(QUIET)
-        for name, part in self.description.ordered:
-            if self.lines.active[part.line]:
-                shown[part.channel] = -80_000 if name.endswith("vacuum") else 600_000
+        for name, actuator in self.description.ordered:
+            if self.lines.active[actuator.line]:
+                shown[actuator.channel] = -80_000 if name.endswith("vacuum") else 600_000
                 if name == "cylinder":
                     shown |= {"cylinder_extended": True, "cylinder_retracted": False}
         if self.description.tool_changer and self.lines.active[self.description.tool_changer.line]:
@@ -208,7 +208,7 @@ class Tool:
 
 def gripping(tool: Tool) -> list[bool]:
     """The lines of the actuators."""
-    return [tool.lines.active[part.line] for _, part in tool.description.ordered]
+    return [tool.lines.active[actuator.line] for _, actuator in tool.description.ordered]
 
 
 @pytest.fixture
@@ -473,7 +473,7 @@ def test_the_events_of_what_was_withheld_come_with_what_is_published_next(tool: 
 def test_what_went_inactive_before_it_was_adopted_is_not_activated_again(tool: Tool) -> None:
     """The line arbiter was lost between the start and the first frames, and has executed a last will."""
     other = Tool(tool.description)
-    other.lines.active |= {part.line: True for _, part in tool.description.ordered}
+    other.lines.active |= {actuator.line: True for _, actuator in tool.description.ordered}
     other.program._act(other.program._restart("another restart"))  # finds them active
     other.program.arbiter_lost(ArbiterError("the line arbiter is away."))
     other.lines.active = dict.fromkeys(other.lines.active, False)

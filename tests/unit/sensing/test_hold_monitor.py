@@ -243,7 +243,7 @@ def test_a_lost_grip_says_what_was_seen_and_what_to_do(description: Description)
 
 
 def test_an_adopted_part_is_watched_as_well(description: Description) -> None:
-    levels = {part.line: True for _, part in description.ordered}
+    levels = {actuator.line: True for _, actuator in description.ordered}
     tool = VirtualTool(description, "leak:top_vacuum", levels=levels)
     tool.run(4.0)
     assert tool.status.ee == GRIPPED

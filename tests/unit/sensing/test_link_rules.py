@@ -271,7 +271,8 @@ def test_a_frozen_sensor_refuses_a_grip_with_a_sentence(description: Description
 
 def test_frozen_is_off_unless_declared_and_where_the_codec_counts_coarsely(description: Description) -> None:
     actuators = {
-        name: part.model_copy(update={"frozen_s": None}) for name, part in description.actuators.items()
+        name: actuator.model_copy(update={"frozen_s": None})
+        for name, actuator in description.actuators.items()
     }
     quiet = description.model_copy(update={"actuators": actuators})
     for tool, codec in ((quiet, "ees1-ascii"), (description, "modbus-rtu-transmitters")):

@@ -18,7 +18,7 @@ def said(at: int, *inactive: str) -> Frame:
 
 def test_only_a_later_frame_that_shows_the_output_inactive_opens_the_gate() -> None:
     description = load_tool(REMOTE)
-    lift, cup = (part.line for _, part in description.ordered)
+    lift, cup = (actuator.line for _, actuator in description.ordered)
     gate = OutputGate(description)
     assert gate.withheld(GONE) == (), "before any command the sensors decide"
     gate.switch(1, 100, active=True)

@@ -64,8 +64,8 @@ class Link:
 @pytest.mark.parametrize("codec", codec_names())
 def test_every_codec_can_be_spoken(verdin: Description, codec: str) -> None:
     actuators = {
-        name: part.model_copy(update={"channel": CHANNELS.get(codec, {}).get(name, part.channel)})
-        for name, part in verdin.actuators.items()
+        name: actuator.model_copy(update={"channel": CHANNELS.get(codec, {}).get(name, actuator.channel)})
+        for name, actuator in verdin.actuators.items()
     }
     tool = verdin.model_copy(update={"actuators": actuators})
     link = Link(tool, "nominal", codec)

@@ -23,7 +23,7 @@ from timed_automata.execute import Observation
 from timed_automata.monitor import Monitor
 
 SHIPPED = load(profile_path())
-BOTTOM, CYLINDER, TOP = (part.line for _, part in SHIPPED.ordered)
+BOTTOM, CYLINDER, TOP = (actuator.line for _, actuator in SHIPPED.ordered)
 assert SHIPPED.tool_changer
 UNLOCK = SHIPPED.tool_changer.line
 GRIPPING = EndEffectorState.GRIPPING

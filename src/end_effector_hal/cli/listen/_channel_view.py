@@ -249,8 +249,8 @@ class ChannelView:
     def _users(self, channel: str) -> Iterator[str]:
         from end_effector_hal.kinds import kind_of
 
-        for name, part in self.tool.ordered:
-            if channel in kind_of(part).channel_names(part):
+        for name, actuator in self.tool.ordered:
+            if channel in kind_of(actuator).channel_names(actuator):
                 yield name
 
 

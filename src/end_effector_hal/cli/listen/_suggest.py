@@ -86,20 +86,20 @@ def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -
         yield "The recording is empty."
         return
     end_s, switched = pressures.times_s[-1], _by_switches(tool)
-    for name, part in tool.ordered:
-        if not kind_of(part).below_ambient or any(not hasattr(part, key) for key in SHARES):
-            none = f"for a {part.kind} no thresholds are proposed"
+    for name, actuator in tool.ordered:
+        if not kind_of(actuator).below_ambient or any(not hasattr(actuator, key) for key in SHARES):
+            none = f"for a {actuator.kind} no thresholds are proposed"
             yield f"{name}: {'switches have no thresholds' if name in switched else none}."
             continue
-        if name not in states.actuators or part.channel not in pressures.channels:
-            yield f"{name}: the recording has no pressure {part.channel!r} of it."
+        if name not in states.actuators or actuator.channel not in pressures.channels:
+            yield f"{name}: the recording has no pressure {actuator.channel!r} of it."
             continue
         at = states.actuators.index(name)
         held = _level(
-            pressures, part.channel, _spans(states, at, EndEffectorState.GRIPPED, end_s, active=True)
+            pressures, actuator.channel, _spans(states, at, EndEffectorState.GRIPPED, end_s, active=True)
         )
         rest = _level(
-            pressures, part.channel, _spans(states, at, EndEffectorState.STAND_BY, end_s, active=False)
+            pressures, actuator.channel, _spans(states, at, EndEffectorState.STAND_BY, end_s, active=False)
         )
         if held is None or rest is None:
             lacking = [
@@ -116,7 +116,9 @@ def suggestions(tool: Description, states: StatesLog, pressures: PressuresLog) -
 def _by_switches(tool: Description) -> frozenset[str]:
     """Return the actuators that no pressure confirms."""
     carried = carrier_of(tool).channels
-    return frozenset(name for name, part in tool.ordered if carried.get(part.channel) is not Kind.PRESSURE)
+    return frozenset(
+        name for name, actuator in tool.ordered if carried.get(actuator.channel) is not Kind.PRESSURE
+    )
 
 
 def _spans(

@@ -242,10 +242,10 @@ class JsonLines:
         """Print the status with the numbers of Table II and their names."""
         actuators = {
             name: {
-                "state": int(state), "state_name": kind_of(part).states(state).label,
+                "state": int(state), "state_name": kind_of(actuator).states(state).label,
                 "evidence": int(evidence), "evidence_name": evidence.name, "output": output,
             }
-            for (name, part), state, evidence, output in zip(
+            for (name, actuator), state, evidence, output in zip(
                 description.ordered, status.actuators, status.evidence, status.outputs, strict=True
             )
         }  # fmt: skip
@@ -294,16 +294,16 @@ def status_lines(description: Description, status: Status) -> Iterator[str]:
     yield f"{description.name}: {status.ee.name}{doing}{held}{lift}"
     seconds = {step.name: step for step in status.steps}
     width = max(len(display_name(name)) for name in description.sequence)
-    for (name, part), state, evidence in zip(
+    for (name, actuator), state, evidence in zip(
         description.for_part(status.part).ordered, status.actuators, status.evidence, strict=True
     ):
         step = seconds.get(name)
         times = (
-            f"{step.seconds:.2f} s, attempt {step.attempts} of {part.attempts}"
+            f"{step.seconds:.2f} s, attempt {step.attempts} of {actuator.attempts}"
             if step and step.attempts
             else ""
         )
-        label = kind_of(part).states(state).label
+        label = kind_of(actuator).states(state).label
         yield f"  {display_name(name):{width}}  {label:14}  {evidence.name:9}  {times}".rstrip()
     if description.tool_changer is not None:
         yield f"tool changer {status.changer.name}"

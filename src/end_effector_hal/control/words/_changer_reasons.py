@@ -55,7 +55,7 @@ def loose(description: Description, senses: SensorState, *, unlocking: bool, fau
 
 def feedback(description: Description, senses: SensorState, at: int) -> str:
     """Return why it is not proven at ``at`` µs that nothing is gripped, and the remedy; empty: it is."""
-    for (name, part), level in zip(description.ordered, senses.evidence, strict=True):
+    for (name, actuator), level in zip(description.ordered, senses.evidence, strict=True):
         if level is Evidence.GONE:
             continue
         what = {
@@ -63,7 +63,7 @@ def feedback(description: Description, senses: SensorState, at: int) -> str:
             Evidence.CONFIRMED: "shows feedback although it is not active",
         }.get(level, "is not active, but its feedback is not proven to be gone")
         todo = "Check its sensor." if level is Evidence.UNKNOWN else "A Drop releases it once more."
-        shows = present_words(part, description.supply, senses.readings, at)
+        shows = present_words(actuator, description.supply, senses.readings, at)
         return f"{display_name(name)} {what}: {shows} {todo}"
     return ""
 
@@ -132,7 +132,7 @@ def unlock_blocking(
 def _not_released(description: Description, changer: ToolChanger, senses: SensorState, at: int) -> str:
     if present := feedback(description, senses, at):
         return present
-    below = [display_name(name) for name, part in description.ordered if kind_of(part).below_ambient]
+    below = [display_name(name) for name, actuator in description.ordered if kind_of(actuator).below_ambient]
     limit = f"under {changer.vented_kpa:g} kPa for {changer.vented_s:g} s"
     return f"{', '.join(below) or 'a vacuum'}: not proven to be {limit} yet."
 

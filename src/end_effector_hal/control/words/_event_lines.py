@@ -49,21 +49,21 @@ def event_text(description: Description, event: ToolEvent) -> str:
 
 
 def _timed_out(description: Description, event: ToolEvent) -> str:
-    name, part = description.ordered[event.actuator]
-    slow = f"{display_name(name)} was not confirmed within {part.timeout_s:g} s"
-    return f"{slow}: attempt {event.attempt} of {part.attempts}."
+    name, actuator = description.ordered[event.actuator]
+    slow = f"{display_name(name)} was not confirmed within {actuator.timeout_s:g} s"
+    return f"{slow}: attempt {event.attempt} of {actuator.attempts}."
 
 
 def _closed_on_nothing(description: Description, event: ToolEvent) -> str:
-    name, part = description.ordered[event.actuator]
-    return f"{display_name(name)} {kind_of(part).empty}: attempt {event.attempt} of {part.attempts}."
+    name, actuator = description.ordered[event.actuator]
+    return f"{display_name(name)} {kind_of(actuator).empty}: attempt {event.attempt} of {actuator.attempts}."
 
 
 def _not_gone(description: Description, event: ToolEvent) -> str:
     if event.actuator < 0:
         return "Feedback that came back during the release was not gone in time."
-    name, part = description.ordered[event.actuator]
-    return f"{display_name(name)} was not gone within {part.release_s:g} s."
+    name, actuator = description.ordered[event.actuator]
+    return f"{display_name(name)} was not gone within {actuator.release_s:g} s."
 
 
 def _blown_off(description: Description, event: ToolEvent) -> str:

@@ -69,7 +69,7 @@ def no_maintenance(state: EndEffectorState, *, held: bool) -> str:
 def _present(description: Description, senses: SensorState, at: int) -> str:
     """Return why it is not proven that nothing is gripped, with the readings of the first such actuator."""
     pairs = zip(description.ordered, senses.evidence, strict=True)
-    left = [(name, part, level) for (name, part), level in pairs if level is not Evidence.GONE]
+    left = [(name, actuator, level) for (name, actuator), level in pairs if level is not Evidence.GONE]
     if not left:
         return "a sensor still shows feedback."
     if owed := [display_name(description.sequence[index]) for index in senses.withheld]:
@@ -80,9 +80,9 @@ def _present(description: Description, senses: SensorState, at: int) -> str:
     names = ", ".join(display_name(name) for name, _, _ in left)
     known = any(level is not Evidence.UNKNOWN for _, _, level in left)
     shows = f" still show{'' if len(left) > 1 else 's'} feedback" if known else ""
-    part = left[0][1]
-    said = f"{names}{shows}: {present_words(part, description.supply, senses.readings, at)}"
-    activation = part.modbus.activation if part.modbus else None
+    actuator = left[0][1]
+    said = f"{names}{shows}: {present_words(actuator, description.supply, senses.readings, at)}"
+    activation = actuator.modbus.activation if actuator.modbus else None
     ready = senses.readings.get(activation.ready, at) if activation else None
     if activation is None or ready is None or ready:
         return said
@@ -132,9 +132,9 @@ def _resume_refusal(
     active = all(level or not used for level, used in zip(status.outputs, senses.used, strict=True))
     if status.cause is not Cause.LOST or not active:
         return f"A resume is accepted only after a loss that left every output active. {status.reason} Drop first."
-    for (name, part), level, used in zip(description.ordered, senses.evidence, senses.used, strict=True):
+    for (name, actuator), level, used in zip(description.ordered, senses.evidence, senses.used, strict=True):
         if used and level is not Evidence.CONFIRMED:
-            shows = confirmed_words(part, description.supply, senses.readings, at)
+            shows = confirmed_words(actuator, description.supply, senses.readings, at)
             return f"{display_name(name)} is not confirmed again: {shows}."
     if why := loose(description, senses, unlocking=status.unlock_output, fault=fault):
         return f"IL-05: {why}."

@@ -297,29 +297,31 @@ class Description(BaseStanza):
     @property
     def every_output(self) -> dict[tuple[str, ...], Output]:
         """Every output by its keys: actuators in the order of a grip, the tool changer, blow-offs, plain outputs."""
-        found: dict[tuple[str, ...], Output] = {("actuators", name): part for name, part in self.ordered}
+        found: dict[tuple[str, ...], Output] = {
+            ("actuators", name): actuator for name, actuator in self.ordered
+        }
         found |= {("tool_changer",): self.tool_changer} if self.tool_changer else {}
-        for name, part in self.ordered:
-            if output := kind_of(part).opposing_output(part):
-                found["actuators", name, kind_of(part).opposing] = output
+        for name, actuator in self.ordered:
+            if output := kind_of(actuator).opposing_output(actuator):
+                found["actuators", name, kind_of(actuator).opposing] = output
         return found | {("outputs", name): each for name, each in self.outputs.items()}
 
     @property
     def blow_off_lines(self) -> dict[str, str]:
         """Line of each blow-off valve by its actuator, in the order of a grip."""
-        found = ((name, kind_of(part).opposing_output(part)) for name, part in self.ordered)
+        found = ((name, kind_of(actuator).opposing_output(actuator)) for name, actuator in self.ordered)
         return {name: output.line for name, output in found if output}
 
     @property
     def blow_offs(self) -> dict[str, BlowOffTimes]:
         """Times of the blow-offs that a release drives by actuator, in the order of a grip."""
-        found = ((name, blow_off_of(part, self.bounds)) for name, part in self.ordered)
+        found = ((name, blow_off_of(actuator, self.bounds)) for name, actuator in self.ordered)
         return {name: times for name, times in found if times}
 
     @property
     def opposites(self) -> dict[str, Opposite]:
         """Second coils by the line of their output."""
-        parts: list[Actuator | ToolChanger] = [part for _, part in self.ordered]
+        parts: list[Actuator | ToolChanger] = [actuator for _, actuator in self.ordered]
         parts += [self.tool_changer] if self.tool_changer else []
         return {part.line: part.opposite for part in parts if part.opposite is not None}
 

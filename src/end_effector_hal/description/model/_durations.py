@@ -66,21 +66,21 @@ class BlowOffTimes:
         return self.blow_ms + 2 * self.late_ms
 
 
-def blow_off_of(part: Actuator, bounds: Bounds) -> BlowOffTimes | None:
+def blow_off_of(actuator: Actuator, bounds: Bounds) -> BlowOffTimes | None:
     """Return the times of an actuator's blow-off during a release; None: a release does not blow.
 
     The line arbiter refuses a write within the gap and does not wait, so the automata leave more time: a write may
     wait for its line to settle (IL-10), and be late.
     """
-    output = kind_of(part).opposing_output(part)
+    output = kind_of(actuator).opposing_output(actuator)
     duration_s: float | None = getattr(output, "duration_s", None)
     if duration_s is None:
         return None
     gap_ms, late_ms = _ms(output.gap_s), bounds.reaction_ms
-    settle_ms, coil = SETTLE_US // 1000, part.modbus or part.opposite
-    if coil is not None and coil.pulse_s is not None and (part.modbus or coil.pause_s):
+    settle_ms, coil = SETTLE_US // 1000, actuator.modbus or actuator.opposite
+    if coil is not None and coil.pulse_s is not None and (actuator.modbus or coil.pause_s):
         settle_ms = _ms(coil.pulse_s + (coil.pause_s or 0)) + late_ms
-    if part.modbus or output.modbus:
+    if actuator.modbus or output.modbus:
         settle_ms += BUS_MS
     rest_ms = gap_ms + settle_ms + late_ms
     return BlowOffTimes(output.line, gap_ms, rest_ms, _ms(duration_s), output.until_gone, late_ms)

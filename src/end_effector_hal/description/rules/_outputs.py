@@ -332,8 +332,8 @@ def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[
     """
     period_ms = codec.period_us / 1000
     yield from _outlasts(description)
-    for name, part in description.ordered:
-        output = part.modbus
+    for name, actuator in description.ordered:
+        output = actuator.modbus
         if output is not None and output.keep_alive_ms is not None and output.keep_alive_ms < 2 * period_ms:
             yield (
                 f"{name}: keep_alive_ms = {output.keep_alive_ms}, and the bus is read each "
@@ -344,8 +344,8 @@ def lost_by_silence(description: Description, codec: CodecChannels) -> Iterator[
             silent = f"when the bus or the line arbiter is silent{when}"
             yield from _falls(name, "on_link_loss", output.on_link_loss, silent)
         # of a valve on a line it is asked for only where it is written: what it does is known from its wiring
-        if output is not None or "on_power_loss" in part.model_fields_set:
-            yield from _falls(name, "on_power_loss", part.on_power_loss, "without power")
+        if output is not None or "on_power_loss" in actuator.model_fields_set:
+            yield from _falls(name, "on_power_loss", actuator.on_power_loss, "without power")
 
 
 def _outlasts(description: Description) -> Iterator[str]:

@@ -75,7 +75,7 @@ def activation_faults(description: Description, changed: Description) -> Iterato
     """Yield a fault for each part whose command has other activation bits than the actuator's."""
     for line, output in changed.register_outputs.items():
         if output.commands_activate != description.register_outputs[line].commands_activate:
-            name = next(name for name, part in changed.ordered if part.line == line)
+            name = next(name for name, actuator in changed.ordered if actuator.line == line)
             what = "the activation bits of this command differ from those of the actuator's command"
             place = changed.place("actuators", name, "modbus", "command_on")
             yield Fault.at(place, "EE-229", what, expected="the same activation bits in both")

@@ -28,7 +28,7 @@ class Aggregate:
 
     def __init__(self, description: Description, since_us: int) -> None:
         self._description, self._since_us = description, since_us
-        self._kinds = {part.kind: kind_of(part) for _, part in description.ordered}
+        self._kinds = {actuator.kind: kind_of(actuator) for _, actuator in description.ordered}
         joints = {joint.actuator: joint for joint in actuator_joints(description)}
         self._joints = [joints.get(name) for name in description.sequence]
 
@@ -45,10 +45,10 @@ class Aggregate:
             stamp_us: the time of its content, µs; None: now.
         """
         description, sequence = self._description, self._description.sequence
-        parts, changer = description.for_part(status.part).ordered, description.tool_changer
+        actuators, changer = description.for_part(status.part).ordered, description.tool_changer
         position = changer_place(changer, values) if changer else ChangerPlace.UNKNOWN
         stand = tool_place(changer, values) if changer else ToolPlace.UNKNOWN
-        margins = [self._margin(part, values) for _, part in parts]
+        margins = [self._margin(actuator, values) for _, actuator in actuators]
         alarms = distinct((*self._kind_alarms, *status.alarms))  # with those of the margins
         return StateMessage(
             header=MessageHeader(stamp_us),
@@ -61,11 +61,11 @@ class Aggregate:
             command=status.command,
             command_name=status.command.name,
             actuator_names=sequence,
-            actuator_kinds=[part.kind for _, part in parts],
+            actuator_kinds=[actuator.kind for _, actuator in actuators],
             actuators=status.actuators,
             actuator_states=[
-                _name(kind_of(part).states, state)
-                for (_, part), state in zip(parts, status.actuators, strict=True)
+                _name(kind_of(actuator).states, state)
+                for (_, actuator), state in zip(actuators, status.actuators, strict=True)
             ],
             outputs=status.outputs,
             evidence=status.evidence,
@@ -105,10 +105,10 @@ class Aggregate:
             events=[_event(each, sequence) for each in status.events],
         )  # fmt: skip
 
-    def _margin(self, part: Actuator, values: Mapping[str, Value]) -> float:
+    def _margin(self, actuator: Actuator, values: Mapping[str, Value]) -> float:
         supply = self._description.supply
         supply_pa = supply.pressure_pa(_gauge(values.get(supply.channel)))
-        return kind_of(part).margin_pa(part, _gauge(values.get(part.channel)), supply_pa)
+        return kind_of(actuator).margin_pa(actuator, _gauge(values.get(actuator.channel)), supply_pa)
 
     @property
     def _kind_alarms(self) -> list[Alarm]:

@@ -64,6 +64,6 @@ def actuator_joints(description: Description) -> tuple[ToolJoint, ...]:
 
 
 def _joints(description: Description) -> Iterator[ToolJoint]:
-    for index, (name, part) in enumerate(description.ordered):
-        if travel := kind_of(part).travel(part):
+    for index, (name, actuator) in enumerate(description.ordered):
+        if travel := kind_of(actuator).travel(actuator):
             yield ToolJoint(f"{description.name}_{name}_joint", name, index, travel)

@@ -33,7 +33,7 @@ def pressure_topic(description: Description, actuator: str) -> Topic:
 
 def pressure_topics(description: Description) -> tuple[tuple[str, Topic], ...]:
     """Return pairs of a channel of the link and its topic: the actuators in sequence order, then the supply."""
-    own = ((part.channel, pressure_topic(description, name)) for name, part in description.ordered)
+    own = ((actuator.channel, pressure_topic(description, name)) for name, actuator in description.ordered)
     return (*own, (description.supply.channel, PRESSURE_SUPPLY))
 
 
@@ -44,8 +44,8 @@ def position_topics(description: Description) -> dict[str, Topic]:
             "Position" + camel_case(name), "end_effector_msgs/CylinderPosition", (POSITION,),
             rate_hz=STATE_HZ, latched=True,
         )
-        for name, part in description.ordered
-        if kind_of(part).moves
+        for name, actuator in description.ordered
+        if kind_of(actuator).moves
     }  # fmt: skip
 
 

@@ -176,11 +176,11 @@ class _Fold:
         """Check that a status fits this tool; raises UsageError."""
         if status.part and status.part not in self._files.description.part_names:
             raise UsageError(f"the tool has no part {printable(status.part)!r}")
-        parts = self._files.description.ordered
-        if {len(status.actuators), len(status.outputs), len(status.evidence)} != {len(parts)}:
-            raise UsageError(f"it is not that of a tool with {len(parts)} actuators")
-        for (_, part), value in zip(parts, status.actuators, strict=True):
-            kind_of(part).states(value)
+        actuators = self._files.description.ordered
+        if {len(status.actuators), len(status.outputs), len(status.evidence)} != {len(actuators)}:
+            raise UsageError(f"it is not that of a tool with {len(actuators)} actuators")
+        for (_, actuator), value in zip(actuators, status.actuators, strict=True):
+            kind_of(actuator).states(value)
 
     def _begin(self, header: Any) -> None:
         if self._run == header.run:

@@ -60,10 +60,10 @@ class RecordedTables:
         self.path, self.name, self.description = folder, name or folder.resolve().name, description
         self._cards = Cards(description, dict(carrier_of(description).channels))
         self._states: StatesLog = read_states(folder / STATES)
-        parts = tuple(each for each, _ in description.ordered)
-        if self._states.actuators != parts:
+        actuators = tuple(each for each, _ in description.ordered)
+        if self._states.actuators != actuators:
             raise UsageError(
-                f"The states are those of {', '.join(self._states.actuators)}; this tool has {', '.join(parts)}.",
+                f"The states are those of {', '.join(self._states.actuators)}; this tool has {', '.join(actuators)}.",
                 where=str(folder / STATES),
                 todo="Name the description of the tool that was recorded.",
             )

@@ -42,30 +42,32 @@ class Cards:
     def switches(self) -> dict[str, SwitchMeaning]:
         """The bit channels of the actuators, in the order of a grip, with the meaning of each."""
         found: dict[str, SwitchMeaning] = {}
-        for _, part in self._parts:
-            for channel, meaning in switch_meanings(part).items():
+        for _, actuator in self._parts:
+            for channel, meaning in switch_meanings(actuator).items():
                 if self._carried.get(channel) is Kind.BIT:
                     found.setdefault(channel, meaning)
         return found
 
     def drawn(self) -> list[dict[str, Any]]:
         """Return the content that never changes."""
-        return [self._drawn(name, part) for name, part in self._parts]
+        return [self._drawn(name, actuator) for name, actuator in self._parts]
 
-    def _drawn(self, name: str, part: Actuator) -> dict[str, Any]:
-        kind = kind_of(part)
+    def _drawn(self, name: str, actuator: Actuator) -> dict[str, Any]:
+        kind = kind_of(actuator)
         return {
             "name": name,
             "label": display_name(name),
             "kind": kind.name,
-            "line": part.line,
+            "line": actuator.line,
             "states": {int(state): state.label for state in kind.states},
             "gauges": [curve.drawn() for curve in self._curves[name]],
-            "bits": self._bits(part),
+            "bits": self._bits(actuator),
         }
 
-    def _bits(self, part: Actuator) -> list[str]:
-        return [name for name in kind_of(part).channel_names(part) if self._carried.get(name) is Kind.BIT]
+    def _bits(self, actuator: Actuator) -> list[str]:
+        return [
+            name for name in kind_of(actuator).channel_names(actuator) if self._carried.get(name) is Kind.BIT
+        ]
 
     def judged(self, status: Status) -> str:
         """Return the name of the part by whose values the tool judges; at rest the default one."""
@@ -79,8 +81,8 @@ class Cards:
         return [self._now(index, status, controller, gripped) for index in range(len(self._parts))]
 
     def _now(self, index: int, status: Status, controller: Controller | None, gripped: str) -> dict[str, Any]:
-        name, part = self._tools[self.judged(status)].ordered[index]
-        kind = kind_of(part)
+        name, actuator = self._tools[self.judged(status)].ordered[index]
+        kind = kind_of(actuator)
         state = status.actuators[index]
         card: dict[str, Any] = {
             "state": kind.states(state).label,
@@ -94,7 +96,7 @@ class Cards:
             "margin_kpa": None,
             "bits": [],
             "attempt": None,
-            "timer": self._timer(index, part, status),
+            "timer": self._timer(index, actuator, status),
             "hold": None,
         }
         if is_releasing(status, index):
@@ -114,13 +116,13 @@ class Cards:
         # between two records the page knows nothing newer than the last one
         seen_at = controller.at
         card["values"] = self.values(name, {each: readings.get(each, seen_at) for each in readings.carried})
-        value = readings.get(part.channel, seen_at)
-        if self._carried.get(part.channel) is Kind.PRESSURE and value is not None:
+        value = readings.get(actuator.channel, seen_at)
+        if self._carried.get(actuator.channel) is Kind.PRESSURE and value is not None:
             supply = self._description.supply
             supply_pa = supply.pressure_pa(readings.get(supply.channel, seen_at))
-            margin = kind.margin_pa(part, value, supply_pa)
+            margin = kind.margin_pa(actuator, value, supply_pa)
             card["margin_kpa"] = None if margin != margin or card["unused"] else margin / 1000
-        card["bits"] = [readings.get(bit, seen_at) for bit in self._bits(part)]
+        card["bits"] = [readings.get(bit, seen_at) for bit in self._bits(actuator)]
         if status.held and not card["unused"]:
             card["hold"] = self._hold(index, controller)
         return card
@@ -155,16 +157,16 @@ class Cards:
             }
         return hold
 
-    def _timer(self, index: int, part: Actuator, status: Status) -> dict[str, Any] | None:
+    def _timer(self, index: int, actuator: Actuator, status: Status) -> dict[str, Any] | None:
         """Return the timer that runs on this card; None if there is none."""
         if status.deadline is None:
             return None
         what, total = "", 0.0
         if status.ee is EndEffectorState.GRIPPING and status.step == index:
             waiting = status.outputs[index]
-            what, total = ("time-out", part.timeout_s) if waiting else ("next attempt", part.reset_s)
+            what, total = ("time-out", actuator.timeout_s) if waiting else ("next attempt", actuator.reset_s)
         elif status.ee is EndEffectorState.RELEASING and self._releases(index, status):
-            what, total = "goes on after", part.release_s
+            what, total = "goes on after", actuator.release_s
         if not what or status.deadline - status.at > (total + 0.05) * 1e6:
             return None
         return {"what": what, "until": status.deadline, "of_s": total}

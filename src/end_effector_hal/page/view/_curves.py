@@ -79,19 +79,23 @@ def curves_of(description: Description, carried: Mapping[str, Kind]) -> dict[str
 def _curves(
     description: Description,
     name: str,
-    part: Actuator,
+    actuator: Actuator,
     carried: Mapping[str, Kind],
     measures: Mapping[str, Measure],
 ) -> Iterator[Curve]:
-    kind = kind_of(part)
-    if carried.get(part.channel) is Kind.PRESSURE:
-        marks = _limits(description, part) if part.evidence is None else _thresholds(part, part.channel)
-        if kind.below_ambient and part.evidence is not None:
+    kind = kind_of(actuator)
+    if carried.get(actuator.channel) is Kind.PRESSURE:
+        marks = (
+            _limits(description, actuator)
+            if actuator.evidence is None
+            else _thresholds(actuator, actuator.channel)
+        )
+        if kind.below_ambient and actuator.evidence is not None:
             marks = [(word, -at) for word, at in marks]
         most = max([at for _, at in marks], default=1.0)
         yield Curve(
             name,
-            part.channel,
+            actuator.channel,
             display_name(name),
             "kPa below ambient" if kind.below_ambient else "kPa",
             kind.below_ambient,
@@ -99,21 +103,21 @@ def _curves(
             marks={"": tuple(marks)},
             own=True,
         )
-    for channel in part.evidence.channels if part.evidence else ():
-        if channel != part.channel and carried.get(channel) in _MEASURED:
+    for channel in actuator.evidence.channels if actuator.evidence else ():
+        if channel != actuator.channel and carried.get(channel) in _MEASURED:
             yield _quantity(
-                description, channel, _thresholds(part, channel), measures.get(channel, GAUGE_PRESSURE)
+                description, channel, _thresholds(actuator, channel), measures.get(channel, GAUGE_PRESSURE)
             )
 
 
-def _limits(description: Description, part: Actuator) -> list[tuple[str, float]]:
-    limits = kind_of(part).limits(part, description.supply)
-    values = ((word, limits.get(f"{word}_kpa", getattr(part, f"{word}_kpa", None))) for word in _LIMITS)
+def _limits(description: Description, actuator: Actuator) -> list[tuple[str, float]]:
+    limits = kind_of(actuator).limits(actuator, description.supply)
+    values = ((word, limits.get(f"{word}_kpa", getattr(actuator, f"{word}_kpa", None))) for word in _LIMITS)
     return [(word, float(value)) for word, value in values if value is not None]
 
 
-def _thresholds(part: Actuator, channel: str) -> list[tuple[str, float]]:
-    given = dict(part.evidence.named) if part.evidence else {}
+def _thresholds(actuator: Actuator, channel: str) -> list[tuple[str, float]]:
+    given = dict(actuator.evidence.named) if actuator.evidence else {}
     return [
         (word, float(value))
         for word in _CONDITIONS

@@ -145,7 +145,7 @@ class EventLog:
 
     def _words(self, changes: Sequence[tuple[str, int]]) -> list[str]:
         """Return the changes in the terms of the tool."""
-        parts, said = self._description.ordered, []
+        actuators, said = self._description.ordered, []
         for name, value in changes:
             if name == "ee":
                 said.append(f"State {EndEffectorState(value).label}")
@@ -156,11 +156,11 @@ class EventLog:
             elif name in ("command", "changer_command") and value != Command.NONE:
                 said.append(f"Command {Command(value).label}")
             elif (found := _INDEX.fullmatch(name)) and found[1] in ("actuator", "valve"):
-                who, part = parts[int(found[2])]
+                who, actuator = actuators[int(found[2])]
                 if found[1] == "valve":
                     said.append(f"{display_name(who)} output {'on' if value else 'off'}")
                 else:
-                    said.append(f"{display_name(who)} {kind_of(part).states(value).label}")
+                    said.append(f"{display_name(who)} {kind_of(actuator).states(value).label}")
         return said
 
 

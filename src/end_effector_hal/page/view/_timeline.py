@@ -65,8 +65,8 @@ class TimeLine:
     def status(self, status: Status) -> None:
         """Add one status of the tool."""
         words = {"": status.ee.label}
-        for index, (name, part) in enumerate(self._parts):
-            state = kind_of(part).states(status.actuators[index])
+        for index, (name, actuator) in enumerate(self._parts):
+            state = kind_of(actuator).states(status.actuators[index])
             words[name] = "RELEASING" if is_releasing(status, index) else state.label
         if self._changer:
             words["tool changer"] = status.changer.name

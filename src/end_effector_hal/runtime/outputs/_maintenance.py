@@ -11,7 +11,7 @@ class Maintenance:
     """The lines that maintenance has activated, and the end of its lease; however it ends, they are deactivated."""
 
     def __init__(self, description: Description) -> None:
-        lines = {name: part.line for name, part in description.ordered}
+        lines = {name: actuator.line for name, actuator in description.ordered}
         self._order = [lines[name] for name in description.releasing]
         self._names = {line: display_name(name) for name, line in lines.items()}
         self._lease_s = description.maintenance.lease_s

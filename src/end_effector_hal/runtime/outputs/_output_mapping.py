@@ -17,15 +17,15 @@ class OutputMapping:
     def __init__(self, description: Description, maintenance: Maintenance) -> None:
         self._description, self._maintenance = description, maintenance
         self._grip_will = GripLastWill(description)
-        self._lines = [part.line for _, part in description.ordered]
+        self._lines = [actuator.line for _, actuator in description.ordered]
         place = description.sequence.index
         self._blow_offs = [(each.line, place(name)) for name, each in description.blow_offs.items()]
         chosen = description.chosen_outputs
         self._values = {
             name: {
-                part.line: part.modbus.command_on
-                for _, part in tool.ordered
-                if part.modbus and part.line in chosen
+                actuator.line: actuator.modbus.command_on
+                for _, actuator in tool.ordered
+                if actuator.modbus and actuator.line in chosen
             }
             for name, tool in zip(description.part_names, description.per_part, strict=True)
         }

@@ -68,4 +68,4 @@ def _levels(
     status: Status, description: Description, level_of: Callable[[str, bool], bool]
 ) -> tuple[bool, ...]:
     pairs = zip(description.ordered, status.outputs, strict=True)
-    return tuple(level_of(part.line, level) for (_, part), level in pairs)
+    return tuple(level_of(actuator.line, level) for (_, actuator), level in pairs)

@@ -43,8 +43,8 @@ def coil_constants(description: Description) -> dict[str, dict[str, int]]:
     """Return the constants of ``two_coils.xml``, ms, by the name of an actuator with two coils, or ``tool_changer``."""
     policy, changer = arbiter_policy(description), description.tool_changer
     left_s = {
-        name: (part.line, part.timeout_s, min(part.reset_s, part.release_s))
-        for name, part in description.ordered
+        name: (actuator.line, actuator.timeout_s, min(actuator.reset_s, actuator.release_s))
+        for name, actuator in description.ordered
     }
     if changer is not None:
         unlocked_s = changer.prove_s if changer.latching else min(changer.prove_s, changer.unlock_max_s)

@@ -47,9 +47,8 @@ class WrittenLines:
 
     def __init__(self, description: Description) -> None:
         self._description, self._mapping = description, OutputMapping(description, Maintenance(description))
-        parts = {part.line: name for name, part in description.ordered}
-        self._names = {line: display_name(name) for name, line in zip(parts.values(), parts, strict=True)}
-        self._maintained = frozenset(parts)
+        self._names = {actuator.line: display_name(name) for name, actuator in description.ordered}
+        self._maintained = frozenset(self._names)
         self._release_order = [description.actuators[name].line for name in description.releasing]
         changer = description.tool_changer
         limited = {each.line for each in description.blow_offs.values()} | (

@@ -32,7 +32,7 @@ from tests.unit.arbiter.simulation.wire import NearEnd
 
 TICK_US, RENEW_US = 50_000, 250_000
 TOOL = load(profile_path())
-GRIP_LINES = tuple(part.line for _, part in TOOL.ordered)
+GRIP_LINES = tuple(actuator.line for _, actuator in TOOL.ordered)
 POLICY = arbiter_policy(TOOL)
 CHANGES = "description changed"
 CHANGED = [
@@ -451,7 +451,8 @@ class World:
         """What the sensors show: as the lines are, but for an actuator that never confirms."""
         self._sequence += 1
         shows = {
-            name: self.lines[part.line] and part.line != self.never_confirms for name, part in TOOL.ordered
+            name: self.lines[actuator.line] and actuator.line != self.never_confirms
+            for name, actuator in TOOL.ordered
         }
         parts = [shows[name] for name, _ in TOOL.ordered]
         noise = 25 * (self._sequence % 4)  # a sensor that never moves counts as frozen

@@ -36,8 +36,8 @@ class JawDetector:
 
     MEMORY: ClassVar = {"_closed": NESTED}
 
-    def __init__(self, part: JawActuator) -> None:
-        self._part = part
+    def __init__(self, actuator: JawActuator) -> None:
+        self._part = actuator
         self._closed = Streak()
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
@@ -63,19 +63,19 @@ class Jaw(DeviceKind[JawActuator]):
     states = JawState
     orders = (("stands_s", "<", "timeout_s"),)
 
-    def detector(self, part: JawActuator, supply: Supply) -> JawDetector:
+    def detector(self, actuator: JawActuator, supply: Supply) -> JawDetector:
         """From its two switches."""
-        return JawDetector(part)
+        return JawDetector(actuator)
 
-    def lost(self, part: JawActuator, readings: ChannelReadings, at: int) -> str:
+    def lost(self, actuator: JawActuator, readings: ChannelReadings, at: int) -> str:
         """What its closed switch shows."""
         return (
-            f"{part.closed_bit} is off"
-            if readings.get(part.closed_bit, at) is False
+            f"{actuator.closed_bit} is off"
+            if readings.get(actuator.closed_bit, at) is False
             else "its switches do not agree"
         )
 
-    def not_fitted(self, part: JawActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
+    def not_fitted(self, actuator: JawActuator, carried: Mapping[str, Kind]) -> Iterator[str]:
         """What is not seen without the open switch."""
-        if part.open_bit not in carried:
-            yield f"open_bit: {part.open_bit}: a jaw that stops on its way is taken for open"
+        if actuator.open_bit not in carried:
+            yield f"open_bit: {actuator.open_bit}: a jaw that stops on its way is taken for open"

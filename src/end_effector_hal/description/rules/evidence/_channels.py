@@ -230,10 +230,10 @@ def _wrong_thresholds(description: Description, use: Use, carries: Kind | None) 
 def impossible_thresholds(description: Description) -> Iterator[Fault]:
     """Yield a fault for each threshold that the pressure of an actuator can never pass."""
     for use in uses(description):
-        part = description.actuators[str(use.stanza[1])] if use.condition else None
-        if part is None or use.channel != part.channel:
+        actuator = description.actuators[str(use.stanza[1])] if use.condition else None
+        if actuator is None or use.channel != actuator.channel:
             continue
-        span = kind_of(part).plausible(part)
+        span = kind_of(actuator).plausible(actuator)
         for key, kpa in use.thresholds:
             if not span.has(round(kpa * 1000)):
                 below = kpa > 0 and span.has(round(-kpa * 1000))

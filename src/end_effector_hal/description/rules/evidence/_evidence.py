@@ -131,12 +131,12 @@ def measures_of(description: Description) -> dict[str, Measure]:
 
 
 def _thresholds(description: Description) -> Iterator[tuple[str, float]]:
-    for _, part in description.ordered:
-        for leaf in part.evidence.leaves if part.evidence else ():
+    for _, actuator in description.ordered:
+        for leaf in actuator.evidence.leaves if actuator.evidence else ():
             yield from ((leaf.channel, value) for _, value in leaf.thresholds)
-        if part.evidence is None:
-            limits = kind_of(part).limits(part, description.supply)
-            yield from ((part.channel, value) for key, value in limits.items() if key.endswith("_kpa"))
+        if actuator.evidence is None:
+            limits = kind_of(actuator).limits(actuator, description.supply)
+            yield from ((actuator.channel, value) for key, value in limits.items() if key.endswith("_kpa"))
 
 
 def _decimals(value: float) -> int:
@@ -148,9 +148,9 @@ CODE = "EE-227"
 
 def impossible_evidence(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """Yield faults of the actuators whose evidence no value of their channels can prove."""
-    for name, part in description.ordered:
-        if part.evidence is not None:
-            yield from _impossible_conditions(description, name, part.evidence)
+    for name, actuator in description.ordered:
+        if actuator.evidence is not None:
+            yield from _impossible_conditions(description, name, actuator.evidence)
         else:
             yield from _impossible_limits(description, codec, name)
 
@@ -161,8 +161,8 @@ def overlapping_evidence(description: Description) -> Iterator[str]:
     If two sensors contradict each other, a sensor is faulty. If the same sensors can show both, the description is
     faulty.
     """
-    for name, part in description.ordered:
-        asked = part.evidence
+    for name, actuator in description.ordered:
+        asked = actuator.evidence
         if asked is None or {*asked.confirmed.channels} != {*asked.gone.channels}:
             continue
         both = [(asked.confirmed, True), (asked.gone, True)]
@@ -220,12 +220,12 @@ def _by_range(description: Description, channel: str) -> str:
 
 def _impossible_limits(description: Description, codec: CodecChannels, name: str) -> Iterator[Fault]:
     """Yield faults of thresholds out of the channel's range, for a kind that judges a pressure itself."""
-    part = description.actuators[name]
-    kind = kind_of(part)
-    span = range_kpa(description, part.channel)
-    if kind.conditions(part) or span is None or codec.channels.get(part.channel) is not Kind.PRESSURE:
+    actuator = description.actuators[name]
+    kind = kind_of(actuator)
+    span = range_kpa(description, actuator.channel)
+    if kind.conditions(actuator) or span is None or codec.channels.get(actuator.channel) is not Kind.PRESSURE:
         return
-    limits = kind.limits(part, description.supply)
+    limits = kind.limits(actuator, description.supply)
     sign = -1 if kind.below_ambient else 1
     low, high = sorted(sign * each for each in span)
     for key in ("confirmed_kpa", "gone_kpa"):
@@ -233,7 +233,7 @@ def _impossible_limits(description: Description, codec: CodecChannels, name: str
         if limit is None or (limit <= high if key == "confirmed_kpa" else limit > low):
             continue
         which = key.removesuffix("_kpa")
-        path = (key,) if key in part.model_fields_set else ("channel",)
+        path = (key,) if key in actuator.model_fields_set else ("channel",)
         what = f"{name!r} can never be {which}: that takes {number(sign * limit)} kPa"
         place = description.place("actuators", name, *path)
-        yield Fault.at(place, CODE, what, found="", expected=_by_range(description, part.channel))
+        yield Fault.at(place, CODE, what, found="", expected=_by_range(description, actuator.channel))
