@@ -11,7 +11,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.runtime import Program
 from end_effector_hal.signals import Frame
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, LastWillStep, WrittenPart
 from end_effector_hal.vocabulary import EndEffectorState as State
 from end_effector_hal.wires import now_us
 from tests.support.patience import PATIENCE_S
@@ -58,7 +58,7 @@ class Arbiter:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         def wait() -> int:
             if self.error:

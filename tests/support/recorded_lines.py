@@ -9,7 +9,7 @@ from unittest.mock import patch
 
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.runtime.outputs import Maintenance, OutputMapping, Outputs
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, LastWill, LastWillStep, WrittenPart
 from tests.support.recorded_tool import RecordedTool
 
 
@@ -35,7 +35,7 @@ class Arbiter:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         def wait() -> int:
             self.active |= levels

@@ -100,8 +100,8 @@ from end_effector_hal.vocabulary import (
     MOST_LINES,
     MOST_PREDICATES,
     NO_PART,
-    GripsPart,
     LastWill,
+    WrittenPart,
     is_name,
     printable,
     read_last_will,
@@ -235,7 +235,7 @@ class Request(NamedTuple):
     will: LastWill | None = None
     until_us: int | None = None
     drop: bool = False
-    part: GripsPart = NO_PART
+    part: WrittenPart = NO_PART
     predicates: Mapping[str, bool] = {}
     at_us: int = 0
     fault: str = ""
@@ -307,7 +307,7 @@ def _read_set(message: Mapping[str, Any]) -> Request:
         raise UsageError(
             f"values must be an object of 1 to {MOST_REGISTERS} numbers from 0 to 65535 by line."
         )
-    grips = GripsPart(str(part), {line: tuple(each) for line, each in values.items()})
+    grips = WrittenPart(str(part), {line: tuple(each) for line, each in values.items()})
     will = _read_last_will(message)
     return Request("set", levels=levels, will=will, until_us=until_us, drop=drop, part=grips)
 

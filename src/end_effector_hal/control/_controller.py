@@ -128,7 +128,7 @@ class Controller:
         self._found_part = -1 if number is None else number
         if not self._several:  # there is no other one, whatever is recorded
             self._found_part = 0
-        self._statuses.knows_part = self._found_part >= 0
+        self._statuses.part_recorded = self._found_part >= 0
         self._senses.use(max(self._found_part, 0))
         self._statuses.found, self._statuses.was_error = dict(levels), grip_error
         self._statuses.know({})

@@ -53,7 +53,7 @@ class StatusBuilder:
         values: variables of the automata, by name.
         found: levels of the lines as they were found at the start.
         was_error: whether GRIP_ERROR was latched before the start.
-        knows_part: whether it was recorded at the start which part is held.
+        part_recorded: whether it was recorded at the start which part is held.
         adopted: whether the automata have received these levels.
         held: whether a part is held; outputs found active count as holding until they are adopted and judged.
     """
@@ -62,7 +62,7 @@ class StatusBuilder:
         "values": dict[str, int],
         "found": dict[str, bool],
         "was_error": bool,
-        "knows_part": bool,
+        "part_recorded": bool,
         "adopted": bool,
         "held": bool,
         "_noticed": tuple[Alarm, ...],
@@ -113,7 +113,7 @@ class StatusBuilder:
         }
         self.found: Mapping[str, bool] = {}
         self.was_error = False
-        self.knows_part = True
+        self.part_recorded = True
         self.adopted = False
         self.held = False
         self._steps, self._events = StepLog(description.sequence), EventReader()
@@ -262,7 +262,7 @@ class StatusBuilder:
         """Name of the part that is gripped, held or released; empty: none."""
         at_rest = self.values["ee"] in (EndEffectorState.OFF, EndEffectorState.STAND_BY)
         unproven = self._cause == Cause.UNPROVEN_AT_START and self.values["ee"] == EndEffectorState.GRIP_ERROR
-        return "" if at_rest or (unproven and not self.knows_part) else self._names[self.values["part"]]
+        return "" if at_rest or (unproven and not self.part_recorded) else self._names[self.values["part"]]
 
     def noticed(self, at: int) -> bool:
         """Return whether the alarms about the readings have changed since the last call."""

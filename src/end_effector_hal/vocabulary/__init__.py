@@ -25,9 +25,9 @@ from ._last_will import (
     MOST_PREDICATES,
     NO_PART,
     SETTLE_US,
-    GripsPart,
     LastWill,
     LastWillStep,
+    WrittenPart,
     read_last_will,
 )
 from ._tables import (
@@ -78,11 +78,11 @@ __all__ = [
     "Command",
     "EndEffectorState",
     "Evidence",
-    "GripsPart",
     "LastWill",
     "LastWillStep",
     "TableState",
     "ToolEvidence",
+    "WrittenPart",
     "alarm_changes",
     "display_name",
     "distinct",

@@ -50,7 +50,7 @@ class LastWillStep(NamedTuple):
         return {"line": self.line, "level": self.level, "after_us": self.after_us}
 
 
-class GripsPart(NamedTuple):
+class WrittenPart(NamedTuple):
     """What a write says of the part that is gripped.
 
     Attributes:
@@ -62,7 +62,7 @@ class GripsPart(NamedTuple):
     values: Mapping[str, tuple[int, ...]] = {}
 
 
-NO_PART = GripsPart()
+NO_PART = WrittenPart()
 LastWill = tuple[LastWillStep, ...]
 """Steps in order; empty: hold, every line stays as it is."""
 

@@ -7,7 +7,7 @@ from typing import Any, NoReturn, TypeVar
 
 from end_effector_hal.arbiter.rules import Session
 from end_effector_hal.errors import ArbiterError, ReportedError
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep, printable, read_last_will
+from end_effector_hal.vocabulary import NO_PART, LastWillStep, WrittenPart, printable, read_last_will
 
 from ._arbiter import VirtualArbiter
 
@@ -67,7 +67,7 @@ class VirtualConnection:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         """Write levels; the returned function returns the delay in µs until they are applied, or raises."""
         steps = read_last_will(will)

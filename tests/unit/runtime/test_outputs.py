@@ -11,7 +11,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ArbiterError, LineRefusedError, ReportedError
 from end_effector_hal.runtime.outputs import RETRY_US, Maintenance, OutputMapping, Outputs
-from end_effector_hal.vocabulary import NO_PART, Command, EndEffectorState, GripsPart, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, Command, EndEffectorState, LastWillStep, WrittenPart
 
 A, B, TOP, UNLOCK = "SODIMM_208", "SODIMM_210", "SODIMM_212", "SODIMM_206"
 UNWIND_A, UNWIND = (LastWillStep(A),), (LastWillStep(B), LastWillStep(A))
@@ -34,7 +34,7 @@ class Lines:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         self.asked.append((dict(levels), tuple(will)))
         return self._wait
@@ -76,7 +76,7 @@ class TwoLines:
     def levels(self, status: Status) -> dict[str, bool]:
         return dict(zip((A, B, UNLOCK), (*status.outputs, status.unlock_output), strict=True))
 
-    def grips(self, status: Status, changes: Mapping[str, bool]) -> GripsPart:
+    def grips(self, status: Status, changes: Mapping[str, bool]) -> WrittenPart:
         return NO_PART
 
     def dropped(self, status: Status) -> str:

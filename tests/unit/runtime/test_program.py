@@ -33,9 +33,9 @@ from end_effector_hal.vocabulary import (
     ChangerState,
     Command,
     EndEffectorState,
-    GripsPart,
     LastWill,
     LastWillStep,
+    WrittenPart,
 )
 from tests.support.declared import declared
 from tests.support.patience import wait_until
@@ -78,7 +78,7 @@ class Lines:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         if self.count is not None and levels:
             self.count.stop()

@@ -14,8 +14,8 @@ from end_effector_hal.vocabulary import (
     ChangerFault,
     ChangerState,
     EndEffectorState,
-    GripsPart,
     LastWillStep,
+    WrittenPart,
 )
 from end_effector_lab.virtual import VirtualTool
 from tests.unit.virtual.test_tool import (
@@ -58,7 +58,7 @@ def dies_in_next_write(tool: VirtualTool, *, executed: bool) -> None:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         connection.ask = ask  # type: ignore[method-assign]
         if executed:

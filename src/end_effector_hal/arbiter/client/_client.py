@@ -12,7 +12,14 @@ from typing import Any, NamedTuple
 from end_effector_hal.arbiter.client._conversation import Conversation
 from end_effector_hal.arbiter.protocol import LastWillRunsError, make_token
 from end_effector_hal.errors import ArbiterError, ReportedError
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, LastWillStep, printable, read_last_will
+from end_effector_hal.vocabulary import (
+    NO_PART,
+    LastWill,
+    LastWillStep,
+    WrittenPart,
+    printable,
+    read_last_will,
+)
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -127,7 +134,7 @@ class ArbiterClient:
         will: Steps | None = None,
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> WriteResult:
         """Write some of the lines together.
 
@@ -156,7 +163,7 @@ class ArbiterClient:
         will: Sequence[LastWillStep] | None = None,
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         """Do `set` in two parts: send now, without waiting; the returned function waits for the reply.
 
@@ -320,7 +327,7 @@ class ArbiterClient:
             raise lost
 
     def _begin_set(
-        self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: GripsPart
+        self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: WrittenPart
     ) -> OSError | None:
         """Send the write; return the error if sending failed."""
         fields: dict[str, object] = {"levels": dict(levels)}

@@ -19,7 +19,7 @@ from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write
 from end_effector_hal.errors import LineBusyError, LineRefusedError, UsageError, WireError
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWill, hint
+from end_effector_hal.vocabulary import NO_PART, LastWill, WrittenPart, hint
 from end_effector_hal.wires.lines import LineBackend, RemoteLines
 
 _log = logging.getLogger("end_effector_hal.arbiter")
@@ -202,7 +202,7 @@ class LineArbiter:
         at: int,
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> int:
         """Write some lines at once, and leave a last will (None: keep the previous one). Without levels only the last
         will changes.
@@ -559,15 +559,14 @@ class LineArbiter:
                 if len(off) < len(write.levels):
                     raise
 
-    def _check_values(self, levels: Mapping[str, bool], part: GripsPart) -> None:
+    def _check_values(self, levels: Mapping[str, bool], part: WrittenPart) -> None:
         """Raise UsageError if registers are given for a line that is not activated, or has another number of them."""
         for line, values in part.values.items():
-            number = self.policy.registers.get(line)
-            if not levels.get(line) or len(values) != number:
-                what = (
-                    f"{len(values)} values for {line}, which takes {number or 'none'} while it is activated."
-                )
-                raise UsageError(what)
+            number = self.policy.registers.get(line, 0)
+            if not levels.get(line):
+                raise UsageError(f"Values for {line} are taken only by a write that activates it.")
+            if len(values) != number:
+                raise UsageError(f"{line} takes {number} values, and the write gives {len(values)}.")
 
     def _try_again(self, session: Session, write: Write, error: WireError) -> None:
         """Queue a failed deactivation again, before all later writes, and discard the waiting activations.

@@ -352,7 +352,7 @@ class Description(BaseStanza):
         return {each.line: each.modbus for each in self.every_output.values() if each.modbus is not None}
 
     @property
-    def chosen_outputs(self) -> frozenset[str]:
+    def part_outputs(self) -> frozenset[str]:
         """The outputs on buses whose values that make them grip are other ones for some part."""
         found = [tool.register_outputs for tool in self.per_part]
         return frozenset(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from end_effector_hal.errors import ReportedError, WireError
 from end_effector_hal.runtime.outputs import LineWriter
-from end_effector_hal.vocabulary import NO_PART, GripsPart, LastWillStep
+from end_effector_hal.vocabulary import NO_PART, LastWillStep, WrittenPart
 from end_effector_hal.wires import now_us
 
 from ._recorded_controller import Put
@@ -46,7 +46,7 @@ class RecordedLines:
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         """Begin to write levels and the last will."""
         at = now_us()

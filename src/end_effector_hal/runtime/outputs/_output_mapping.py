@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from end_effector_hal.control import GripLastWill, Status, changer_will, maintenance_will
 from end_effector_hal.description import Description
-from end_effector_hal.vocabulary import NO_PART, EndEffectorState, GripsPart, LastWill
+from end_effector_hal.vocabulary import NO_PART, EndEffectorState, LastWill, WrittenPart
 
 from ._maintenance import Maintenance
 
@@ -20,7 +20,7 @@ class OutputMapping:
         self._lines = [actuator.line for _, actuator in description.ordered]
         place = description.sequence.index
         self._blow_offs = [(each.line, place(name)) for name, each in description.blow_offs.items()]
-        chosen = description.chosen_outputs
+        chosen = description.part_outputs
         self._values = {
             name: {
                 actuator.line: actuator.modbus.command_on
@@ -42,12 +42,12 @@ class OutputMapping:
             levels[self.unlock_line] = status.unlock_output
         return levels
 
-    def grips(self, status: Status, changes: Mapping[str, bool]) -> GripsPart:
+    def grips(self, status: Status, changes: Mapping[str, bool]) -> WrittenPart:
         """Return the part of a status, and the registers that grip it of the outputs that are activated."""
         if not status.part:
             return NO_PART
         chosen = self._values.get(status.part, {})
-        return GripsPart(
+        return WrittenPart(
             status.part, {line: chosen[line] for line, on in changes.items() if on and line in chosen}
         )
 

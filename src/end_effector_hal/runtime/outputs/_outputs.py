@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status, maintenance_will
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, WireError
-from end_effector_hal.vocabulary import ARBITER_LOST, NO_PART, Alarm, GripsPart, LastWillStep
+from end_effector_hal.vocabulary import ARBITER_LOST, NO_PART, Alarm, LastWillStep, WrittenPart
 
 from ._output_mapping import OutputMapping
 
@@ -35,7 +35,7 @@ class LineWriter(Protocol):
         will: Sequence[LastWillStep],
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> Callable[[], int]:
         """Begin to write levels and the last will of this program; ``drop`` and ``part``: see `LineArbiter.write`.
 
@@ -243,7 +243,7 @@ class Outputs:
         at: int,
         *,
         drop: bool = False,
-        part: GripsPart = NO_PART,
+        part: WrittenPart = NO_PART,
     ) -> None:
         if self.lost:
             self._fail(changes)

@@ -41,5 +41,5 @@ def test_one_part_with_its_own_values_sends_them_too() -> None:
         }
     )
     assert isinstance(gripper, Description)
-    assert gripper.chosen_outputs == {gripper.actuators["fingers"].line}
+    assert gripper.part_outputs == {gripper.actuators["fingers"].line}
     assert gripper.for_part("").register_outputs[FINGERS].command_on == (1, 180)
