@@ -106,7 +106,7 @@ test-board: test-gpiochip ## by hand: the same on an emulated Verdin with its ow
 board: setup ## by hand: a grip on an emulated Verdin, through all nodes (WITH='--only fails-once --no-ros' or other options)
 	@$(ROS_ENV) && python -m tools.board $(WITH)
 
-mutants: $(VENV)/.synced ## by hand: every small edit of the automata, and which requirement notices it (WITH='--sample 30': 2 minutes; all: an hour)
+mutants: $(VENV)/.synced ## by hand: every small edit of the automata, and which requirement notices it (WITH='--sample 30': half a minute; all: a quarter of an hour)
 	@$(BIN)/python -m tools.mutants $(WITH)
 
 # Another architecture than this machine's is emulated: it takes qemu-user and many minutes, once

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.kinds.stanza._tool import BlowOff
+from end_effector_hal.kinds.stanza import BlowOff
 
 BOTTOM_AIR, TOP_AIR = "SODIMM_214", "SODIMM_216"
 

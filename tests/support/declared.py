@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.kinds.stanza import ChangerEndings, Endings
-from end_effector_hal.kinds.stanza._endings import OwnEndings
+from end_effector_hal.kinds.stanza import ChangerEndings, Endings, OwnEndings
 
 Stanza = Mapping[str, Any]
 

@@ -17,7 +17,7 @@ Constants = dict[str, "int | Sequence[int] | Sequence[Sequence[int]]"]
 def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
     """Return the constants by their name in the UPPAAL file; times in ms.
 
-    Interlocks whose sensors the codec does not carry are off (section 4 of the contract: not fitted).
+    Interlocks whose sensors the codec does not carry are off: they are not fitted.
     """
     carried = (carrier or carrier_of(description)).channels
     actuators = [actuator for _, actuator in description.ordered]

@@ -92,7 +92,7 @@ class DeviceKind(Generic[Stanza]):
         It is NaN where no pressure decides.
 
         Args:
-            part: the actuator.
+            actuator: its stanza.
             gauge_pa: its gauge pressure, Pa; negative for a vacuum.
             supply_pa: the gauge pressure of the supply, Pa.
         """
@@ -112,7 +112,7 @@ class DeviceKind(Generic[Stanza]):
         return "its sensor shows nothing any more"
 
     def not_fitted(self, actuator: Stanza, carried: Mapping[str, Kind]) -> Iterator[str]:
-        """Yield a phrase for each function that is off because a channel of ``part`` is not carried."""
+        """Yield a phrase for each function that is off because a channel of the actuator is not carried."""
         yield from ()
 
     def limits(self, actuator: Stanza, supply: Supply) -> dict[str, float]:

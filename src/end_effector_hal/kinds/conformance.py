@@ -59,7 +59,7 @@ class KindConformance:
     supply = Supply()
 
     @property
-    def part(self) -> Actuator:
+    def actuator(self) -> Actuator:
         return self.kind.stanza.model_validate({"kind": self.kind.name, **self.stanza})
 
     def readings(self, values: Mapping[str, Value]) -> FixedReadings:
@@ -77,7 +77,7 @@ class KindConformance:
         return level, at
 
     def new_detector(self) -> Any:
-        return self.kind.detector(self.part, self.supply)
+        return self.kind.detector(self.actuator, self.supply)
 
     def test_declares_what_it_is(self) -> None:
         assert checked(self.kind) is self.kind
@@ -92,13 +92,13 @@ class KindConformance:
         assert len(set(labels)) == 3
 
     def test_its_channels_are_named_in_the_vectors(self) -> None:
-        names = {name for name in self.kind.channel_names(self.part) if name != NO_CHANNEL}
+        names = {name for name in self.kind.channel_names(self.actuator) if name != NO_CHANNEL}
         assert names == set(self.active) == set(self.inactive)
 
     def test_the_defaults_keep_its_own_rules(self) -> None:
-        part = self.part
+        actuator = self.actuator
         for low, relation, high in self.kind.orders:
-            less, more = getattr(part, low), getattr(part, high)
+            less, more = getattr(actuator, low), getattr(actuator, high)
             assert less < more or (relation == "<=" and less == more), (low, relation, high)
         for rule in self.kind.joint_rules:
             numbers = {key: self._number(key) for key in rule.keys}
@@ -130,20 +130,20 @@ class KindConformance:
             assert one.sample(self.readings(values), at) is other.sample(self.readings(values), at)
 
     def test_what_the_vectors_show_is_plausible(self) -> None:
-        span = self.kind.plausible(self.part)
+        span = self.kind.plausible(self.actuator)
         for values in (self.active, self.inactive):
-            value = values.get(self.part.channel)
+            value = values.get(self.actuator.channel)
             assert value is None or isinstance(value, bool) or span.has(value)
 
     def test_its_pressure_is_on_the_right_side_when_active_and_on_the_wrong_one_when_not(self) -> None:
         for values, right in ((self.active, True), (self.inactive, False)):
-            value = values.get(self.part.channel)
+            value = values.get(self.actuator.channel)
             if value is not None and not isinstance(value, bool):
-                margin_pa = self.kind.margin_pa(self.part, value, self.supply.nominal_kpa * 1000)
+                margin_pa = self.kind.margin_pa(self.actuator, value, self.supply.nominal_kpa * 1000)
                 assert (margin_pa > 0) is right
 
     def test_its_watch_finds_a_held_part_secure_in_the_end(self) -> None:
-        watch = self.kind.hold_watch(self.part, Hold(), PERIOD_US)
+        watch = self.kind.hold_watch(self.actuator, Hold(), PERIOD_US)
         if watch is None:
             return
         findings = []
@@ -152,27 +152,27 @@ class KindConformance:
             findings += [each for each in watch.findings(0, at) if not each.over]
         assert watch.secure
         assert not findings
-        other = self.kind.hold_watch(self.part, Hold(), PERIOD_US)
+        other = self.kind.hold_watch(self.actuator, Hold(), PERIOD_US)
         assert other is not None
         recall(other, memory_of(watch))
         assert memory_of(other) == memory_of(watch)
 
     def test_its_words_are_sentences_of_one_line(self) -> None:
         carried = self.readings(self.active).carried
-        said = [self.kind.lost(self.part, self.readings(values), 0) for values in (self.inactive, {})]
-        said += [*self.kind.not_fitted(self.part, carried), *self.kind.not_fitted(self.part, {})]
+        said = [self.kind.lost(self.actuator, self.readings(values), 0) for values in (self.inactive, {})]
+        said += [*self.kind.not_fitted(self.actuator, carried), *self.kind.not_fitted(self.actuator, {})]
         assert all(text and text.isprintable() for text in said)
 
     def test_its_limits_are_positive_numbers(self) -> None:
-        limits = self.kind.limits(self.part, self.supply)
+        limits = self.kind.limits(self.actuator, self.supply)
         assert all(isinstance(each, int | float) and each > 0 for each in limits.values())
         assert not limits.keys() & {"channel", "kind", "attempts"}
 
     def test_its_travel_is_a_length_or_an_angle(self) -> None:
-        travel = self.kind.travel(self.part)
+        travel = self.kind.travel(self.actuator)
         assert travel is None or (travel.joint in ("prismatic", "revolute") and 0 < travel.upper < inf)
 
     def _number(self, key: str) -> float:
-        owner = self.supply if key.startswith("supply.") else self.part
+        owner = self.supply if key.startswith("supply.") else self.actuator
         number: float = getattr(owner, key.removeprefix("supply."))
         return number

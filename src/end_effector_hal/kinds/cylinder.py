@@ -11,8 +11,15 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from end_effector_hal.kinds import ChannelKey, ChannelReadings, DeviceKind, JointRule, Quote, Travel
-from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, Name, Seconds, Supply
-from end_effector_hal.kinds.stanza._base import Kilopascal, MaybeMillimetres
+from end_effector_hal.kinds.stanza import (
+    NO_CHANNEL,
+    Actuator,
+    Kilopascal,
+    MaybeMillimetres,
+    Name,
+    Seconds,
+    Supply,
+)
 from end_effector_hal.signals import NESTED, Kind, Streak
 from end_effector_hal.vocabulary import Evidence, TableState, to_us
 

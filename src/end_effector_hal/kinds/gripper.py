@@ -8,10 +8,17 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from end_effector_hal.kinds import ChannelKey, DeviceKind, Travel
-from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, EvidenceConditions, Name, named
-from end_effector_hal.kinds.stanza._base import MaybeMillimetres, Settling
-from end_effector_hal.kinds.stanza._conditions import stanza_fault
-from end_effector_hal.kinds.stanza._tool import BlowOff
+from end_effector_hal.kinds.stanza import (
+    NO_CHANNEL,
+    Actuator,
+    BlowOff,
+    EvidenceConditions,
+    MaybeMillimetres,
+    Name,
+    Settling,
+    named,
+    stanza_fault,
+)
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import TableState
 

@@ -9,10 +9,16 @@ from pydantic import Field, model_validator
 
 from end_effector_hal.kinds import ChannelKey, DeviceKind
 from end_effector_hal.kinds.conditions import part_conditions
-from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, EvidenceConditions, Name, named
-from end_effector_hal.kinds.stanza._base import Settling
-from end_effector_hal.kinds.stanza._conditions import stanza_fault
-from end_effector_hal.kinds.stanza._tool import BlowOff
+from end_effector_hal.kinds.stanza import (
+    NO_CHANNEL,
+    Actuator,
+    BlowOff,
+    EvidenceConditions,
+    Name,
+    Settling,
+    named,
+    stanza_fault,
+)
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import TableState
 

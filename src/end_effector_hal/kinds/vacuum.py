@@ -29,15 +29,15 @@ from end_effector_hal.kinds.stanza import (
     NO_CHANNEL,
     Actuator,
     BelowAmbient,
+    BlowOff,
     EvidenceConditions,
     Hold,
     Name,
     Samples,
+    Settling,
     Supply,
     named,
 )
-from end_effector_hal.kinds.stanza._base import Settling
-from end_effector_hal.kinds.stanza._tool import BlowOff
 from end_effector_hal.signals import NESTED, Kind, Streak, Trend
 from end_effector_hal.vocabulary import LEAK, WEAK, Evidence, TableState, to_us
 
@@ -133,7 +133,7 @@ class SecureDetector:
     MEMORY: ClassVar = {"_high": NESTED, "_low": NESTED, "secure": bool}
 
     def __init__(self, actuator: VacuumActuator) -> None:
-        self._part = actuator
+        self._actuator = actuator
         self.least_kpa = actuator.secure_kpa - actuator.secure_hysteresis_kpa
         """Limit below which a grip is no longer secure, kPa below ambient."""
         self._high, self._low = Streak(), Streak()
@@ -141,11 +141,11 @@ class SecureDetector:
 
     def sample(self, kpa: float, at: int) -> bool:
         """Return whether the grip is secure after one more sample, kPa below ambient, at ``at`` µs."""
-        self._high.take(kpa >= self._part.secure_kpa, at)
+        self._high.take(kpa >= self._actuator.secure_kpa, at)
         self._low.take(kpa < self.least_kpa, at)
-        if self._high.samples >= self._part.confirmed_samples:
+        if self._high.samples >= self._actuator.confirmed_samples:
             self.secure = True
-        elif self._low.samples >= self._part.lost_samples:
+        elif self._low.samples >= self._actuator.lost_samples:
             self.secure = False
         return self.secure
 
@@ -178,7 +178,7 @@ class VacuumWatch:
     }
 
     def __init__(self, actuator: VacuumActuator, hold: Hold, period_us: int) -> None:
-        self._part, self._hold = actuator, hold
+        self._actuator, self._hold = actuator, hold
         self._detector = SecureDetector(actuator)
         self.trend = Trend(to_us(hold.trend_s), period_us)
         self.leaks, self.keeps = Streak(), Streak()
@@ -187,11 +187,11 @@ class VacuumWatch:
 
     def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
         """Process the newest reading, at ``at`` µs."""
-        value = readings.get(self._part.channel, at)
+        value = readings.get(self._actuator.channel, at)
         if value is None or isinstance(value, bool):
             self._expire()
             self.secure = value is True
-        elif self._part.channel in readings.arrived:
+        elif self._actuator.channel in readings.arrived:
             self.kpa = -value / 1000
             self.secure = self._detector.sample(self.kpa, at)
             if held:
@@ -214,7 +214,7 @@ class VacuumWatch:
     @property
     def lost_in_s(self) -> float | None:
         """Time until the vacuum is below the threshold of loss, s; None: never, or not known."""
-        return None if self.kpa is None else self.trend.falls_by(self.kpa - self._part.lost_kpa)
+        return None if self.kpa is None else self.trend.falls_by(self.kpa - self._actuator.lost_kpa)
 
     def dropped(self) -> None:
         """Discard the trend, because the next samples belong to another part."""
@@ -234,13 +234,13 @@ class VacuumWatch:
         elif self.was_secure:
             yield HoldFinding(WEAK, {"kpa": kpa, "least_kpa": self._detector.least_kpa})
         elif at - since >= to_us(within_s):
-            values = {"kpa": kpa, "secure_kpa": self._part.secure_kpa, "within_s": within_s}
+            values = {"kpa": kpa, "secure_kpa": self._actuator.secure_kpa, "within_s": within_s}
             yield HoldFinding(WEAK, values)
 
     def _leak(self, kpa: float, at: int) -> Iterator[HoldFinding]:
         if not self.judged:
             return
-        hold, lost_kpa = self._hold, self._part.lost_kpa
+        hold, lost_kpa = self._hold, self._actuator.lost_kpa
         left_s = self.trend.falls_by(kpa - lost_kpa)
         self.leaks.take(left_s is not None and left_s < hold.warn_ahead_s, at)
         self.keeps.take(left_s is None or left_s >= RELIEF * hold.warn_ahead_s, at)

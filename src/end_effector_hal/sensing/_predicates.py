@@ -1,4 +1,4 @@
-"""The predicates that the line arbiter needs (section 6 of the contract), from frames and time."""
+"""The predicates that the line arbiter needs, from frames and time."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class SensorSet:
             )
             for name in description.sequence
         }
-        self._parts, self._named = description.ordered, bool(description.named_links)
+        self._ordered, self._named = description.ordered, bool(description.named_links)
         self._due: tuple[object, int, int | None] = None, 0, None
         self.revision = 0
         """Counter that grows whenever something may have changed."""
@@ -208,7 +208,7 @@ class SensorSet:
         lacking = [name for name in self._wanted if name in stale and name not in silent] if stale else []
         if not lacking and Evidence.UNKNOWN not in self.now.evidence:
             return tuple(said)
-        settling = {self._parts[i][0] for i, each in self.now.by_conditions if each.settles(at)}
+        settling = {self._ordered[i][0] for i, each in self.now.by_conditions if each.settles(at)}
         unknown = [
             name
             for name in self._unknown()
@@ -231,7 +231,7 @@ class SensorSet:
     def _findings(self, at: int) -> Iterator[Alarm]:
         """Yield the alarms of detectors with conditions."""
         for index, detector in self.now.by_conditions:
-            name, carried = self._parts[index][0], self.now.readings.carried
+            name, carried = self._ordered[index][0], self.now.readings.carried
             if detector.broken:
                 bits = sorted(each for each in self._channels[name] if carried.get(each) is Kind.BIT)
                 seen = shown(bits, self.now.readings, at)

@@ -85,7 +85,7 @@ class SensorState:
             tuple(stanzas.index(each) for each in enumerate(actuator for _, actuator in tool.ordered))
             for tool in description.per_part
         )
-        self._detectors = tuple(detector_of(part, description.supply) for _, part in stanzas)
+        self._detectors = tuple(detector_of(each, description.supply) for _, each in stanzas)
         self.conditional = any(isinstance(each, ConditionDetector) for each in self._detectors)
         self._guarded = tuple(
             (number, description.sequence[index])

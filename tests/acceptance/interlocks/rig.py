@@ -19,7 +19,7 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import CHANNELS
 from end_effector_hal.description import Description, EStop, load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.kinds.stanza._tool import BlowOff
+from end_effector_hal.kinds.stanza import BlowOff
 from end_effector_hal.kinds.vacuum import VacuumActuator
 from end_effector_hal.runtime import GoalRunner, open_program
 from end_effector_hal.signals import Frame

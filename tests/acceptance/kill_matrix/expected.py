@@ -1,6 +1,6 @@
 """What must be after a cell, from the description and the documented rules alone: nothing here was observed.
 
-Rules (section 5 of the contract, and what follows from it):
+Rules:
 
 * A program that dies (SIGKILL) gets the ending ``process_death``, one that is told to end ``sigterm``. One that
   hangs for longer than its lease (1 s) is dead to the line arbiter. Each actuator has its own ending: `release`

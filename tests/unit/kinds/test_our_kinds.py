@@ -50,8 +50,8 @@ class TestCylinderByItsBits(KindConformance):
     inactive: ClassVar = {"cylinder_extended": False, "cylinder_retracted": True}
 
     def test_its_stroke_is_metres_of_a_joint(self) -> None:
-        assert self.kind.travel(self.part) == ("prismatic", 0.08)
-        assert self.kind.travel(self.part.model_copy(update={"stroke_mm": None})) is None
+        assert self.kind.travel(self.actuator) == ("prismatic", 0.08)
+        assert self.kind.travel(self.actuator.model_copy(update={"stroke_mm": None})) is None
 
 
 class TestVacuumWithAPartSwitch(KindConformance):

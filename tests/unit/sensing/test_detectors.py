@@ -1,4 +1,4 @@
-"""Thresholds, hysteresis, consecutive samples and staleness, exactly as in section 4 of the contract."""
+"""Thresholds, hysteresis, consecutive samples and staleness, exact."""
 
 from __future__ import annotations
 

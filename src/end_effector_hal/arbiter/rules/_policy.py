@@ -63,7 +63,7 @@ class Need(NamedTuple):
 
 @dataclass(frozen=True)
 class Policy:
-    """The lines of an arbiter and their interlocks (section 6 of the contract).
+    """The lines of an arbiter and their interlocks.
 
     Attributes:
         lines: all output lines, claimed together.

@@ -359,7 +359,9 @@ class Changes:
     def _labels(self, status: Status) -> tuple[str, dict[str, str]]:
         """Return the labels of the state of the end-effector and of each actuator."""
         states = zip(self._description.ordered, status.actuators, strict=True)
-        return status.ee.label, {name: kind_of(part).states(state).label for (name, part), state in states}
+        return status.ee.label, {
+            name: kind_of(actuator).states(state).label for (name, actuator), state in states
+        }
 
     def catch_up(self, status: Status) -> None:
         """Wait until a status has been reported, for a second at most, so that a result is printed after its states."""

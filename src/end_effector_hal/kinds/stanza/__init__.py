@@ -5,21 +5,24 @@ from ._base import (
     PRINTABLE,
     BaseStanza,
     BelowAmbient,
+    Kilopascal,
+    MaybeMillimetres,
     Name,
     Names,
     RosName,
     Samples,
     Seconds,
+    Settling,
     Texts,
     Word,
     named,
 )
 from ._conditions import Condition, EvidenceConditions, stanza_fault
-from ._endings import ChangerEndings, Endings
+from ._endings import ChangerEndings, Endings, OwnEndings
 from ._line import LineAddress, LineName, line_text
 from ._output import Output
 from ._registers import Activation, Handshake, RegisterOutput, lowest_bit
-from ._tool import Actuator, Hold, Opposite, Supply
+from ._tool import Actuator, BlowOff, Hold, Opposite, Supply
 
 __all__ = [
     "NO_CHANNEL",
@@ -28,22 +31,27 @@ __all__ = [
     "Actuator",
     "BaseStanza",
     "BelowAmbient",
+    "BlowOff",
     "ChangerEndings",
     "Condition",
     "Endings",
     "EvidenceConditions",
     "Handshake",
     "Hold",
+    "Kilopascal",
     "LineAddress",
     "LineName",
+    "MaybeMillimetres",
     "Name",
     "Names",
     "Opposite",
     "Output",
+    "OwnEndings",
     "RegisterOutput",
     "RosName",
     "Samples",
     "Seconds",
+    "Settling",
     "Supply",
     "Texts",
     "Word",

@@ -27,7 +27,7 @@ class Cards:
 
     def __init__(self, description: Description, carried: dict[str, Kind]) -> None:
         self._description, self._carried = description, carried
-        self._parts = description.ordered
+        self._ordered = description.ordered
         self._tools = dict(zip(description.part_names, description.per_part, strict=True))
         self._uses = {name: description.uses(name) for name in description.part_names}
         self._curves = curves_of(description, carried)
@@ -42,7 +42,7 @@ class Cards:
     def switches(self) -> dict[str, SwitchMeaning]:
         """The bit channels of the actuators, in the order of a grip, with the meaning of each."""
         found: dict[str, SwitchMeaning] = {}
-        for _, actuator in self._parts:
+        for _, actuator in self._ordered:
             for channel, meaning in switch_meanings(actuator).items():
                 if self._carried.get(channel) is Kind.BIT:
                     found.setdefault(channel, meaning)
@@ -50,7 +50,7 @@ class Cards:
 
     def drawn(self) -> list[dict[str, Any]]:
         """Return the content that never changes."""
-        return [self._drawn(name, actuator) for name, actuator in self._parts]
+        return [self._drawn(name, actuator) for name, actuator in self._ordered]
 
     def _drawn(self, name: str, actuator: Actuator) -> dict[str, Any]:
         kind = kind_of(actuator)
@@ -78,7 +78,7 @@ class Cards:
 
         ``gripped``: the part of the last grip, whose attempts are shown; empty: unknown, or it has no name.
         """
-        return [self._now(index, status, controller, gripped) for index in range(len(self._parts))]
+        return [self._now(index, status, controller, gripped) for index in range(len(self._ordered))]
 
     def _now(self, index: int, status: Status, controller: Controller | None, gripped: str) -> dict[str, Any]:
         name, actuator = self._tools[self.judged(status)].ordered[index]
@@ -145,7 +145,7 @@ class Cards:
             "leaks": False,
             "lost_in_s": None,
         }
-        pressed = self._carried.get(self._parts[index][1].channel) is Kind.PRESSURE
+        pressed = self._carried.get(self._ordered[index][1].channel) is Kind.PRESSURE
         if not pressed and not hold["secure"]:
             hold["secure"] = None  # without a pressure nobody knows
         elif pressed and isinstance(watch, LeakWatch):

@@ -38,7 +38,7 @@ class TimeLine:
         switches: Mapping[str, SwitchMeaning],
     ) -> None:
         self.curves, self._switches = curves, switches
-        self._parts = description.ordered
+        self._ordered = description.ordered
         self._changer = description.tool_changer is not None
         self._samples: deque[list[Any]] = deque(maxlen=MOST_SAMPLES)
         self._changes: deque[dict[str, Any]] = deque(maxlen=MOST_CHANGES)
@@ -65,7 +65,7 @@ class TimeLine:
     def status(self, status: Status) -> None:
         """Add one status of the tool."""
         words = {"": status.ee.label}
-        for index, (name, actuator) in enumerate(self._parts):
+        for index, (name, actuator) in enumerate(self._ordered):
             state = kind_of(actuator).states(status.actuators[index])
             words[name] = "RELEASING" if is_releasing(status, index) else state.label
         if self._changer:
@@ -90,7 +90,7 @@ class TimeLine:
     def lanes(self) -> list[dict[str, str]]:
         """The names and labels of the lanes, from top to bottom."""
         own = [{"name": "", "label": "End-effector"}]
-        own += [{"name": name, "label": display_name(name)} for name, _ in self._parts]
+        own += [{"name": name, "label": display_name(name)} for name, _ in self._ordered]
         own += [{"name": "tool changer", "label": "Tool changer"}] if self._changer else []
         return [*own, *({"name": f"{SWITCH}{name}", "label": display_name(name)} for name in self._switches)]
 

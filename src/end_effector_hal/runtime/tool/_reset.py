@@ -1,4 +1,4 @@
-"""Stop and reset: latch faults at the line arbiter, and clear them (section 6 of the contract)."""
+"""Stop and reset: latch faults at the line arbiter, and clear them."""
 
 from __future__ import annotations
 

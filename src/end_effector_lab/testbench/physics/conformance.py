@@ -35,7 +35,7 @@ class PhysicsConformance:
     stanza: ClassVar[Mapping[str, object]]
 
     @property
-    def part(self) -> Actuator:
+    def actuator(self) -> Actuator:
         return self.kind.stanza.model_validate({"kind": self.kind.name, **self.stanza})
 
     def device(self) -> Device:
@@ -43,15 +43,15 @@ class PhysicsConformance:
 
     def shown(self, device: Device) -> FixedReadings:
         """Return the readings of the device's sensors."""
-        part, values = self.part, {"supply": 600_000}
+        actuator, values = self.actuator, {"supply": 600_000}
         seen: dict[str, Value] = {**values}
         for key in self.kind.channels:
-            if named(getattr(part, key.key)) is None:
+            if named(getattr(actuator, key.key)) is None:
                 continue
             if key.carries is Kind.BIT:
-                seen[getattr(part, key.key)] = device.bits[key.meaning]
+                seen[getattr(actuator, key.key)] = device.bits[key.meaning]
             elif device.pressure_kpa is not None:
-                seen[getattr(part, key.key)] = round(device.pressure_kpa * 1000)
+                seen[getattr(actuator, key.key)] = round(device.pressure_kpa * 1000)
         return FixedReadings(seen)
 
     def judged(self, device: Device, detector: Any, seconds: float) -> list[Evidence]:
@@ -63,21 +63,21 @@ class PhysicsConformance:
         return levels
 
     def test_it_is_confirmed_and_gone_within_the_times_of_its_stanza(self) -> None:
-        device, part = self.device(), self.part
-        detector = self.kind.detector(part, Supply())
+        device, actuator = self.device(), self.actuator
+        detector = self.kind.detector(actuator, Supply())
         assert self.judged(device, detector, 1.0)[-1] is Evidence.GONE
         device.command(True, device.now)
-        assert self.judged(device, detector, part.timeout_s)[-1] is Evidence.CONFIRMED
+        assert self.judged(device, detector, actuator.timeout_s)[-1] is Evidence.CONFIRMED
         device.command(False, device.now)
-        assert self.judged(device, detector, part.release_s)[-1] is Evidence.GONE
+        assert self.judged(device, detector, actuator.release_s)[-1] is Evidence.GONE
 
     def test_what_is_lost_is_no_longer_confirmed(self) -> None:
-        device, part = self.device(), self.part
-        detector = self.kind.detector(part, Supply())
+        device, actuator = self.device(), self.actuator
+        detector = self.kind.detector(actuator, Supply())
         device.command(True, 0)
-        self.judged(device, detector, part.timeout_s)
+        self.judged(device, detector, actuator.timeout_s)
         device.lose(device.now)
-        assert self.judged(device, detector, part.release_s)[-1] is not Evidence.CONFIRMED
+        assert self.judged(device, detector, actuator.release_s)[-1] is not Evidence.CONFIRMED
 
     def test_settled_is_what_it_comes_to(self) -> None:
         for active in (False, True):

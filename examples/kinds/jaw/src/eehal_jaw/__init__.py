@@ -37,19 +37,22 @@ class JawDetector:
     MEMORY: ClassVar = {"_closed": NESTED}
 
     def __init__(self, actuator: JawActuator) -> None:
-        self._part = actuator
+        self._actuator = actuator
         self._closed = Streak()
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """The evidence at ``at`` µs; where no open switch is fitted, open is the opposite of closed."""
-        closed, opened = readings.get(self._part.closed_bit, at), readings.get(self._part.open_bit, at)
-        if self._part.open_bit not in readings.carried and closed is not None:
+        closed, opened = (
+            readings.get(self._actuator.closed_bit, at),
+            readings.get(self._actuator.open_bit, at),
+        )
+        if self._actuator.open_bit not in readings.carried and closed is not None:
             opened = not closed
         if closed is None or opened is None:
             self._closed = Streak()
             return Evidence.UNKNOWN
         self._closed.take(bool(closed) and not opened, at)
-        if self._closed.lasted(at, to_us(self._part.stands_s)):
+        if self._closed.lasted(at, to_us(self._actuator.stands_s)):
             return Evidence.CONFIRMED
         return Evidence.GONE if opened and not closed else Evidence.PARTIAL
 
