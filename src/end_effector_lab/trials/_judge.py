@@ -102,7 +102,7 @@ class Judge:
         self._seen = len(tool.edges), len(tool.statuses)
         self._held = False
         self._resumed = False
-        self._grip_runs = False
+        self._grip_runs, self._grip_over_at = False, 0
         self._attempts = dict.fromkeys(self._sequence, 0)
         self._unlock_accepted = False
         self._unlocked_since: int | None = None
@@ -330,7 +330,9 @@ class Judge:
         before = used[: used.index(name)] if name in used else ()
         if name not in used:
             self._object("activation", f"{name} became active, which does not grip this part")
-        if not self._grip_runs:
+        # a write that is on its way over a bus when the grip ends cannot be taken back
+        on_bus = self._line[name] in self._description.register_outputs
+        if not self._grip_runs and not (on_bus and each.at - self._grip_over_at <= NEAR_US):
             self._object("activation", f"{name} became active without a grip (IL-11)")
         self._attempts[name] += 1
         allowed = self._gripping.actuators[name].attempts
@@ -376,6 +378,8 @@ class Judge:
             self._let_go[name] = each.at
         if name == [other for other in self._sequence if self._active[other]][-1]:
             return  # the last one: also when it is tried again
+        if self._reality.restarted(name, each.at):
+            return
         for other in order[: order.index(name)]:
             if self._active[other] and self._is_unwound(other):
                 self._object("order", f"{name} was deactivated before {other}")
@@ -453,6 +457,7 @@ class Judge:
         ee, tool = status.ee, self._tool
         latched = ee == GRIPPED or (ee == GRIP_ERROR and status.command == Command.NONE)
         if ee in (GRIPPED, GRIP_ERROR, RELEASE_ERROR, RELEASING, STAND_BY) and status.command != Command.GRIP:
+            self._grip_over_at = status.at if self._grip_runs else self._grip_over_at
             self._grip_runs = False
         if ee == RELEASING:  # the attempts of a grip end with it
             self._released_at, self._ended = status.at, {}

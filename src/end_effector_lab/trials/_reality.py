@@ -103,6 +103,11 @@ class Reality:
             return False
         return tool.bench.booted(tool.at, output.link or None) > since
 
+    def restarted(self, name: str, at: int) -> bool:
+        """Return whether the device of an output restarted at ``at`` (µs): it then switches all outputs by itself."""
+        output = self._description.actuators[name].modbus
+        return output is not None and self._tool.bench.restarts_at(output.link or None) == at
+
     @property
     def is_known(self) -> bool:
         """Whether no sensor lies, now or shortly before."""

@@ -11,6 +11,7 @@ from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.testbench import Sent
 from end_effector_lab.testbench.devices import read_request
 from end_effector_lab.virtual import VirtualTool
+from tests.support.places import ROOT
 from tests.unit.virtual.test_unread_outputs import TOOL, until
 
 GRIP_ERROR, GRIPPED, RELEASE_ERROR, STAND_BY = (
@@ -119,7 +120,7 @@ def test_a_start_does_not_cancel_a_release_that_no_device_has_obeyed(
     if state == STAND_BY:
         assert tool.command("grip").reason.startswith("IL-07"), "the sensors still show a part"
     devices.deaf = False
-    tool.run(2.0)
+    tool.run(4.0)  # one release after the other, as they were commanded
     released = tool.edges[before:]
     assert [edge.level for edge in released] == [False] * (1 if state == GRIP_ERROR else 2)
     assert tool.command("drop").accepted is (state != STAND_BY)  # else nothing is left to be released
@@ -148,3 +149,27 @@ def test_what_was_never_released_stays_held(
     assert tool.command("drop").accepted
     until(tool, STAND_BY)
     assert [edge.level for edge in tool.edges[before:]] == [False, False]
+
+
+def test_a_last_will_waits_once_for_its_own_first_step() -> None:
+    """The release of the fingers is owed at the restart, and it is the step before that of the cups."""
+    tool = VirtualTool(load_tool(ROOT / "examples" / "cells" / "three_parts" / "end_effector.yaml"))
+    until(tool, STAND_BY)
+    actuators = tool.description.actuators
+    fingers = actuators["fingers"]
+    assert tool.command("grip", part="crate").accepted
+    assert tool.run_until(
+        tool.at + 10_000_000, lambda: bool(tool.edges) and tool.edges[-1].line == fingers.line
+    )
+    tool.run(1.0)
+    assert tool.status.ee == EndEffectorState.GRIPPING
+    for name in ("hal", "arbiter"):
+        tool.kill(name)
+    tool.run(1.0)
+    begun, before = tool.at, len(tool.edges)
+    for name in ("arbiter", "hal"):
+        tool.start(name)
+    tool.run(20.0)
+    offs = [(edge.line, (edge.at - begun) / 1e6) for edge in tool.edges[before:] if not edge.level]
+    assert [line for line, _ in offs] == [actuators[name].line for name in ("fingers", "right", "left")]
+    assert [at for _, at in offs] == pytest.approx([0.0, fingers.release_s, fingers.release_s + 2], abs=0.1)

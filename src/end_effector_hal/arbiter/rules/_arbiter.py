@@ -509,9 +509,15 @@ class LineArbiter:
         self.advance(at)
 
     def _after_releases(self, session: Session, will: LastWill) -> LastWill:
-        """Return a last will whose steps wait for the releases that no device has acknowledged yet."""
-        owed = self._lines.owed() & session.lines
-        wait_us = max((self.policy.release_us.get(line, 0) for line in owed), default=0)
+        """Return a last will whose steps wait for the releases that no device has acknowledged yet.
+
+        Where such a release is a step of the will itself, the next steps wait for it already.
+        """
+        owed, begins = self._lines.owed() & session.lines, {step.line: step.after_us for step in will}
+        first_us = next((step.after_us for step in will if step.line not in owed), 0)
+        waits = {line: max(0, first_us - begins.get(line, 0)) for line in owed}
+        wait_us = max((self.policy.release_us.get(line, 0) - waits[line] for line in owed), default=0)
+        wait_us = max(0, wait_us)
         return tuple(
             step if step.line in owed else step._replace(after_us=step.after_us + wait_us) for step in will
         )

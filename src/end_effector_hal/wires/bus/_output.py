@@ -249,6 +249,14 @@ class BusOutput:
                 self.rests = True
                 self._be_quiet(at, self.stanza.pulse_s)
 
+    def follow(self, other: BusOutput, at: int) -> None:
+        """Release no sooner after another output, which has been released now, than it was commanded after it.
+
+        Releases that had to wait for a device would otherwise be written together.
+        """
+        if self.owed and self.turn > other.turn:
+            self.retry_at = max(self.retry_at, self._commanded_at + at - other._commanded_at)
+
     def failed(self, at: int) -> None:
         """Record that the last write was not acknowledged: it is repeated.
 

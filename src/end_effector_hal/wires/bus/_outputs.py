@@ -119,7 +119,11 @@ class BusOutputs:
     def acknowledged(self, at: int) -> None:
         """Record that the device has acknowledged the last write."""
         for each in self._sent:
+            owed = each.owed
             each.acknowledged(at)
+            if owed and not each.owed:
+                for other in self._outputs.values():
+                    other.follow(each, at)
 
     def failed(self, at: int, refusal: str = "", *, for_good: bool = False) -> None:
         """Record that the last write was not acknowledged, or was refused with an exception.

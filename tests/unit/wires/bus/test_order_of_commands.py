@@ -43,6 +43,27 @@ def test_what_was_commanded_first_is_written_first_when_a_unit_is_back(away_ms: 
     assert order == [(65, 9, 0), (65, 0, 0)]
 
 
+@pytest.mark.parametrize("later_ms", [40, 400, 2000])
+def test_releases_that_waited_for_a_unit_keep_their_distance(later_ms: int) -> None:
+    times: list[int] = []
+
+    class Timed(Registers):
+        def write(self, address: int, values: tuple[int, ...], at: int) -> bool:
+            times.append(at)
+            return super().write(address, values, at)
+
+    bus = Bus(described(VG10.replace("address: 1, c", "address: 9, c")), {})
+    bus.to(1 * S)
+    bus.outputs.command({"modbus:65/0x0009": False}, bus.at)
+    bus.to(bus.at + later_ms * MS)
+    bus.outputs.command({A: False}, bus.at)
+    bus.to(bus.at + 3 * S)
+    bus.server = RtuServer({65: Timed()})
+    bus.to(bus.at + 4 * S)
+    first, second = times
+    assert later_ms * MS <= second - first <= later_ms * MS + 100 * MS
+
+
 def test_a_neighbour_that_is_commanded_later_does_not_overtake_what_stands_between() -> None:
     order: list[tuple[int, int, int]] = []
     third = "{kind: vacuum, channel: c_vacuum, modbus: {unit: 65, address: 20, command_on: [1], command_off: [0]}}"
@@ -72,7 +93,7 @@ def test_after_the_port_was_lost_the_units_are_written_in_the_order_of_the_comma
     bus.outputs.command({FAR: False}, bus.at)
     bus.server = RtuServer({unit: Device(unit, order) for unit in (1, 3)})
     bus.power()
-    bus.to(bus.at + 2 * S)
+    bus.to(bus.at + 4 * S)
     assert order == [(1, 10, 0), (3, 0, 0), (1, 0, 0)]
 
 
