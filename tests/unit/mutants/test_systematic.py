@@ -154,7 +154,7 @@ def test_what_one_tool_switches_off_is_judged_with_another(  # type: ignore[no-u
 ONCE_UNNOTICED = [
     ("Empty -> Reset, assignment: constant, '0' -> '1'", "second-attempt", "one step, evidence of nothing"),
     ("Step -> Step: target, 'Step -> Step' -> 'Step -> Decide'", "order-step", "an ending holds one of two"),
-    ("changer == 0 && ...' -> 'IL_02 && !STAND'", "armed", "no sensors of the stand"),
+    ("changer == 0 && ...' -> 'IL_02 && !STAND'", "arm-refused", "no sensors of the stand"),
     ("Armed -> Idle: edge deleted", "armed", "no sensors of the stand"),
     ("Blown: urgent", "blow-whole", "one is blown off, a cancel holds the other"),
     (
@@ -202,6 +202,14 @@ ONCE_UNNOTICED = [
         "cause-at",
         "one step, a loss and the start release it",
     ),
+    ("function found_part: constant, '0' -> '1'", "part-found", "two parts"),
+    ("Off -> GripError, assignment: assignment dropped, 'ee = GRIP_ERROR, part", "part-found", "two parts"),
+    ("TIMEOUT_KEEPS[n]) && TIMEOUT_KEEPS[i...' -> 't >=", "second-attempt", "one step"),
+    ("Blowing -> Blown, guard: negation, 'BLOWS' -> '!BLOWS'", "blow-refused", "one step, blown off"),
+    ("command = RELEASE, asked = true, homes = 2, t = 0, end_grip", "drops-all", "one step"),
+    ("StandBy -> Unwind, guard: condition dropped, '!clear()' -> 'true'", "drops-all", "one step"),
+    ("StandBy -> Unwind, synchronisation: synchronisation, 'drop' -> 'resume'", "drops", "one step"),
+    ("'changer == 0 && tool == ABSENT' -> 'changer == 0'", "arm-refused", "no sensors of the stand"),
 ]
 """Edits that no requirement noticed before: words of them, which one does today, and of which tool it is asked."""
 
