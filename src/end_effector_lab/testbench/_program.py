@@ -14,7 +14,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
-from end_effector_hal.cli import json_text
+from end_effector_hal.cli import PipedLines, json_text
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.signals import Value
@@ -98,7 +98,7 @@ def run_testbench(
 
 def _listen(commands: Commands, mail: Mail) -> None:
     """Execute every line of standard input as a command."""
-    for line in lines_of(sys.stdin.fileno()) if sys.stdin is not None else ():
+    for line in iter(PipedLines(sys.stdin.fileno()).next, None) if sys.stdin is not None else ():
         mail.post(partial(commands.obey, line))
 
 
@@ -231,16 +231,3 @@ class Commands:
                 raise UsageError(f"there is no command {line!r}.", todo="There are: scenario TEXT, quit.")
         except UsageError as error:
             self._voice.refuse(str(error))
-
-
-def lines_of(fd: int) -> Iterator[str]:
-    """Yield lines until the end of input; the last may lack its newline."""
-    data, rest = b"-", b""
-    while data:
-        try:
-            data = os.read(fd, 4096)
-        except OSError:  # a terminal in which another program is in front
-            return
-        *lines, rest = (rest + data).split(b"\n")
-        for line in lines if data else [rest]:
-            yield line.decode(errors="replace").strip()

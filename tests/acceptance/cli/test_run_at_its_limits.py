@@ -38,14 +38,25 @@ main()
 """So many threads can be started, and none after SIGUSR1: root has no limit of processes to meet."""
 
 
+DEAF = """
+import signal, sys, threading
+sys.argv.pop(1)
+threading.Thread(target=threading.Event().wait, daemon=True).start()
+signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+from end_effector_hal.cli import main
+main()
+"""
+"""No signal interrupts the main thread, which runs their handlers."""
+
+
 class Run:
     """The command, whose input is a pipe, and its output a file."""
 
-    def __init__(self, world: World, out: Path) -> None:
+    def __init__(self, world: World, out: Path, code: str = FEW_THREADS) -> None:
         self._out = out
         with out.open("wb") as file:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", FEW_THREADS, "1000", "run", str(world.description_path)],
+                [sys.executable, "-c", code, "1000", "run", str(world.description_path)],
                 stdin=subprocess.PIPE,
                 stdout=file,
                 stderr=subprocess.STDOUT,
@@ -92,6 +103,18 @@ def test_a_part_is_dropped_where_no_thread_can_be_started(run: Run) -> None:
     run.process.terminate()
     assert run.process.wait(PATIENCE_S) == 128 + signal.SIGTERM
     assert "Traceback" not in run.text
+
+
+def test_sigterm_ends_a_run_whose_reading_it_does_not_interrupt(world: World, tmp_path: Path) -> None:
+    """As one that arrives just before the program waits for a line: another thread receives it."""
+    running = Run(world, tmp_path / "out", DEAF)
+    try:
+        running.do("lock", "LOCK: succeeded")
+        running.process.terminate()
+        assert running.process.wait(PATIENCE_S) == 128 + signal.SIGTERM
+    finally:
+        running.process.kill()
+        running.process.communicate()
 
 
 def test_a_start_without_threads_is_a_sentence_before_anything_is_opened(world: World) -> None:

@@ -6,10 +6,12 @@ import json
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from end_effector_hal.cli import PipedLines
 from end_effector_hal.cli.run import _simulation
 from end_effector_hal.cli.run._causes import Causes
 from end_effector_hal.cli.run._session import CommandThread, Prompt
@@ -48,13 +50,14 @@ def test_a_line_that_finds_no_memory_is_refused_and_the_next_one_is_read(
 ) -> None:
     lines: list[str | type[Exception]] = [MemoryError, "grip", EOFError]
 
-    def read(_: str) -> str:
+    def read(_: PipedLines) -> str:
         line = lines.pop(0)
         if isinstance(line, str):
             return line
         raise line
 
-    monkeypatch.setattr("builtins.input", read)
+    monkeypatch.setattr(PipedLines, "next", read)
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(fileno=int))
     monkeypatch.setattr("time.sleep", lambda _: None)
     refused: list[ReportedError] = []
     assert len(list(Prompt(shown=False).commands(refused.append))) == 1

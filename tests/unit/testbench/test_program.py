@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from pathlib import Path
@@ -19,7 +18,7 @@ from end_effector_hal.wires import inputs as board
 from end_effector_hal.wires.lines import VirtualLines, read_chip
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import open_inputs, write_virtual_copy
-from end_effector_lab.testbench._program import Commands, Mail, Voice, lines_of
+from end_effector_lab.testbench._program import Commands, Mail, Voice
 from end_effector_lab.testbench._records import Events, Record
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.places import ROOT
@@ -55,22 +54,6 @@ def test_scenario_and_quit(capsys: pytest.CaptureFixture[str]) -> None:
     ]
     told.commands.obey("quit")
     assert told.ended
-
-
-def test_lines_come_in_pieces_and_the_last_may_lack_its_end() -> None:
-    read, write = os.pipe()
-    lines = lines_of(read)
-    for piece in (b"scenario nom", b"inal\nscenario noise:0.1\nqu"):
-        os.write(write, piece)
-    assert [next(lines), next(lines)] == ["scenario nominal", "scenario noise:0.1"]
-    os.write(write, b"it")
-    os.close(write)
-    assert list(lines) == ["quit"]
-    os.close(read)
-
-
-def test_a_terminal_that_another_program_has_ends_the_commands() -> None:
-    assert list(lines_of(-1)) == []
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:

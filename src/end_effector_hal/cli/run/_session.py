@@ -16,6 +16,7 @@ from queue import Empty, SimpleQueue
 
 import click
 
+from end_effector_hal.cli._input import PipedLines
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
@@ -248,6 +249,7 @@ class Prompt:
     def __init__(self, *, shown: bool) -> None:
         self.shown = shown
         self._reading, self._until_s = False, math.inf
+        self._piped: PipedLines | None = None
         self._typed: Callable[[], str] = str
 
     def end(self) -> None:
@@ -277,8 +279,8 @@ class Prompt:
         """Yield each typed command until the end of the input."""
         if self.shown:
             self._with_history()
-        if isinstance(sys.stdin, TextIOWrapper):
-            sys.stdin.reconfigure(errors="replace")  # what is no text is an unknown command
+            if isinstance(sys.stdin, TextIOWrapper):
+                sys.stdin.reconfigure(errors="replace")  # what is no text is an unknown command
         read = False
         while True:
             try:
@@ -298,7 +300,10 @@ class Prompt:
     def _line(self) -> str | None:
         try:
             self._reading = self.shown
-            return input(PROMPT if self.shown else "").strip()
+            if self.shown:
+                return input(PROMPT).strip()
+            self._piped = self._piped or PipedLines(sys.stdin.fileno())
+            return self._piped.next()
         except (EOFError, OSError):  # the terminal has gone
             return None
         finally:
