@@ -127,7 +127,7 @@ def _backend(description: Description, socket: Path, group: str | None) -> LineB
     for name, outputs in description.buses.items():
         link, codec = description.links[name], codec_of(description, name)
         bus = BusLink(link.port, cast("BusCodec", codec), *line_of(link, codec))
-        lines = BusLines(bus, outputs, bus_relay(description, socket, name), group)
+        lines = BusLines(bus, outputs, bus_relay(description, socket, name), group, description.release_us)
         others |= dict.fromkeys(outputs, lines)
     return ComposedLines(_board_lines(description), others)
 

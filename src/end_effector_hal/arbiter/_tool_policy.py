@@ -63,11 +63,7 @@ def arbiter_policy(description: Description) -> Policy:
             line: SecondCoil(each.line, to_us(each.pulse_s or 0), to_us(each.pause_s or 0))
             for line, each in description.opposites.items()
         },
-        release_us={
-            actuator.line: to_us(actuator.release_s)
-            for _, actuator in description.ordered
-            if actuator.line in description.register_outputs
-        },
+        release_us=description.release_us,
         registers={
             line: len(each.command_on)
             for line, each in description.register_outputs.items()

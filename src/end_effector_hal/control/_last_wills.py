@@ -29,7 +29,7 @@ class GripLastWill:
     def __init__(self, description: Description) -> None:
         actuators, place = description.actuators, description.sequence.index
         self._blow_offs = {place(name): each.line for name, each in description.blow_offs.items()}
-        self._parts = [
+        self._actuators = [
             (
                 place(name),
                 actuators[name].line,
@@ -44,7 +44,7 @@ class GripLastWill:
         steps = [LastWillStep(self._blow_offs[index]) for index in status.blowing] if status.blowing else []
         after_us = 0
         releasing = status.ee == EndEffectorState.RELEASING
-        for index, line, release_us, endings in self._parts:
+        for index, line, release_us, endings in self._actuators:
             if not status.outputs[index]:
                 continue
             if status.held or index in status.kept:

@@ -110,8 +110,8 @@ def stanzas() -> dict[str, type[BaseStanza]]:
             return  # conditions in conditions have the same keys
         for key, each in fields_of(model).items():
             below = f"{path}.{key}" if path else key
-            if part := stanza_in(each.annotation):
-                walk(below, part)
+            if inner := stanza_in(each.annotation):
+                walk(below, inner)
             elif below == "actuators":
                 for kind, actuator in actuator_stanzas().items():
                     walk(f"actuators.<{kind}>", actuator)

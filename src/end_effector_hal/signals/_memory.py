@@ -91,9 +91,9 @@ def _plan(thing: Remembers) -> _Plan:
     return _Plan(parts, tuple(name for name, kind in thing.MEMORY.items() if not _stays(kind, name in parts)))
 
 
-def _stays(kind: Any, is_part_name: bool) -> bool:
+def _stays(kind: Any, is_nested: bool) -> bool:
     """Return whether values of this declared type cannot be changed in place."""
-    if is_part_name or kind in (int, bool, float, str, type(None)):
+    if is_nested or kind in (int, bool, float, str, type(None)):
         return True
     if isinstance(kind, UnionType):
         return all(_stays(each, False) for each in get_args(kind))

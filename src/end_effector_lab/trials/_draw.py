@@ -50,9 +50,9 @@ class CaseSource:
         for fault in faults_of(description):
             if fault != NOMINAL:
                 self._faults.setdefault(fault.partition(":")[0], []).append(fault)
-        parts = [actuator for _, actuator in description.ordered]
-        seconds = {0.02, 0.05, 0.1, 0.15, 1.0, *(part.timeout_s for part in parts)}
-        seconds |= {part.reset_s for part in parts} | {part.release_s for part in parts}
+        actuators = [actuator for _, actuator in description.ordered]
+        seconds = {0.02, 0.05, 0.1, 0.15, 1.0, *(each.timeout_s for each in actuators)}
+        seconds |= {each.reset_s for each in actuators} | {each.release_s for each in actuators}
         if changer := description.tool_changer:
             seconds |= {changer.unlock_max_s, changer.prove_s, changer.fault_s, changer.vented_s}
         self._deadlines = sorted(round(each * 1e6) for each in seconds)

@@ -5,10 +5,11 @@ The rules share no code with the controller or the line arbiter, and were not de
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip becomes inactive
     (IL-09).
 Rule 2 (order): released outputs become inactive in the release order, each one when the previous device is gone or
-    its time is over; when a step is retried, only the output of the last active step becomes inactive.
+    its time is over; when a step is retried, only the output of the last active step becomes inactive. A board that
+    restarts switches all its outputs at once.
 Rule 3 (activation): an output of the grip becomes active only in an accepted, running grip, after all earlier
     steps, within its attempts and with the pause between them, with the tool really locked and a link that can
-    report it (IL-05, IL-11), and not while the emergency stop is open.
+    report it (IL-05, IL-11), and not while the emergency stop is open. A write may be under way when the grip ends.
 Rule 4 (unlock): the unlock output is active only after an accepted unlock, with every vacuum gone for a while and
     the tool not away from its stand, never together with an output of the grip (IL-01, IL-02, IL-05), and not
     longer than its longest time while the line arbiter lives (IL-03).
@@ -62,6 +63,8 @@ GRIPPING, RELEASING = EndEffectorState.GRIPPING, EndEffectorState.RELEASING
 MARGIN_US = 1_000_000
 ANSWERED_US = 200_000
 """Time in which a device on a bus that is read obeys a command, µs: one lost answer, and another attempt."""
+UNDER_WAY_US = 5_000
+"""Longest way of a write over a bus, µs: it may arrive after the end of the grip."""
 NEAR_US = 5_000
 """Time by which a pause may appear too short, µs: actions that are due at the same time are executed one after the
 other.
@@ -332,7 +335,7 @@ class Judge:
             self._object("activation", f"{name} became active, which does not grip this part")
         # a write that is on its way over a bus when the grip ends cannot be taken back
         on_bus = self._line[name] in self._description.register_outputs
-        if not self._grip_runs and not (on_bus and each.at - self._grip_over_at <= NEAR_US):
+        if not self._grip_runs and not (on_bus and each.at - self._grip_over_at <= UNDER_WAY_US):
             self._object("activation", f"{name} became active without a grip (IL-11)")
         self._attempts[name] += 1
         allowed = self._gripping.actuators[name].attempts

@@ -95,7 +95,7 @@ class VirtualBus:
         self._codec = codec = cast(BusCodec, codec_of(description, name))
         self._names, self._devices, self._clock = frozenset(outputs), devices, clock
         self._longest_pulse_us = max(to_us(each.pulse_s or 0) for each in outputs.values())
-        self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us))
+        self._outputs = BusOutputs(outputs, fresh_for_us(codec.period_us), description.release_us)
         address = network_address(link.port)
         self._numbers_requests = address is not None and address.scheme == "tcp"
         self._connect()

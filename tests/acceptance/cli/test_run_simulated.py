@@ -90,7 +90,7 @@ def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_pa
         0,
         "Simulated: virtual lines and a testbench; nothing real moves.",
     )
-    assert re.fullmatch(r"Live in a browser: eehal page /\S+/end_effector\.yaml", page)
+    assert re.fullmatch(r"While this runs, a page shows it: eehal page /\S+/end_effector\.yaml", page)
     assert [line for line in out.splitlines() if "succeeded" in line] == [
         "LOCK: succeeded",
         "GRIP: succeeded",

@@ -515,9 +515,10 @@ class LineArbiter:
         """
         owed, begins = self._lines.owed() & session.lines, {step.line: step.after_us for step in will}
         first_us = next((step.after_us for step in will if step.line not in owed), 0)
-        waits = {line: max(0, first_us - begins.get(line, 0)) for line in owed}
-        wait_us = max((self.policy.release_us.get(line, 0) - waits[line] for line in owed), default=0)
-        wait_us = max(0, wait_us)
+        waits = (
+            self.policy.release_us.get(line, 0) - max(0, first_us - begins.get(line, 0)) for line in owed
+        )
+        wait_us = max([0, *waits])
         return tuple(
             step if step.line in owed else step._replace(after_us=step.after_us + wait_us) for step in will
         )
@@ -570,7 +571,7 @@ class LineArbiter:
         for line, values in part.values.items():
             number = self.policy.registers.get(line, 0)
             if not levels.get(line):
-                raise UsageError(f"Values for {line} are taken only by a write that activates it.")
+                raise UsageError(f"The write gives values for {line} and does not activate it.")
             if len(values) != number:
                 raise UsageError(f"{line} takes {number} values, and the write gives {len(values)}.")
 

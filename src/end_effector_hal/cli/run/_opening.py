@@ -147,7 +147,7 @@ def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voic
             loaded, choose = hardware.description, hardware.choose
             progress.clear()
             click.echo("Simulated: virtual lines and a testbench; nothing real moves.", err=True)
-            click.echo(f"Live in a browser: eehal page {loaded.source}", err=True)
+            click.echo(f"While this runs, a page shows it: eehal page {loaded.source}", err=True)
             progress("The tool is starting")
         causes = Causes(loaded) if isinstance(voice, JsonLines) else None
         observe = None if causes is None else causes.take

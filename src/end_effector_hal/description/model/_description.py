@@ -321,9 +321,9 @@ class Description(BaseStanza):
     @property
     def opposites(self) -> dict[str, Opposite]:
         """Second coils by the line of their output."""
-        parts: list[Actuator | ToolChanger] = [actuator for _, actuator in self.ordered]
-        parts += [self.tool_changer] if self.tool_changer else []
-        return {part.line: part.opposite for part in parts if part.opposite is not None}
+        outputs: list[Actuator | ToolChanger] = [actuator for _, actuator in self.ordered]
+        outputs += [self.tool_changer] if self.tool_changer else []
+        return {each.line: each.opposite for each in outputs if each.opposite is not None}
 
     @property
     def output_lines(self) -> tuple[str, ...]:
@@ -350,6 +350,16 @@ class Description(BaseStanza):
     def register_outputs(self) -> dict[str, RegisterOutput]:
         """Outputs on all buses by the name used as their `line`."""
         return {each.line: each.modbus for each in self.every_output.values() if each.modbus is not None}
+
+    @property
+    def release_us(self) -> dict[str, int]:
+        """How long the release of each actuator on a bus takes, µs, by the name used as its `line`."""
+        lines = self.register_outputs
+        return {
+            actuator.line: round(actuator.release_s * 1e6)
+            for _, actuator in self.ordered
+            if actuator.line in lines
+        }
 
     @property
     def part_outputs(self) -> frozenset[str]:

@@ -89,8 +89,8 @@ def _fits(key: str, value: object) -> bool:
         inside = value.values() if isinstance(value, dict) else ()
         return any(isinstance(each, dict) and not known.isdisjoint(each) for each in inside)
     annotation = fields_of(Description)[key].annotation
-    if part := stanza_in(annotation):
-        return isinstance(value, dict) and (not value or not fields_of(part).keys().isdisjoint(value))
+    if model := stanza_in(annotation):
+        return isinstance(value, dict) and (not value or not fields_of(model).keys().isdisjoint(value))
     return (
         value is not None and not isinstance(value, dict) and isinstance(value, list) == _is_list(annotation)
     )

@@ -101,5 +101,5 @@ class ChangerEndings(BaseStanza):
     )
 
 
-def _written(part: BaseStanza) -> dict[str, str]:
-    return {key: value for key, value in part if value is not None}
+def _written(stanza: BaseStanza) -> dict[str, str]:
+    return {key: value for key, value in stanza if value is not None}

@@ -206,8 +206,8 @@ def _check(description: Description, status: Status) -> None:
     """Raise ValueError or KeyError if a status does not fit the actuators and the parts of the tool."""
     description.for_part(status.part)
     each = zip(description.ordered, status.actuators, status.outputs, status.evidence, strict=True)
-    for (_, part), state, _, _ in each:
-        kind_of(part).states(state)
+    for (_, actuator), state, _, _ in each:
+        kind_of(actuator).states(state)
 
 
 def _nothing_known(description: Description) -> Status:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from end_effector_hal.codecs.modbus import BusCodec, ModbusMaster, cycle_record
@@ -65,13 +66,19 @@ class BusLines:
         outputs: the outputs by name.
         relay: path of the socket that relays each cycle.
         group: the group whose members may read there; default: the group of the process.
+        release_us: how long the release of an output takes, µs, by its name.
     """
 
     def __init__(
-        self, link: BusLink, outputs: Mapping[str, RegisterOutput], relay: Path, group: str | None = None
+        self,
+        link: BusLink,
+        outputs: Mapping[str, RegisterOutput],
+        relay: Path,
+        group: str | None = None,
+        release_us: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
         self._link, self._relay_path, self._group = link, relay, group
-        self._outputs = BusOutputs(outputs, fresh_for_us(link.codec.period_us))
+        self._outputs = BusOutputs(outputs, fresh_for_us(link.codec.period_us), release_us)
         self._names = frozenset(outputs)
         self._longest_pulse_s = max(each.pulse_s or 0.0 for each in outputs.values())
         self._lock = threading.Lock()

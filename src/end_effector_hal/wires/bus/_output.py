@@ -91,6 +91,8 @@ class BusOutput:
             False  # a command of the pulsed output may have reached the device, and its end has not
         )
         self._quiet_until = 0  # the end of the pulse, or of the pause after it
+        self._ordered_at = 0  # of the last command, also where a reset writes it once more
+        self._follows_at = 0  # a release that waits is written no sooner after the release before it
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = self._written_at = self._late_us = 0
         self._reports: dict[str, tuple[bool, int, int]] = {}
@@ -119,7 +121,8 @@ class BusOutput:
             "",
             max(self.retry_at, at + (self._late_us if level and at - self._written_at < LATE_FOR_US else 0)),
         )
-        self._commanded_at = self._progress_at = at
+        self._commanded_at = self._progress_at = self._ordered_at = at
+        self._follows_at = 0
         self.alone = self._repeats = self.refused = False
         self.refusal, self.in_vain = "", 0
         self._sent = None  # the device may have restarted since, and have lost what it had
@@ -222,7 +225,12 @@ class BusOutput:
     def next_row(self, at: int) -> Row | None:
         """Return the registers to write now; None: nothing."""
         step = self._rest if self.rests else self._steps[0] if self._steps else None
-        return step if isinstance(step, Row) and at >= self.retry_at else None
+        return step if isinstance(step, Row) and at >= self.due_at else None
+
+    @property
+    def due_at(self) -> int:
+        """The time, µs, before which nothing is written; the end of a pulse follows no other output."""
+        return self.retry_at if self.rests else max(self.retry_at, self._follows_at)
 
     def sent(self, row: Row) -> None:
         """Record that a row was sent."""
@@ -249,13 +257,16 @@ class BusOutput:
                 self.rests = True
                 self._be_quiet(at, self.stanza.pulse_s)
 
-    def follow(self, other: BusOutput, at: int) -> None:
-        """Release no sooner after another output, which has been released now, than it was commanded after it.
+    def follow(self, other: BusOutput, release_us: int, at: int) -> None:
+        """Keep the interval of the commands after an earlier release, which was acknowledged now.
 
-        Releases that had to wait for a device would otherwise be written together.
+        Releases that had to wait for a device would otherwise be written together, those of a Drop as well. No
+        interval is longer than ``release_us``, which the release of the other takes.
         """
         if self.owed and self.turn > other.turn:
-            self.retry_at = max(self.retry_at, self._commanded_at + at - other._commanded_at)
+            self._follows_at = max(
+                self._follows_at, at + min(self._ordered_at - other._ordered_at, release_us)
+            )
 
     def failed(self, at: int) -> None:
         """Record that the last write was not acknowledged: it is repeated.

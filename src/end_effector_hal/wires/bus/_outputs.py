@@ -5,6 +5,7 @@ argument.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import RegisterOutput
@@ -24,10 +25,17 @@ class BusOutputs:
     Args:
         stanzas: their parts of the description, by name.
         fresh_us: how long the report of a device is valid.
+        release_us: how long the release of an output takes, µs, by its name; default: no time.
     """
 
-    def __init__(self, stanzas: Mapping[str, RegisterOutput], fresh_us: int) -> None:
+    def __init__(
+        self,
+        stanzas: Mapping[str, RegisterOutput],
+        fresh_us: int,
+        release_us: Mapping[str, int] = MappingProxyType({}),
+    ) -> None:
         self._outputs = {name: BusOutput(name, each, fresh_us) for name, each in stanzas.items()}
+        self._release_us = release_us
         every = self._outputs.values()
         # looked for once: a bus may have many outputs, and each of its requests asks for them
         self._neighbours = {
@@ -95,11 +103,11 @@ class BusOutputs:
     def next_write(self, at: int) -> RegisterWrite | None:
         """Return the next write, None: nothing is due; adjacent registers of one unit are written together."""
         self.advance(at)
-        due = [each for each in self._in_turn() if each.retry_at <= at]
+        due = [each for each in self._in_turn() if each.due_at <= at]
         if not due:
             return None
         # or a device that is dead would keep the others waiting
-        first = min(due, key=lambda each: (each.retry_at, each.turn))
+        first = min(due, key=lambda each: (each.due_at, each.turn))
         row = first.next_row(at)
         assert row is not None
         return self._together(first, row, at)
@@ -123,7 +131,7 @@ class BusOutputs:
             each.acknowledged(at)
             if owed and not each.owed:
                 for other in self._outputs.values():
-                    other.follow(each, at)
+                    other.follow(each, self._release_us.get(each.name, 0), at)
 
     def failed(self, at: int, refusal: str = "", *, for_good: bool = False) -> None:
         """Record that the last write was not acknowledged, or was refused with an exception.
@@ -178,7 +186,7 @@ class BusOutputs:
     @property
     def due(self) -> int | None:
         """The latest time for the next call of `next_write`; None: nothing is pending."""
-        times = [each.retry_at for each in self._in_turn()]
+        times = [each.due_at for each in self._in_turn()]
         times += [each.gives_up_at for each in self._outputs.values() if each.gives_up_at is not None]
         return min(times, default=None)
 
@@ -187,7 +195,7 @@ class BusOutputs:
         it that the device has refused. Releases do not wait for ever for one that is tried in vain.
         """
         found, units, stuck = list[BusOutput](), set[int](), set[int]()
-        for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.retry_at)):
+        for each in sorted(self._outputs.values(), key=lambda each: (each.turn, each.due_at)):
             unit = each.stanza.unit
             waits = unit in units or (unit in stuck and each.level)
             if (waits and not each.rests) or each.next_row(LAST) is None:

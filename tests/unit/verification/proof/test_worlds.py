@@ -22,14 +22,17 @@ from timed_automata.queries import parse_query
 pytestmark = pytest.mark.thinned  # long
 
 ONE_IS_ENOUGH = (
-    "    if (j == focus || j == witness() || any_odd()) return j == focus || odd == -1 || odd == j;\n"
+    "    if (j == focus || j == witness() || any_odd() || homed(j)) return j == focus || odd == -1 || odd == j;\n"
     "    return level == PARTIAL ? odd == -1 &amp;&amp; usual(j) == CONFIRMED &amp;&amp; may_lose()"
     " : odd == j &amp;&amp; level == usual(j);\n"
 )
 ANY_OF_THEM = "    return j == focus || odd == -1 || odd == j;\n"
 IT_SETTLES = "    return ee == RELEASING &amp;&amp; !any_odd()"
 NEVER = "    return false &amp;&amp; !any_odd()"
-GONE_LATER = "    return level == evidence[j] || odd == -1 || odd == j || any_odd() || ee != RELEASING;\n"
+GONE_LATER = (
+    "    return level == evidence[j] || odd == -1 || odd == j || any_odd() || ee != RELEASING"
+    " || N &lt;= 4 &amp;&amp; !valve[odd];\n"
+)
 GONE_AT_ONCE = "    return true;\n"
 OF_MANY_STEPS = "OVER_AT_ONCE = N > 4;"
 OF_THE_WORLD = (

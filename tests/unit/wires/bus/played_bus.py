@@ -86,7 +86,7 @@ class Bus:
     def __init__(self, tool: Description, units: dict[int, RegisterMap], at: int = 0) -> None:
         self.codec, self.at = codec_of(tool), at
         period_us = self.codec.period_us
-        self.outputs = BusOutputs(tool.register_outputs, fresh_for_us(period_us))
+        self.outputs = BusOutputs(tool.register_outputs, fresh_for_us(period_us), tool.release_us)
         self.server = RtuServer(units)
         self.wire: Callable[[bytes, bytes], bytes] = lambda request, answer: answer
         self.requests: list[bytes] = []

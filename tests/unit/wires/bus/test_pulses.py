@@ -153,3 +153,22 @@ def test_the_testbench_leaves_the_valve_where_a_pulse_has_moved_it() -> None:
         assert done is not None
         assert done[1] == 16
     assert switched == [(A, True), (A, False)]
+
+
+@pytest.mark.parametrize("heard_ms", range(0, 1000, 50))
+def test_no_release_before_it_prolongs_a_pulse(valve: Timed, heard_ms: int) -> None:
+    """The release before is acknowledged, by another unit, while the pulse runs."""
+    far = "modbus:2/0x0005"
+    bus = Bus(described(VALVES.replace("{address: 5,", "{unit: 2, address: 5,")), {1: valve, 2: Registers()})
+    bus.outputs.command({A: True, far: True}, bus.at)
+    bus.to(bus.at + 1 * S)
+    bus.wire = lambda request, answer: b""
+    bus.outputs.command({far: False}, bus.at)
+    bus.to(bus.at + 2 * S)
+    bus.outputs.command({A: False}, bus.at)
+    bus.to(bus.at + heard_ms * MS)
+    bus.wire = lambda request, answer: answer
+    bus.to(bus.at + 6 * S)
+    assert valve.rows[-2:] == [OFF, REST]
+    pairs = zip(valve.pulses, valve.pulses[1:], strict=False)
+    assert all(after - before <= 400 * MS for (row, before), (_, after) in pairs if row != REST)

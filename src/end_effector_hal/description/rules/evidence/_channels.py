@@ -67,10 +67,10 @@ def _uses(description: Description) -> Iterator[Use]:
             yield Use(("channels", name), "alarm", name, bit=True, written=True)
 
 
-def _of(stanza: tuple[str | int, ...], part: BaseStanza, key: str, *, bit: bool) -> Iterator[Use]:
-    channel = getattr(part, key)
+def _of(path: tuple[str | int, ...], stanza: BaseStanza, key: str, *, bit: bool) -> Iterator[Use]:
+    channel = getattr(stanza, key)
     if channel and channel != NO_CHANNEL:
-        yield Use(stanza, key, channel, bit, key in part.model_fields_set)
+        yield Use(path, key, channel, bit, key in stanza.model_fields_set)
 
 
 def bits_by_default() -> frozenset[str]:
@@ -250,14 +250,14 @@ def impossible_thresholds(description: Description) -> Iterator[Fault]:
 def too_soon(description: Description, codec: CodecChannels) -> Iterator[Fault]:
     """Yield a fault for each `frozen_s` that is too short: a working sensor may repeat a value."""
     least_s = FROZEN_SAMPLES * codec.period_us / 1e6
-    parts: list[tuple[tuple[str, ...], Actuator | Supply]] = [(("supply",), description.supply)]
-    parts += [(("actuators", name), each) for name, each in description.ordered]
-    for stanza, part in parts:
-        watched = codec.noise_shows and codec.channels.get(part.channel) is Kind.PRESSURE
-        if watched and part.frozen_s is not None and part.frozen_s < least_s:
+    stanzas: list[tuple[tuple[str, ...], Actuator | Supply]] = [(("supply",), description.supply)]
+    stanzas += [(("actuators", name), each) for name, each in description.ordered]
+    for path, stanza in stanzas:
+        watched = codec.noise_shows and codec.channels.get(stanza.channel) is Kind.PRESSURE
+        if watched and stanza.frozen_s is not None and stanza.frozen_s < least_s:
             what = f"a working sensor would count as frozen: {FROZEN_SAMPLES} samples take"
             yield Fault.at(
-                description.place(*stanza, "frozen_s"),
+                description.place(*path, "frozen_s"),
                 "EE-225",
                 f"{what} {number(least_s)} s with {codec.codec}",
                 expected=f"at least {number(least_s)}, or null",
