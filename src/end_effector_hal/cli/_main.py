@@ -17,7 +17,7 @@ from end_effector_hal._extras import lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.plugins import Plugins
 
-from ._output import print_line
+from ._output import NO_ROOM, print_line
 
 GROUP = "end_effector_hal.commands"
 """Entry-point group of further commands; a command of this package has precedence over one of the same name."""
@@ -71,7 +71,7 @@ _JUDGING = (
     "campaign", "check", "compare", "doctor", "import", "matrix", "model", "replay", "report", "verify",
 )  # fmt: skip
 """Commands that end by themselves and whose exit code states their result."""
-_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+_UNWRITABLE = (*NO_ROOM, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _PLACES = {
     **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
@@ -165,7 +165,7 @@ def main() -> None:
         _main()
     except OSError as error:
         # an error of a file that was opened names it, and its opener reports it
-        if error.errno not in _NO_ROOM or error.filename is not None:
+        if error.errno not in _UNWRITABLE or error.filename is not None:
             raise
         click.echo(f"The output cannot be written: {error.strerror}.", err=True)
         _discard(stdout)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import sys
 import threading
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of an output that goes to a disk without room for it."""
 SCHEMA_VERSION = 1
 """Increased when a field is removed or changes its meaning; new fields do not change it."""
 

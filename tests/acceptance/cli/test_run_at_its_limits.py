@@ -129,6 +129,17 @@ def test_a_start_without_threads_is_a_sentence_before_anything_is_opened(world: 
         assert "LOCK" not in ended.stdout
 
 
+def test_a_script_whose_output_is_lost_is_carried_out_and_ends_with_2(world: World) -> None:
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(
+            [*EEHAL, "run", str(world.description_path), "--script", "lock; grip"],
+            stdout=full, stderr=subprocess.PIPE, text=True, timeout=PATIENCE_S, check=False,
+        )  # fmt: skip
+    assert ended.returncode == 2
+    assert ended.stderr.splitlines()[-1] == "The output cannot be written: No space left on device."
+    assert holds(world)
+
+
 @pytest.mark.parametrize("as_json", [False, True], ids=["words", "json"])
 def test_sigterm_ends_a_run_that_holds_a_part_while_nobody_reads(
     world: World, tmp_path: Path, as_json: bool

@@ -80,6 +80,8 @@ def run(script: str | None, as_json: bool, **options: Any) -> None:
             )
             succeeded = session.play(commands, interactive=interactive) and succeeded
             reloads = session.reloads
+    if prompt.lost is not None:
+        raise prompt.lost
     sys.exit(0 if succeeded else 1)
 
 

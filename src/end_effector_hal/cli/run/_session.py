@@ -17,6 +17,7 @@ from queue import Empty, SimpleQueue
 import click
 
 from end_effector_hal.cli._input import PipedLines
+from end_effector_hal.cli._output import NO_ROOM
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
@@ -251,6 +252,8 @@ class Prompt:
         self._reading, self._until_s = False, math.inf
         self._piped: PipedLines | None = None
         self._typed: Callable[[], str] = str
+        self.lost: OSError | None = None
+        """Why the output lacks a line, where it goes to a disk; None: it lacks none."""
 
     def end(self) -> None:
         """End the program's output: from now on no write waits for more than half a second for the reader of the
@@ -273,7 +276,11 @@ class Prompt:
             while not select.select([], [number], [], LAST_LINES_S / 5)[1]:
                 if time.monotonic() > self._until_s:
                     raise TimeoutError("no process reads the output")
-            left = left[os.write(number, left[: select.PIPE_BUF]) :]
+            try:
+                left = left[os.write(number, left[: select.PIPE_BUF]) :]
+            except OSError as error:
+                self.lost = error if error.errno in NO_ROOM else self.lost
+                raise
 
     def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:
         """Yield each typed command until the end of the input."""
