@@ -92,7 +92,8 @@ def main(names: list[str]) -> int:
         if ended not in (0, 4):
             return ended
         KEPT.mkdir(exist_ok=True)
-        (KEPT / f"{name}.csv").write_bytes((folder / "fmea.csv").read_bytes())
+        table = (folder / "fmea.csv").read_bytes()
+        (KEPT / f"{name}.csv").write_bytes(table.replace(b"\r\n", b"\n"))  # as all text in this repository
     return 0
 
 
