@@ -151,6 +151,24 @@ def test_what_was_never_released_stays_held(
     assert [edge.level for edge in tool.edges[before:]] == [False, False]
 
 
+def test_releases_that_are_owed_keep_their_order_over_a_restart(tmp_path: Path) -> None:
+    """A Drop and the last will have commanded both while no device heard it, cup_b first."""
+    tool, devices = gripped(tmp_path, verify=True)
+    before, devices.deaf = len(tool.edges), True
+    assert tool.command("drop").accepted
+    tool.run(0.2)
+    tool.kill("hal")
+    tool.run(8.0)
+    tool.kill("arbiter")
+    devices.deaf = False
+    tool.start("arbiter")
+    tool.run(1.0)
+    cup_a, cup_b = (tool.description.actuators[name].line for name in ("cup_a", "cup_b"))
+    released = tool.edges[before:]
+    assert [(edge.line, edge.level) for edge in released] == [(cup_b, False), (cup_a, False)]
+    assert released[0].at < released[1].at
+
+
 def test_a_last_will_waits_once_for_its_own_first_step() -> None:
     """The release of the fingers is owed at the restart, and it is the step before that of the cups."""
     tool = VirtualTool(load_tool(ROOT / "examples" / "cells" / "three_parts" / "end_effector.yaml"))

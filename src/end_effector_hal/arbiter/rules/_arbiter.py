@@ -128,7 +128,7 @@ class LineArbiter:
             since={
                 line: self._lines.changed_at[line] for line in self.policy.max_active_us if self.levels[line]
             },
-            owed=tuple(sorted(owed)),
+            owed=tuple(sorted(owed, key=lambda line: (self._lines.changed_at[line], line))),
             part=self.part,
         )
 
@@ -442,11 +442,12 @@ class LineArbiter:
             self._restore(record._replace(will=()) if doubt else record, at)
 
     def _release_again(self, owed: Sequence[str], at: int) -> None:
-        """Write the deactivations that no device had acknowledged when the previous arbiter ended."""
+        """Command the deactivations that no device had acknowledged when the previous arbiter ended, in that order."""
         if lines := [line for line in owed if self.levels.get(line)]:  # the others are released by now
             called = ", ".join(map(self.policy.called, lines))
             _log.warning("deactivated again, because no device had acknowledged it: %s", called)
-            self._lines.set(dict.fromkeys(lines, False), at)
+            for line in lines:
+                self._lines.set({line: False}, at)
 
     def _bound(self, state: ArbiterState, at: int) -> None:
         """Continue the longest times (IL-03) from the record; if the record lacks the start time, the longest time is

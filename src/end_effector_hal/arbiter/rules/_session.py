@@ -60,7 +60,7 @@ class ArbiterState:
         unread: whether the journal was not read yet, so that its faults are missing here.
         driven: by line, its role and whether it may be active; empty: not recorded.
         since: by line, the time of its activation, µs; only active lines that have a longest time.
-        owed: lines whose deactivation was commanded, and which their device has not acknowledged.
+        owed: lines whose deactivation was commanded, and which their device has not acknowledged, in that order.
         part: name of the part that was gripped last; empty: none, or it has no name.
     """
 
