@@ -14,9 +14,10 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
-from end_effector_hal.cli import PipedLines, json_text
+from end_effector_hal.cli import json_text
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.runtime import PipedLines
 from end_effector_hal.signals import Value
 
 from ._faults import FaultServer

@@ -16,7 +16,6 @@ from queue import Empty, SimpleQueue
 
 import click
 
-from end_effector_hal.cli._input import PipedLines
 from end_effector_hal.cli._output import NO_ROOM
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
@@ -25,6 +24,7 @@ from end_effector_hal.owned import open_owned
 from end_effector_hal.runtime import (
     WORDS,
     EndEffector,
+    PipedLines,
     Result,
     RunningGoal,
     ScriptCommand,

@@ -24,7 +24,7 @@ from end_effector_hal.nodes.interface import (
     Service,
 )
 from end_effector_hal.nodes.transport import CommandMessage, NodeTransport, StateMessage
-from end_effector_hal.runtime import ScriptCommand, read_command, read_script
+from end_effector_hal.runtime import PipedLines, ScriptCommand, read_command, read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
 
 from ._goals import GoalClients
@@ -43,6 +43,7 @@ class Supervisor:
     def __init__(self, node: NodeTransport) -> None:
         self._node = node
         self._prompting = self._reset_failed = False
+        self._piped: PipedLines | None = None
         self._publish = node.publisher(SUPERVISOR_COMMANDS)
         self._goals = GoalClients(node, self.say, _patience_s(node))
         self._adopted = threading.Event()
@@ -73,11 +74,12 @@ class Supervisor:
         waited for.
         """
         terminal = sys.stdin.isatty()
+        self._piped = None if terminal else PipedLines(sys.stdin.fileno())
         self._goals.wait_for_servers()
         self.say(HELP)
         while not self._node.ending:
             try:
-                line = self._read(terminal)
+                line = self._read()
                 order = read_command(line) if line.strip() else None
             except EOFError:
                 self.give(ScriptCommand(Command.QUIT))
@@ -134,10 +136,9 @@ class Supervisor:
         self._reset_failed = self._reset_failed or not answer.accepted
         return f"{word}: {'SUCCEEDED' if answer.accepted else 'FAILED'}. {answer.reason}"
 
-    def _read(self, terminal: bool) -> str:
-        if not terminal:
-            line = sys.stdin.readline()
-            if not line:
+    def _read(self) -> str:
+        if self._piped is not None:
+            if (line := self._piped.next()) is None:
                 raise EOFError
             return line
         self._prompting = True
