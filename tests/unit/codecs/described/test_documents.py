@@ -1,4 +1,4 @@
-"""What stands in docs/reference/channels.md and on the pages of examples/tools is true."""
+"""What is in docs/reference/channels.md, registers.md and on the pages of examples/tools is true."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from end_effector_hal.description import examine_text
 from end_effector_hal.signals import Value
 from tests.support.places import DOCS
 
-PAGE = (DOCS / "reference/channels.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
+PAGES = "".join((DOCS / f"reference/{name}.md").read_text("utf-8") for name in ("channels", "registers"))
+BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGES, flags=re.DOTALL)
 REST = """\
 name: tool
 sequence: [a]
