@@ -99,7 +99,7 @@ def _interlock(name: str, rule: str, stanzas: Mapping[str, Any]) -> Iterator[str
         yield "It says:"
         yield "\n".join(f"- {plain(each)}" for each in said)
     if keys:
-        yield "Keys of it, in [the description](description.md):"
+        yield "Keys of it, in [the description](keys.md):"
         yield "\n".join(
             f"- `{key}`: {plain(text.removeprefix(f'{name}: '))}" for key, text in sorted(keys.items())
         )

@@ -134,7 +134,7 @@ def scenarios(context: click.Context) -> Iterable[str]:
 
 @click.command(name="schema")
 @click.option(
-    "--markdown", "as_markdown", is_flag=True, help="Tables of all keys, as in docs/reference/description.md."
+    "--markdown", "as_markdown", is_flag=True, help="Tables of all keys, as in docs/reference/keys.md."
 )
 def schema(as_markdown: bool) -> None:
     """Print the JSON Schema (draft 2020-12) of a description.

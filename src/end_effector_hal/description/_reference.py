@@ -1,4 +1,4 @@
-"""The reference of all keys: a JSON Schema, and the Markdown of ``docs/reference/description.md``."""
+"""The reference of all keys: a JSON Schema, and the Markdown of ``docs/reference/keys.md``."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def _codes() -> Iterator[str]:
         ["| code | meaning |", "|---|---|", *(f"| {code} | {words} |" for code, words in CODES.items())]
     )
     yield "## Codes of errors"
-    yield "What else a program can end with. With `--json` every error is one object, see above."
+    yield "What else a program can end with. With `--json` every error is one object ([commands](commands.md#what-holds-for-all))."
     rows = [f"| {each.code} | {each.exit_code} | {_first_line(each)} |" for each in _errors(ReportedError)]
     yield "\n".join(["| code | exit code | meaning |", "|---|---|---|", *sorted(rows)])
 

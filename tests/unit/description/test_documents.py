@@ -27,6 +27,7 @@ from end_effector_hal.description._shape import fields_of, stanzas
 from tests.support.places import DOCS
 
 DOCUMENT = DOCS / "reference/description.md"
+KEYS = DOCS / "reference/keys.md"
 UPDATE = bool(os.environ.get("EEHAL_UPDATE"))
 
 
@@ -37,11 +38,11 @@ def test_the_committed_schema_is_that_of_the_model() -> None:
 
 
 def test_the_documented_keys_are_those_of_the_model() -> None:
-    text = DOCUMENT.read_text(encoding="utf-8")
+    text = KEYS.read_text(encoding="utf-8")
     written = text.partition(BEGIN)[0] + markdown()
     if UPDATE:
-        DOCUMENT.write_text(written, encoding="utf-8")
-    assert DOCUMENT.read_text(encoding="utf-8") == written, "see the head of this file"
+        KEYS.write_text(written, encoding="utf-8")
+    assert KEYS.read_text(encoding="utf-8") == written, "see the head of this file"
 
 
 def test_the_smallest_description_of_the_document_is_valid() -> None:

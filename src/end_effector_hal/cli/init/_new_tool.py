@@ -228,7 +228,7 @@ class _CodecChannels:
 def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
     place = folder.absolute()
     yield f"# yaml-language-server: $schema={schema_path().name}"
-    yield "# Every key that is not written here has a default: docs/reference/description.md, or `eehal schema`."
+    yield "# Every key that is not written here has a default: docs/reference/keys.md, or `eehal schema`."
     yield "schema: 2"
     yield f"name: {tool_name(place.name)}"
     yield ""
