@@ -1,11 +1,11 @@
 """Type-checks the syntax tree and compiles it to Python: expressions, guards, updates, functions."""
 
 from ._conditions import (
+    CONTRARY,
     Bound,
     ClockConstraint,
     Condition,
     Quantity,
-    Relation,
     Values,
     clock_constraint,
     clock_term,

@@ -17,6 +17,14 @@ from timed_automata.language import ast
 Values = Sequence[int]
 Quantity = int | Callable[..., int]  # a number, or a function of the discrete state
 Relation = Literal["<", "<=", "==", ">=", ">"]
+CONTRARY: dict[Relation, tuple[Relation, ...]] = {
+    "<": (">=",),
+    "<=": (">",),
+    "==": ("<", ">"),
+    ">=": ("<",),
+    ">": ("<=",),
+}
+"""The relations of which one holds, and only one, where a relation does not."""
 
 
 class Bound(NamedTuple):
@@ -34,6 +42,11 @@ class Bound(NamedTuple):
     def allows(self, value: int) -> bool:
         """Return whether a value of the clock satisfies the constraint."""
         return COMPARISONS[self.op](value, self.value)
+
+    @property
+    def contrary(self) -> tuple[Bound, ...]:
+        """The constraints of which one holds, and only one, where this one does not."""
+        return tuple([self._replace(op=op) for op in CONTRARY[self.op]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

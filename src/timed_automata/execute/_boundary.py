@@ -36,6 +36,7 @@ class ExecutionBoundary:
         theirs = [process for process in network.processes if process.index not in self.executed]
         for process in ours:
             _refuse_what_cannot_run(process)
+        network.refuse_broadcast_by_clock(ours, "an executed process")
         self._refuse_shared(effects_of(ours), effects_of(theirs))
         self._refuse_channels(ours, theirs)
         sent = _channels(ours, "!")

@@ -156,6 +156,7 @@ def _check(network: Network, processes: Sequence[Process], environment: frozense
         if edge.direction == "?"
         for channel in edge.channels
     }
+    network.refuse_broadcast_by_clock(processes, "a comparison of two networks")
     for process in processes:
         for location in process.locations:
             if location.urgent:

@@ -172,6 +172,15 @@ def _upper(bounds: Iterable[Bound]) -> list[Bound]:
 _LONGEST = 10**30
 
 
+def recorded_in(concrete: ConcreteState, step: Step) -> Transition | None:
+    """Return the transition with exactly the edges that a step names; None if there is none.
+
+    Where clocks decide who receives a broadcast, several have the same edges: then it is the one that is possible now.
+    """
+    found = [each for each in concrete.transitions() if same_edges(concrete.network, each, step)]
+    return next((each for each in found if concrete.holds(each.bounds, step.at)), found[0] if found else None)
+
+
 def same_edges(network: Network, transition: Transition, step: Step) -> bool:
     """Return whether a step names exactly the edges of this transition, by number and by locations."""
     ours = [_names(network, edge) for edge in transition.edges]

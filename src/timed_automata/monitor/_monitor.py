@@ -26,6 +26,7 @@ from timed_automata.monitor._concrete_state import (
     changes_in_words,
     in_words,
     named,
+    recorded_in,
     same_edges,
     shortened,
     why_not,
@@ -216,7 +217,7 @@ class Monitor:
 
     def _take(self, step: Step) -> None:
         concrete = self._concrete
-        recorded = next((t for t in concrete.transitions() if same_edges(self.network, t, step)), None)
+        recorded = recorded_in(concrete, step)
         found = self._explanation(step, recorded) or recorded
         if recorded is None:
             why = why_not(self.network, concrete.state, step)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from timed_automata.compiler import Condition, Effects, GeneratedCode, Quantity, Scope, Type
-from timed_automata.document import Document, DrawnEdge, DrawnLocation, Span, did_you_mean
+from timed_automata.document import Document, DrawnEdge, DrawnLocation, Span, did_you_mean, refused
 from timed_automata.errors import UsageError
 
 Given = int | bool | Sequence["Given"]
@@ -153,6 +153,19 @@ class Network:
     def variable(self, offset: int) -> Variable:
         """Return the variable that a value belongs to."""
         return next(v for v in reversed(self.variables) if v.offset <= offset)
+
+    def broadcast_by_clock(self, edge: Edge) -> bool:
+        """Return whether clocks decide if a process receives a broadcast on this edge."""
+        received = edge.direction == "?" and edge.guard.clocks and not edge.guard.never
+        return bool(received) and any(self.channels[number].broadcast for number in edge.channels)
+
+    def refuse_broadcast_by_clock(self, processes: Iterable[Process], where: str) -> None:
+        """Raise ModelError if clocks decide whether one of the processes receives a broadcast."""
+        for edge in (edge for process in processes for edge in process.edges):
+            if self.broadcast_by_clock(edge):
+                what = f"a clock guard on a receiver of a broadcast channel, in {where}"
+                todo = "Receive it without the guard, and test the clock on the edges out of a committed location."
+                raise refused(edge.guard.clocks[0].span, what, todo)
 
     def process(self, name: str) -> Process:
         """Return a process by its name.

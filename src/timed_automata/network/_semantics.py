@@ -1,10 +1,10 @@
 """The semantics of a network, defined once: the discrete transitions of a state, and their results.
 
 UPPAAL's rules. Binary synchronisation: one sender and one receiver of another process. Broadcast: one sender, and one
-enabled receiving edge of every other process that has any; a sender never waits. Guards of all participants are
-evaluated before any update; the sender's update comes first, then the receivers' in the order of the system line.
-While any process is in a committed location, only transitions with a participant in a committed location are possible.
-A transition into a violated invariant is disabled.
+receiving edge of every other process that has any whose guard holds then; a sender never waits. Guards of all
+participants are evaluated before any update; the sender's update comes first, then the receivers' in the order of the
+system line. While any process is in a committed location, only transitions with a participant in a committed location
+are possible. A transition into a violated invariant is disabled.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ class Transition(NamedTuple):
 
     Attributes:
         edges: edges of the participants, the sender first.
-        bounds: clock guards of all participants, a conjunction; evaluated before the transition.
+        bounds: clock guards of all participants, a conjunction; evaluated before the transition. Where clocks decide
+            whether a process receives a broadcast, there is a transition with it and one or more without it, whose
+            bounds exclude each other.
         channel: number of the channel; None without synchronisation.
     """
 
@@ -114,6 +116,23 @@ class _Initiators(NamedTuple):
     edges: list[_Initiator]
 
 
+def _with_absence(
+    enabled: Sequence[tuple[Edge, tuple[Bound, ...]]],
+) -> Iterator[tuple[Edge | None, tuple[Bound, ...]]]:
+    """Yield the ways in which a process can receive a broadcast, and None where the clock guards of all its edges
+    fail: these bounds exclude each other.
+    """
+    yield from enabled
+    absent: list[tuple[Bound, ...]] = [()]
+    for _, bounds in enabled:
+        fails = [
+            (*bounds[:number], contrary) for number, bound in enumerate(bounds) for contrary in bound.contrary
+        ]
+        absent = [(*before, *after) for before in absent for after in fails]
+    for bounds in absent:
+        yield None, bounds
+
+
 def _computed(edge: Edge) -> Callable[[Values], int] | None:
     return edge.channel if callable(edge.channel) else None
 
@@ -151,6 +170,13 @@ class Semantics:
             for channel in range(len(network.channels))
         ]
         self._broadcast = [channel.broadcast for channel in network.channels]
+        self._timed = {
+            channel
+            for process in self._processes
+            for edge in network.processes[process].edges
+            if network.broadcast_by_clock(edge)
+            for channel in edge.channels
+        }
         self._known: dict[tuple[int, ...], _Initiators] = {}
         self._invariants = [
             [_ClockGuards(location.invariant) for location in process.locations]
@@ -219,6 +245,14 @@ class Semantics:
             return [((edge,), bounds) for enabled in choices for edge, bounds in enabled]
         if not choices:
             return _NOBODY
+        if channel in self._timed:
+            return [
+                (
+                    tuple([edge for edge, _ in choice if edge is not None]),
+                    tuple([b for _, bounds in choice for b in bounds]),
+                )
+                for choice in product(*map(_with_absence, choices))
+            ]
         if len(choices) == 1:
             return [((edge,), bounds) for edge, bounds in choices[0]]
         return [

@@ -231,8 +231,6 @@ def _synchronisation(
     direction: Literal["!", "?"] = "!" if node.direction == "!" else "?"
     if guard.clocks and term.type.urgent:
         raise refused(guard.clocks[0].span, "a clock guard on an edge with an urgent channel")
-    if guard.clocks and term.type.broadcast and direction == "?":
-        raise refused(guard.clocks[0].span, "a clock guard on a receiver of a broadcast channel")
     return number_of(expressions, term), term.possible, direction
 
 

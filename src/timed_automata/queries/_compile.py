@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import Any
 
 from timed_automata.compiler import (
+    CONTRARY,
     ClockSymbol,
     Expressions,
     Function,
-    Relation,
     Scope,
     Term,
     Value,
@@ -34,14 +34,6 @@ from timed_automata.queries._formula import (
     Some,
     mentions_deadlock,
 )
-
-_CONTRARY: dict[Relation, tuple[Relation, ...]] = {
-    "<": (">=",),
-    "<=": (">",),
-    "==": ("<", ">"),
-    ">=": ("<",),
-    ">": ("<=",),
-}
 
 
 def compile_formula(network: Network, node: ast.Expression, *, negated: bool = False) -> Formula:
@@ -225,7 +217,7 @@ class _QueryExpressions(Expressions):
         constraint = None if _names_deadlock(node) else clock_constraint(self, node)
         if constraint is None:
             raise self._refusal(node)
-        relations = (constraint.op,) if wanted else _CONTRARY[constraint.op]
+        relations = (constraint.op,) if wanted else CONTRARY[constraint.op]
         parts = tuple(Comparison(replace(constraint, op=op)) for op in relations)
         return parts[0] if len(parts) == 1 else Some(parts)
 

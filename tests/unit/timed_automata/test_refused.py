@@ -60,12 +60,6 @@ CONSTRUCTS = [
     ("clock x;", "assign x++", "'x++', this change of a clock", "x++"),
     ("clock x, y;", "assign x = y", "the clock 'y' as a number", "y"),
     (
-        "clock x; broadcast chan c;",
-        "guard x > 1; sync c?",
-        "a clock guard on a receiver of a broadcast",
-        "x > 1",
-    ),
-    (
         "clock x; urgent chan c;",
         "guard x > 1; sync c!",
         "a clock guard on an edge with an urgent channel",

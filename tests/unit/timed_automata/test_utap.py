@@ -63,8 +63,8 @@ def test_and_not_the_other_way_round_nor_in_an_array(parameter: str, argument: s
 
 def test_in_a_template_a_channel_is_what_its_parameter_says() -> None:
     received = labels(("guard", "x &gt; 1"), ("synchronisation", "c?"))
-    with pytest.raises(ModelError, match="a clock guard on a receiver of a broadcast channel"):
-        network(parameter="broadcast chan &amp;c", labels=received, system="P = Girl(plain); system P;")
+    with pytest.raises(ModelError, match="a clock guard on an edge with an urgent channel"):
+        network(parameter="urgent chan &amp;c", labels=received, system="P = Girl(plain); system P;")
     with pytest.raises(ModelError, match="'c' is broadcast chan"):
         network(parameter="chan &amp;c", system="Q(broadcast chan &amp;c) = Girl(c); P = Q(plain); system P;")
 

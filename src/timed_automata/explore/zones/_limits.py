@@ -70,13 +70,14 @@ def limits_of(formula: Formula) -> dict[int, Limit]:
     return limits
 
 
-def _of_constraints(constraints: Iterable[ClockConstraint]) -> dict[int, Limit]:
+def _of_constraints(constraints: Iterable[ClockConstraint], *, negated: bool = False) -> dict[int, Limit]:
+    """Return the limits that constraints need; ``negated``: the contrary of each is asked for as well."""
     for constraint in constraints:
         if constraint.high >= LARGEST:
             what = f"'{constraint.span.snippet}' compares a clock with up to {constraint.high}."
             raise fault(constraint.span, what, f"The largest that is supported is {LARGEST - 1}.")
     return of_bounds(
-        Bound(clock, constraint.op, constraint.high)
+        Bound(clock, "==" if negated else constraint.op, constraint.high)
         for constraint in constraints
         for clock in constraint.clocks
     )
@@ -102,7 +103,7 @@ def tested_clocks(network: Network) -> set[int]:
     return {clock for constraint in _constraints(network) for clock in constraint.clocks}
 
 
-def _of_process(process: Process, asked: Iterable[QueryLimits]) -> list[dict[int, Limit]]:
+def _of_process(network: Network, process: Process, asked: Iterable[QueryLimits]) -> list[dict[int, Limit]]:
     """Return the limits per location of a process, propagated backwards along the edges until a clock is set."""
     limits = [_of_constraints(location.invariant.clocks) for location in process.locations]
     for query in asked:
@@ -110,7 +111,8 @@ def _of_process(process: Process, asked: Iterable[QueryLimits]) -> list[dict[int
             merged(limits[query.at[1]], query.limits)
     edges = [edge for edge in process.edges if not edge.guard.never]
     for edge in edges:
-        merged(limits[edge.source], _of_constraints(edge.guard.clocks))
+        here = _of_constraints(edge.guard.clocks, negated=network.broadcast_by_clock(edge))
+        merged(limits[edge.source], here)
     changed = True
     while changed:
         changed = False
@@ -146,7 +148,7 @@ class Limits:
         for query in self._asked:
             if query.at is None:
                 merged(self._everywhere, query.limits)
-        self._processes = [_of_process(process, self._asked) for process in network.processes]
+        self._processes = [_of_process(network, process, self._asked) for process in network.processes]
         self._places = [
             (process, _numbered(limits)) for process, limits in enumerate(self._processes) if any(limits)
         ]
