@@ -52,8 +52,8 @@ class ChangingExpressions(Expressions):
         """
         self.in_any_order(target, value)
         term = self.term(target)
-        if isinstance(term, IndexedTerm) or (isinstance(term, StorageTerm) and term.type.dimensions):
-            what = f"'{node.span.snippet}', an assignment of a clock or an array inside an expression"
+        if isinstance(term, IndexedTerm) or (isinstance(term, StorageTerm) and not term.type.single):
+            what = f"'{node.span.snippet}', an assignment of a clock, an array or a structure inside an expression"
             raise refused(node.span, what, "Assign it by itself.")
         name = target.span.snippet
         if isinstance(term, StorageTerm):
@@ -77,7 +77,7 @@ class ChangingExpressions(Expressions):
             if not (names := ast.changed(part)):
                 continue
             asked = self._asked((*parts[:index], *parts[index + 1 :]))
-            if both := [name for name in sorted(names) if self._place(name) in asked]:
+            if both := [name for name in sorted(names) if _overlaps(self._place(name), asked)]:
                 what = f"'{part.span.snippet}', which changes '{both[0]}' while the same expression reads it"
                 raise refused(
                     part.span,
@@ -112,7 +112,7 @@ class ChangingExpressions(Expressions):
     def _index(self, node: ast.Index) -> Term:
         self.in_any_order(node.base, node.index)
         term = super()._index(node)
-        if not isinstance(term, Value) and term.type.dimensions and ast.changed(node.index):
+        if not isinstance(term, Value) and not term.type.single and ast.changed(node.index):
             raise refused(node.span, f"'{node.span.snippet}', an assignment in the index of a whole array")
         return term
 
@@ -123,15 +123,19 @@ class ChangingExpressions(Expressions):
 
     def _asked(self, parts: tuple[ast.Expression, ...]) -> set[str]:
         """Return the names that the expressions use, and those that the functions called in them read or write."""
-        asked: set[str] = set()
+        asked = set(map(self._place, ast.paths(parts)))
         for node in ast.walk(parts):
-            if isinstance(node, ast.Name):
-                asked.add(self._place(node.name))
-            elif isinstance(node, ast.Call) and isinstance(called := self.scope.find(node.name), Function):
+            if isinstance(node, ast.Call) and isinstance(called := self.scope.find(node.name), Function):
                 asked |= called.effects.reads | called.effects.writes
         return asked
 
-    def _place(self, name: str) -> str:
-        """Return the name under which effects list a variable."""
+    def _place(self, path: str) -> str:
+        """Return a path with the name under which effects list the variable."""
+        name, dot, fields = path.partition(".")
         symbol = self.scope.find(name)
-        return symbol.name if isinstance(symbol, Storage) and symbol.shared else name
+        return f"{symbol.name}{dot}{fields}" if isinstance(symbol, Storage) and symbol.shared else path
+
+
+def _overlaps(path: str, others: set[str]) -> bool:
+    """Return whether a variable, or a field of it, is one of the others, or a part of one, or contains one."""
+    return any(f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}.") for other in others)

@@ -227,7 +227,7 @@ def _plain(expressions: Expressions, node: ast.Expression) -> list[tuple[int, in
         term = expressions.term(side)
         if isinstance(term, Value) and term.known is not None:
             numbers.append(term.known)
-        elif isinstance(term, StorageTerm) and term.start.isdigit() and not term.type.dimensions:
+        elif isinstance(term, StorageTerm) and term.start.isdigit() and term.type.single:
             if term.values is not None or not term.storage.shared:
                 return None
             offsets.append(int(term.start))

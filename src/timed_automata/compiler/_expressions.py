@@ -35,7 +35,7 @@ from timed_automata.compiler._values import (
     negation,
     signed,
 )
-from timed_automata.document import Span, fault, refused
+from timed_automata.document import Span, did_you_mean, fault, refused
 from timed_automata.errors import RangeError
 from timed_automata.language import ast
 
@@ -96,8 +96,9 @@ class Expressions:
             if term.type.kind == "clock":
                 raise refused(node.span, f"the clock '{term.name}' as a number", "Compare it with a number.")
             raise fault(node.span, f"'{node.span.snippet}' is a channel.", "Expected a number.")
-        if term.type.dimensions:
-            raise fault(node.span, f"'{node.span.snippet}' is an array.", "Expected a number.")
+        if not term.type.single:
+            kind = "an array" if term.type.dimensions else "a structure"
+            raise fault(node.span, f"'{node.span.snippet}' is {kind}.", "Expected a number.")
         if term.values is not None and not term.computed:
             return Value.of(term.values[term.offset])
         self.read(term.storage)
@@ -139,7 +140,7 @@ class Expressions:
         symbol = None
         if type_.base not in ("int", "clock", "chan", "void"):
             symbol = self.scope.get(type_.base, type_.span)
-        if isinstance(symbol, Alias) and symbol.type.integral and not symbol.type.dimensions:
+        if isinstance(symbol, Alias) and symbol.type.integral and symbol.type.single:
             return symbol.type.low, symbol.type.high
         todo = "Expected int[low,high] or a name for it."
         raise fault(type_.span, f"'{type_.span.snippet}' is no bounded type.", todo)
@@ -166,7 +167,7 @@ class Expressions:
     def symbol(self, symbol: Symbol, span: Span) -> Term:
         """Return the term that a declared name denotes."""
         if isinstance(symbol, Constant):
-            if not symbol.type.dimensions:
+            if symbol.type.single:
                 return Value.of(symbol.values[0])
             storage = Storage(symbol.name, symbol.type, symbol.container, 0, written=False)
             return StorageTerm(storage, symbol.type, values=symbol.values)
@@ -209,7 +210,19 @@ class Expressions:
         return IndexedTerm(base.name, element, base.base, offset, computed, base.size)
 
     def _member(self, node: ast.Member) -> Term:
-        raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
+        if isinstance(node.base, ast.Name) and self.scope.find(node.base.name) is None:
+            todo = "Only queries name what belongs to a process: declare it for all processes."
+            raise refused(node.span, f"'{node.span.snippet}', a member", todo)
+        base = self.term(node.base)
+        if not isinstance(base, StorageTerm) or base.type.dimensions or not base.type.fields:
+            raise fault(node.base.span, f"'{node.base.span.snippet}' is no structure.", "Remove the field.")
+        offset = base.offset
+        for name, type_ in base.type.fields:
+            if name == node.name:
+                return StorageTerm(base.storage, type_, offset, base.computed, base.values)
+            offset += type_.size
+        advice = did_you_mean(node.name, (name for name, _ in base.type.fields))
+        raise fault(node.span, f"'{node.base.span.snippet}' has no field '{node.name}'.", advice)
 
     def _braces(self, node: ast.Braces) -> Term:
         raise fault(node.span, "Braces are allowed only in the initialiser of an array.")
@@ -249,7 +262,7 @@ class Expressions:
 
     def _comparison(self, node: ast.Binary) -> Value:
         left, right = self.term(node.left), self.term(node.right)
-        if not (isinstance(left, StorageTerm) and isinstance(right, StorageTerm) and left.type.dimensions):
+        if not (isinstance(left, StorageTerm) and isinstance(right, StorageTerm)) or left.type.single:
             return comparison(node.op, self.value(node.left), self.value(node.right))
         if left.type.shape != right.type.shape or node.op not in ("==", "!="):
             raise fault(node.span, f"'{left.type}' and '{right.type}' cannot be compared by '{node.op}'.")
@@ -300,16 +313,20 @@ class Expressions:
 
     # Calls
 
-    def _call(self, node: ast.Call) -> Value:
+    def _call(self, node: ast.Call) -> Term:
         function = self.function(node)
         if function.result.kind == "void":
             raise fault(node.span, f"'{node.name}' returns nothing.", "Expected a number.")
-        return Value(self.call(node, function), function.result.low, function.result.high)
+        source, result = self.call(node, function), function.result
+        if not result.single:  # a list, which the call makes
+            return StorageTerm(Storage(function.name, result, source, written=False), result)
+        return Value(source, result.low, result.high)
 
     def function(self, node: ast.Call) -> Function:
         """Return the function that a call names."""
         if node.process is not None:
-            raise refused(node.span, f"'{node.span.snippet}', a member", "The text of a model has no '.'.")
+            todo = "Only queries name what belongs to a process: declare it for all processes."
+            raise refused(node.span, f"'{node.span.snippet}', a member", todo)
         symbol = self.scope.get(node.name, node.span)
         if not isinstance(symbol, Function):
             raise fault(node.span, f"'{node.name}' is not a function.")
@@ -327,7 +344,7 @@ class Expressions:
         arguments = ["v", "r"]
         for parameter, argument in zip(function.parameters, node.arguments, strict=True):
             what = f"parameter '{parameter.name}' of '{function.name}'"
-            if parameter.reference or parameter.type.dimensions:
+            if parameter.reference or not parameter.type.single:
                 arguments.append(self._argument(parameter, argument, what))
             else:
                 value = self.value(argument)

@@ -51,8 +51,8 @@ class Updates:
     def _assign(self, target: ast.Expression, op: str, value: ast.Expression, node: ast.Node) -> None:
         self.expressions.in_any_order(target, value)
         if ast.changed(target) or ast.changed(value):
-            term = None if isinstance(target, ast.Member) else self.expressions.term(target)
-            if isinstance(term, StorageTerm) and not term.type.dimensions:
+            term = self.expressions.term(target)
+            if isinstance(term, StorageTerm) and term.type.single:
                 self.emit(self.expressions.assigned(target, op, value, node).source)
                 return
         if isinstance(target, ast.Name):
@@ -67,8 +67,8 @@ class Updates:
             self._set_clock(term, op, value, node)
         elif isinstance(term, Value):
             raise fault(target.span, f"'{target.span.snippet}' is constant and cannot be assigned.")
-        elif term.type.dimensions:
-            self._assign_array(term, op, value, node)
+        elif not term.type.single:
+            self._assign_whole(term, op, value, node)
         else:
             self._assign_scalar(term, op, value, node, target.span.snippet)
 
@@ -91,15 +91,17 @@ class Updates:
         new = self.expressions.combined(Value(place.source, place.type.low, place.type.high), op, value, node)
         self.emit(f"{place.source} = {self.expressions.fitted(new, place.type, node, name)}")
 
-    def _assign_array(self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node) -> None:
+    def _assign_whole(self, place: StorageTerm, op: str, value: ast.Expression, node: ast.Node) -> None:
+        """Assign an array or a structure."""
         source = self.expressions.term(value)
         if op != "=" or not isinstance(source, StorageTerm) or source.type.shape != place.type.shape:
+            what = "an array" if place.type.dimensions else "a structure"
             raise fault(
-                node.span, f"'{place.storage.name}' is {place.type}.", "Expected '=' and such an array."
+                node.span, f"'{place.storage.name}' is {place.type}.", f"Expected '=' and {what} like it."
             )
         low, high = place.type.low, place.type.high
-        fits = (source.type.low, source.type.high) == (low, high)
-        if source.values is not None:
+        fits = source.type.like(place.type)
+        if source.values is not None and not place.type.fields:
             fits = all(low <= value <= high for value in source.values)
         if not fits:
             raise fault(node.span, f"'{value.span.snippet}' is {source.type}, not {place.type}.")
@@ -173,9 +175,7 @@ class Statements(Updates):
                 what = f"'{declarator.name}', {type_} in a function"
                 raise refused(declarator.span, what, "Expected int or bool.")
             else:
-                symbol = (
-                    self._array(declarator, type_) if type_.dimensions else self._scalar(declarator, type_)
-                )
+                symbol = self._scalar(declarator, type_) if type_.single else self._whole(declarator, type_)
             self.expressions.scope.declare(declarator.name, symbol, declarator.span)
 
     def _scalar(self, node: ast.Declarator, type_: Type) -> Local:
@@ -187,17 +187,30 @@ class Statements(Updates):
         self.emit(f"{python} = {source}")
         return Local(node.name, type_, python, written=not type_.constant)
 
-    def _array(self, node: ast.Declarator, type_: Type) -> Storage:
-        items = [str(type_.default)] * type_.size
-        if node.initialiser is not None:
-            checked, scalar = self.expressions.checked, type_.scalar
-            items = [
-                checked(self.expressions.value(item), scalar, item.span, node.name)
-                for item in flatten(node.initialiser, type_, node.name)
+    def _whole(self, node: ast.Declarator, type_: Type) -> Storage:
+        """Declare an array or a structure."""
+        scalars = [scalar for _, scalar in type_.scalars()]
+        source = f"[{', '.join(str(scalar.default) for scalar in scalars)}]"
+        if isinstance(node.initialiser, ast.Braces):
+            items = flatten(node.initialiser, type_, node.name)
+            values = [
+                self.expressions.checked(self.expressions.value(item), scalar, item.span, node.name)
+                for item, scalar in zip(items, scalars, strict=True)
             ]
+            source = f"[{', '.join(values)}]"
+        elif node.initialiser is not None:
+            source = self._like(node.initialiser, type_, node.name)
         python = self.code.name("a")
-        self.emit(f"{python} = [{', '.join(items)}]")
+        self.emit(f"{python} = {source}")
         return Storage(node.name, type_, python, 0, written=not type_.constant)
+
+    def _like(self, node: ast.Expression, type_: Type, name: str) -> str:
+        """Return the source of a copy of an array or a structure of this type."""
+        term = self.expressions.term(node)
+        if not isinstance(term, StorageTerm) or not term.type.like(type_):
+            raise fault(node.span, f"'{node.span.snippet}' is no {type_}.", f"{name} is {type_}.")
+        self.expressions.read(term.storage)
+        return term.slice
 
     # Statements
 
@@ -258,5 +271,8 @@ class Statements(Updates):
             return
         if node.value is None:
             raise fault(node.span, f"A value of type {self.result} is expected after 'return'.")
+        if not self.result.single:
+            self.emit(f"return {self._like(node.value, self.result, 'The result')}")
+            return
         value = self.expressions.value(node.value)
         self.emit(f"return {self.expressions.checked(value, self.result, node.span, 'The result')}")

@@ -73,6 +73,13 @@ class StorageTerm:
         return " + ".join([*parts, self.computed] if self.computed else parts)
 
     @property
+    def known(self) -> tuple[int, ...] | None:
+        """The values of a constant, if they do not depend on the state."""
+        if self.values is None or self.computed:
+            return None
+        return self.values[self.offset : self.offset + self.type.size]
+
+    @property
     def source(self) -> str:
         """Source of the scalar."""
         return f"{self.storage.container}[{self.start}]"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from html import escape
 from pathlib import Path
 
@@ -27,11 +27,7 @@ _EDGE_LABELS = {"select", "guard", "synchronisation", "assignment"} | _NO_MEANIN
 _IGNORED_LABELS = {
     "exponentialrate": "The rate is ignored: time may pass as the invariants allow.",
     "probability": "The weight is ignored: every branch may be taken.",
-}
-_REFUSED_LABELS = {
-    "testcode": "test code",
-    "testcodeEnter": "test code",
-    "testcodeExit": "test code",
+    **dict.fromkeys(("testcode", "testcodeEnter", "testcodeExit"), "The test code is ignored."),
 }
 _REFUSED_ELEMENTS = {
     "lsc": "a live sequence chart",
@@ -78,8 +74,6 @@ def _labels(element: Element, known: set[str]) -> dict[str, Label]:
             continue
         if kind in _IGNORED_LABELS:
             continue
-        if kind in _REFUSED_LABELS:
-            raise refused(place, f"a label of kind '{kind}', {_REFUSED_LABELS[kind]}")
         if kind not in known:
             todo = did_you_mean(kind, known) or f"Expected one of {', '.join(sorted(known))}."
             raise fault(place, f"A label of kind '{kind}' is unknown here.", todo)
@@ -104,7 +98,7 @@ def _location(element: Element) -> DrawnLocation:
     )
 
 
-def _reference(element: Element, tag: str, known: set[str]) -> str:
+def _reference(element: Element, tag: str, known: Collection[str]) -> str:
     child = element.one(tag)
     if child is None:
         raise fault(element.place.whole, f"<{element.tag}> has no <{tag}>.")
@@ -114,7 +108,7 @@ def _reference(element: Element, tag: str, known: set[str]) -> str:
     return name
 
 
-def _edge(element: Element, locations: set[str]) -> DrawnEdge:
+def _edge(element: Element, locations: Collection[str]) -> DrawnEdge:
     _check(element, "source target label nail")
     return DrawnEdge(
         source=_reference(element, "source", locations),
@@ -165,31 +159,30 @@ def _way(first: DrawnEdge, point: Point | None, branch: DrawnEdge) -> DrawnEdge:
     )
 
 
-def _template(element: Element, ids_of_file: dict[str, str]) -> Template:
+def _template(element: Element) -> Template:
     _check(element, "name parameter declaration location branchpoint init transition")
     name = element.one("name")
     if name is None or not name.text.content.strip():
         raise fault(element.place.whole, "A template has no name.")
     locations = tuple(map(_location, element.all("location")))
     points = {_attribute(each, "id"): each for each in element.all("branchpoint")}
-    ids: set[str] = set()
+    ids: dict[str, str] = {}
     for place, id_ in [
         *((location.place, location.id) for location in locations),
         *((each.place, _attribute(each, "id")) for each in element.all("branchpoint")),
     ]:
-        if id_ in ids_of_file:
-            what = f"A second location has the id '{id_}'; the first stands at {ids_of_file[id_]}."
-            raise fault(place.whole, what, "Give every location of the file a different id.")
-        ids_of_file[id_] = place.whole.where
-        ids.add(id_)
-    edges = [_edge(edge, ids) for edge in element.all("transition")]
+        if id_ in ids:
+            what = f"A second location has the id '{id_}'; the first stands at {ids[id_]}."
+            raise fault(place.whole, what, "Give every location of a template a different id.")
+        ids[id_] = place.whole.where
+    edges = [_edge(edge, ids.keys()) for edge in element.all("transition")]
     return Template(
         name=name.text,
         parameters=_text(element, "parameter"),
         declarations=_text(element, "declaration"),
         locations=locations,
         edges=tuple(_branched(edges, points)),
-        initial=_reference(element, "init", ids - points.keys()),
+        initial=_reference(element, "init", ids.keys() - points.keys()),
         place=element.place,
     )
 
@@ -239,12 +232,11 @@ def read_document(source: bytes, path: str) -> Document:
         raise refused(imports.whole, "<imports>")
     if system is None:
         raise fault(root.place.whole, "The model has no <system>.")
-    ids: dict[str, str] = {}
     return Document(
         path=path,
         source=source,
         declarations=_text(root, "declaration"),
-        templates=tuple(_template(each, ids) for each in root.all("template")),
+        templates=tuple(map(_template, root.all("template"))),
         instantiations=_text(root, "instantiation"),
         system=system,
         queries=_queries(root.one("queries")),

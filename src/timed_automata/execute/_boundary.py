@@ -76,7 +76,8 @@ class ExecutionBoundary:
         variable = self.network.variable(offset)
         if variable.name not in self.interface:
             raise UsageError(f"'{name}' is not an interface variable.")
-        place = self._places[name] = offset, variable.type.low, variable.type.high
+        type_ = self.network.scalar(offset)
+        place = self._places[name] = offset, type_.low, type_.high
         return place
 
     def _refuse_shared(self, ours: Effects, theirs: Effects) -> None:

@@ -163,7 +163,7 @@ def resume(network: Network, snapshot: ExecutionSnapshot) -> Resumed:
             raise UsageError(f"A recorded state has {process.name} in {name!r}, which is no location of it.")
         locations += numbers
     for name, offset in network.offsets.items():
-        kind, value = network.variable(offset).type, snapshot.variables[name]
+        kind, value = network.scalar(offset), snapshot.variables[name]
         if not kind.low <= value <= kind.high:
             raise UsageError(f"A recorded state has {name} = {value}, which is out of its range.")
     values = tuple(snapshot.variables[name] for name in network.offsets)

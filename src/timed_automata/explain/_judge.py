@@ -96,7 +96,10 @@ class Judge:
         return None
 
     def _process(self, node: ast.Member) -> str | None:
+        """Return what is before the dot: a process, or a structure."""
         match node.base:
+            case ast.Member() | ast.Index():
+                return self.variable_array(node.base)
             case ast.Name(name=name):
                 return name
             case ast.Call(name=name, arguments=arguments):

@@ -141,8 +141,8 @@ def _read_by(judge: Judge, node: ast.Call) -> Iterator[Subject]:
         yield from _subjects(judge, inner)
         return
     reads = called(judge.network, node).effects.reads
-    for name in judge.network.offsets:
-        if name.partition("[")[0] in reads:
+    for name, offset in judge.network.offsets.items():
+        if judge.network.variable(offset).name in reads:
             yield _Variable(name)
 
 

@@ -145,7 +145,11 @@ class Builder:
         return ast.Increment(self._span(meta), op, target, before)
 
     def braces(self, meta: Any, *children: Any) -> ast.Braces:
-        return ast.Braces(self._span(meta), children)
+        names, items = zip(*children, strict=True)
+        return ast.Braces(self._span(meta), items, names)
+
+    def item(self, _meta: Any, name: str | None, value: Any) -> tuple[str | None, Any]:
+        return name, value
 
     def items(self, _meta: Any, *children: Any) -> tuple[Any, ...]:
         return tuple(child for child in children if child is not None)
@@ -157,11 +161,20 @@ class Builder:
     def integer(self, meta: Any, low: Any, high: Any) -> ast.TypeName:
         return ast.TypeName(self._span(meta), "int", low=low, high=high)
 
+    def scalar(self, meta: Any, size: Any) -> ast.TypeName:
+        return ast.TypeName(self._span(meta), "scalar", high=size)
+
+    def structure(self, meta: Any, *fields: Any) -> ast.TypeName:
+        return ast.TypeName(self._span(meta), "struct", fields=fields)
+
+    def plain(self, meta: Any, name: str, *dimensions: Any) -> ast.Declarator:
+        return ast.Declarator(*self._declared(meta, name), dimensions)
+
     def type_name(self, meta: Any, *children: Any) -> ast.TypeName:
         *prefixes, base = children
         span, kinds = self._span(meta), frozenset(prefixes)
         if isinstance(base, ast.TypeName):
-            return ast.TypeName(span, "int", kinds, base.low, base.high)
+            return ast.TypeName(span, base.base, kinds, base.low, base.high, base.fields)
         return ast.TypeName(span, base, kinds)
 
     def declarator(self, meta: Any, name: str, *children: Any) -> ast.Declarator:
@@ -170,6 +183,8 @@ class Builder:
 
     def variables(self, meta: Any, type_: Any, *declarators: Any) -> ast.Variables:
         return ast.Variables(self._span(meta), type_, declarators)
+
+    field = variables
 
     def typedef(self, meta: Any, type_: Any, *declarators: Any) -> ast.TypeDefinition:
         return ast.TypeDefinition(self._span(meta), type_, declarators)

@@ -49,10 +49,7 @@ _NO_NAMES = frozenset(
 )
 """Words that UPPAAL refuses as the name of a location or a template: its queries and older text format reserve them."""
 _REFUSED_BY_CONSTRUCT = {
-    "a structure": "struct",
     "a type that is not integral": "double string",
-    "a scalar set": "scalar",
-    "a meta variable": "meta",
     "a hybrid clock": "hybrid",
     "a priority": "priority",
     "an external function": "import",
@@ -74,6 +71,7 @@ _REFUSED_WORDS = {
 """Words that UPPAAL reserves and this subset lacks, by the construct that they belong to."""
 _SWITCH = re.compile(r"\bswitch\s*\([^{}]*\)\s*\Z")
 _READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
+_READABLE |= dict.fromkeys(("STRUCT", "SCALAR"), "a type")
 
 
 class _RefusedWordError(Exception):

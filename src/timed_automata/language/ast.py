@@ -43,7 +43,7 @@ class Index(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Member(Node):
-    """``process.name``, allowed only in queries."""
+    """``structure.field``, or in queries ``process.name``."""
 
     base: Expression
     name: str
@@ -114,9 +114,10 @@ class Increment(Node):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Braces(Node):
-    """``{a, b, …}``: the initialiser of an array."""
+    """``{a, b, …}``: the initialiser of an array or a structure; ``names`` are those of fields before ``:``."""
 
     items: tuple[Expression, ...]
+    names: tuple[str | None, ...] = ()
 
 
 Expression = (
@@ -139,12 +140,15 @@ Expression = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TypeName(Node):
-    """A type as written: prefixes, base name, and the bounds of a bounded int."""
+    """A type as written: prefixes, base name, the bounds of a bounded int (``high`` alone is the size of a scalar
+    set), and the fields of a structure.
+    """
 
     base: str
     prefixes: frozenset[str] = frozenset()
     low: Expression | None = None
     high: Expression | None = None
+    fields: tuple[Variables, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -293,26 +297,46 @@ Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
 
 
 def walk(node: object) -> Iterator[Node]:
-    """Yield a node and all nodes inside it, except the process before a dot."""
+    """Yield a node and all nodes inside it, except the process before the dot of a call."""
     if isinstance(node, tuple):
         for item in node:
             yield from walk(item)
     elif isinstance(node, Node):
         yield node
-        if not isinstance(node, Member):
-            for name in node.__dataclass_fields__:
-                if name != "process":
-                    yield from walk(getattr(node, name))
+        for name in node.__dataclass_fields__:
+            if name != "process":
+                yield from walk(getattr(node, name))
+
+
+def path(node: object) -> str | None:
+    """Return a variable with its fields, without indices: ``s.a`` for ``s[i].a``; None for other expressions."""
+    match node:
+        case Name(name=name):
+            return name
+        case Index(base=base):
+            return path(base)
+        case Member(base=base, name=name):
+            return None if (before := path(base)) is None else f"{before}.{name}"
+    return None
 
 
 def changed(node: object) -> set[str]:
-    """Return the names that assignments in an expression change, without those that called functions change."""
-    names = set()
-    for each in walk(node):
-        if isinstance(each, Assignment | Increment):
-            target = each.target
-            while isinstance(target, Index):
-                target = target.base
-            if isinstance(target, Name):
-                names.add(target.name)
-    return names
+    """Return the paths that assignments in an expression change, without what called functions change."""
+    targets = (path(each.target) for each in walk(node) if isinstance(each, Assignment | Increment))
+    return {target for target in targets if target is not None}
+
+
+def paths(node: object) -> Iterator[str]:
+    """Yield the paths of all variables in an expression."""
+    if (whole := path(node)) is not None:
+        yield whole
+        while isinstance(node, Index | Member):
+            if isinstance(node, Index):
+                yield from paths(node.index)
+            node = node.base
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from paths(item)
+    elif isinstance(node, Node):
+        for name in node.__dataclass_fields__:
+            yield from paths(getattr(node, name))

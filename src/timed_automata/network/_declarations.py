@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
 
 from timed_automata.compiler import (
     Alias,
@@ -18,6 +17,7 @@ from timed_automata.compiler import (
     Scope,
     Statements,
     Storage,
+    StorageTerm,
     Symbol,
     Type,
     flatten,
@@ -44,20 +44,18 @@ class Places:
         """Add a variable with its initial values; return its offset in the values."""
         offset = len(self.initial)
         self.variables.append(Variable(name, type_, offset))
-        self.offsets |= {element: offset + n for n, element in enumerate(_element_names(name, type_))}
+        self.offsets |= {element: offset + n for n, (element, _) in enumerate(type_.scalars(name))}
         self.initial += values
         return offset
 
     def clock(self, name: str, type_: Type) -> int:
         """Add a clock or an array of clocks; return the number of the first."""
-        self.clocks += _element_names(name, type_)
+        self.clocks += [each for each, _ in type_.scalars(name)]
         return len(self.clocks) - type_.size
 
     def channel(self, name: str, type_: Type) -> int:
         """Add a channel or an array of channels; return the number of the first."""
-        self.channels += [
-            Channel(each, type_.broadcast, type_.urgent) for each in _element_names(name, type_)
-        ]
+        self.channels += [Channel(each, type_.broadcast, type_.urgent) for each, _ in type_.scalars(name)]
         return len(self.channels) - type_.size
 
 
@@ -121,15 +119,17 @@ class Declarations:
 
     def constant(self, name: str, type_: Type, values: list[int]) -> Constant:
         """Return a constant with known values."""
-        container = self.code.constant(tuple(values)) if type_.dimensions else ""
+        container = "" if type_.single else self.code.constant(tuple(values))
         return Constant(name, type_, tuple(values), container)
 
     def _values(self, node: ast.Expression, type_: Type, name: str) -> list[int]:
-        if isinstance(node, ast.Name) and type_.dimensions:
-            symbol = self.scope.get(node.name, node.span)
-            if isinstance(symbol, Constant) and symbol.type.shape == type_.shape:
-                return list(symbol.values)
-        return [self._number(item, type_, name) for item in flatten(node, type_, name)]
+        if isinstance(node, ast.Name | ast.Index | ast.Member) and not type_.single:
+            term = self.expressions.term(node)
+            if isinstance(term, StorageTerm) and term.known is not None and term.type.shape == type_.shape:
+                return list(term.known)
+        scalars = (scalar for _, scalar in type_.scalars())
+        items = flatten(node, type_, name)
+        return [self._number(item, scalar, name) for item, scalar in zip(items, scalars, strict=True)]
 
     def _number(self, node: ast.Expression, type_: Type, name: str) -> int:
         number = self.expressions.constant(node, f"The value of '{name}'")
@@ -141,7 +141,7 @@ class Declarations:
 
     def _variable(self, node: ast.Declarator, type_: Type) -> Storage:
         if node.initialiser is None:
-            values = [type_.default] * type_.size
+            values = [scalar.default for _, scalar in type_.scalars()]
         else:
             values = self._values(node.initialiser, type_, node.name)
         name = self.prefix + node.name
@@ -150,7 +150,8 @@ class Declarations:
     def _function(self, node: ast.FunctionDefinition) -> None:
         result = resolve_type(self.expressions, node.result)
         if not (result.integral or result.kind == "void") or result.dimensions:
-            raise refused(node.result.span, f"a function that returns {result}")
+            todo = "Give it a parameter by reference, or a structure to return."
+            raise refused(node.result.span, f"a function that returns {result}", todo)
         body = self.expressions.inside(Scope(self.scope))
         body.effects = type(body.effects)()
         names = ["v", "r"]
@@ -172,18 +173,12 @@ class Declarations:
         if node.reference:
             names.append(f"{python}o")
             symbol: Symbol = Storage(name, type_, python, f"{python}o", written=writable)
-        elif type_.dimensions:
+        elif not type_.single:
             symbol = Storage(name, type_, python, 0, written=writable)
         else:
             symbol = Local(name, type_, python, written=writable)
         body.scope.declare(name, symbol, node.span)
         return FormalParameter(name, type_, node.reference)
-
-
-def _element_names(name: str, type_: Type) -> Iterator[str]:
-    """Yield ``a[0][0]``, ``a[0][1]``, … in row-major order; for a scalar its name."""
-    for indices in product(*(range(low, high + 1) for low, high in type_.dimensions)):
-        yield name + "".join(f"[{index}]" for index in indices)
 
 
 def _flatten_given(value: Given, type_: Type, name: str) -> list[int]:
@@ -192,11 +187,14 @@ def _flatten_given(value: Given, type_: Type, name: str) -> list[int]:
     Raises:
         UsageError: its shape, a type or a range differs from the declaration.
     """
-    if type_.dimensions:
-        size = type_.dimensions[0].size
-        if isinstance(value, str | int) or not isinstance(value, Sequence) or len(value) != size:
-            raise UsageError(f"The constant '{name}' needs a list of {size} values, not {value!r}.")
-        return [scalar for item in value for scalar in _flatten_given(item, type_.element, name)]
+    if parts := type_.parts:
+        if isinstance(value, str | int) or not isinstance(value, Sequence) or len(value) != len(parts):
+            raise UsageError(f"The constant '{name}' needs a list of {len(parts)} values, not {value!r}.")
+        return [
+            scalar
+            for item, (_, part) in zip(value, parts, strict=True)
+            for scalar in _flatten_given(item, part, name)
+        ]
     if not isinstance(value, int) or (isinstance(value, bool) and type_.kind != "bool"):
         raise UsageError(f"The constant '{name}' needs {type_.kind} values, not {value!r}.")
     if not type_.low <= value <= type_.high:

@@ -145,22 +145,17 @@ def _bind(
 
 def _constant(outer: Expressions, argument: ast.Expression, name: str, type_: Type) -> Constant:
     values: tuple[int, ...]
-    if type_.dimensions:
+    if not type_.single:
         term = outer.term(argument)
-        constant = isinstance(term, StorageTerm) and term.values is not None and not term.computed
-        if not isinstance(term, StorageTerm) or not constant or term.type.shape != type_.shape:
+        if not isinstance(term, StorageTerm) or term.known is None or term.type.shape != type_.shape:
             raise fault(argument.span, f"'{argument.span.snippet}' is no constant {type_}.")
-        values = _elements(term)
+        values = term.known
     else:
         number = outer.constant(argument, f"The argument for '{name}'")
         values = (int(number != 0) if type_.kind == "bool" else number,)
     if not all(type_.low <= value <= type_.high for value in values):
         raise fault(argument.span, f"{name} = {argument.span.snippet} is out of its range {type_}.")
-    return Constant(name, type_, values, outer.code.constant(values) if type_.dimensions else "")
-
-
-def _elements(term: StorageTerm) -> tuple[int, ...]:
-    return (term.values or ())[term.offset : term.offset + term.type.size]
+    return Constant(name, type_, values, "" if type_.single else outer.code.constant(values))
 
 
 def _reference(outer: Expressions, argument: ast.Expression, name: str, expected: Type) -> Symbol:
@@ -172,13 +167,12 @@ def _reference(outer: Expressions, argument: ast.Expression, name: str, expected
         kind = ClockSymbol if expected.kind == "clock" else ChannelSymbol
         declared = replace(term.type, broadcast=expected.broadcast, urgent=expected.urgent)
         return kind(term.name, declared, term.base + term.offset)
-    if term.values is not None:
+    if term.known is not None:
         if not expected.constant:
             raise fault(
                 argument.span, f"'{argument.span.snippet}' is constant, but '{name}' may be assigned."
             )
-        values = _elements(term)
-        return Constant(name, expected, values, outer.code.constant(values))
+        return Constant(name, expected, term.known, outer.code.constant(term.known))
     storage = term.storage
     assert isinstance(storage.base, int)  # outside of functions
     written = storage.written and not expected.constant

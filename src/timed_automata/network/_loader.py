@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
-from timed_automata.compiler import Constant, Expressions, GeneratedCode, Scope, Type
+from timed_automata.compiler import Alias, Constant, Expressions, GeneratedCode, Scope, Type
 from timed_automata.document import Document, Template, did_you_mean, fault, load_document, write_document
 from timed_automata.errors import ModelError, UsageError
 from timed_automata.language import ast, parse_declarations, parse_instantiations, parse_system
@@ -48,8 +49,27 @@ def export(network: Network) -> bytes:
     return write_document(network.document, network.replaced)
 
 
+_PREDEFINED = {
+    "int8_t": ("INT8", -(1 << 7), (1 << 7) - 1),
+    "uint8_t": ("UINT8", 0, (1 << 8) - 1),
+    "int16_t": ("INT16", -(1 << 15), (1 << 15) - 1),
+    "uint16_t": ("UINT16", 0, (1 << 16) - 1),
+    "int32_t": ("INT32", -(1 << 31), (1 << 31) - 1),
+}
+
+
+def _predefined() -> Scope:
+    """Return the types that UPPAAL declares before every model, and their limits."""
+    scope = Scope()
+    for name, (limit, low, high) in _PREDEFINED.items():
+        scope.symbols[name] = Alias(name, Type("int", low, high, name=name))
+        for suffix, value in (("_MIN", low), ("_MAX", high)) if low else (("_MAX", high),):
+            scope.symbols[limit + suffix] = Constant(limit + suffix, Type("int", value, value), (value,), "")
+    return scope
+
+
 def _make(document: Document, given: Mapping[str, Given]) -> Network:
-    code, places, globals_ = GeneratedCode(), Places(), Scope()
+    code, places, globals_ = GeneratedCode(), Places(), Scope(_predefined())
     declarations = Declarations(code, places, globals_, given=given)
     for declaration in parse_declarations(document.declarations) if document.declarations else ():
         declarations.declare(declaration)
@@ -110,10 +130,10 @@ def _instantiate(document: Document, definitions: Definitions, scope: Scope) -> 
 
 
 def _nested(values: tuple[int, ...], type_: Type) -> Given:
-    if not type_.dimensions:
+    if type_.single:
         return values[0]
-    element = type_.element
-    return [_nested(values[i : i + element.size], element) for i in range(0, len(values), element.size)]
+    left = iter(values)
+    return [_nested(tuple(islice(left, part.size)), part) for _, part in type_.parts]
 
 
 def remake_network(network: Network, document: Document) -> Network | None:

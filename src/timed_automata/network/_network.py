@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any, Literal, NamedTuple
 
 from timed_automata.compiler import Condition, Effects, GeneratedCode, Quantity, Scope, Type
@@ -24,7 +25,9 @@ class State(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable: integers or booleans (0 and 1) that begin at ``offset`` of the values, row-major for an array."""
+    """A variable: integers or booleans (0 and 1) that begin at ``offset`` of the values, row-major for an array, and
+    for a structure field by field.
+    """
 
     name: str
     type: Type
@@ -166,6 +169,13 @@ class Network:
                 what = f"a clock guard on a receiver of a broadcast channel, in {where}"
                 todo = "Receive it without the guard, and test the clock on the edges out of a committed location."
                 raise refused(edge.guard.clocks[0].span, what, todo)
+
+    def scalar(self, offset: int) -> Type:
+        """Return the type of one value, with its own range."""
+        variable = self.variable(offset)
+        if not variable.type.fields:
+            return variable.type.scalar
+        return next(islice(variable.type.scalars(), offset - variable.offset, None))[1]
 
     def process(self, name: str) -> Process:
         """Return a process by its name.

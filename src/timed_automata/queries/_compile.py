@@ -94,7 +94,7 @@ def location_of(network: Network, condition: ast.Expression | None) -> tuple[int
     """Return process and location that a condition requires, or None if it names none."""
     expressions = _QueryExpressions(network)
     for part in _conjuncts(condition):
-        if isinstance(part, ast.Member):
+        if isinstance(part, ast.Member) and expressions.of_process(part):
             process = expressions.process(part.base)
             for location in process.locations:
                 if location.name == part.name:
@@ -119,7 +119,20 @@ class _QueryExpressions(Expressions):
         super().__init__(network.code, Scope(network.scope))
         self.network = network
 
+    def of_process(self, node: ast.Member) -> bool:
+        """Return whether the name after the dot belongs to a process; else it is a field of a structure."""
+        match node.base:
+            case ast.Name(name=name):
+                return self.scope.find(name) is None or any(
+                    each.name == name for each in self.network.processes
+                )
+            case ast.Call(name=name, process=None):
+                return not isinstance(self.scope.find(name), Function)
+        return False
+
     def _member(self, node: ast.Member) -> Term:
+        if not self.of_process(node):
+            return super()._member(node)
         process = self.process(node.base)
         for location in process.locations:
             if location.name == node.name:
@@ -167,7 +180,7 @@ class _QueryExpressions(Expressions):
 
     def is_clock(self, node: ast.Node) -> bool:
         """Return whether the node names a clock or an array of clocks; it may belong to a process."""
-        if not isinstance(node, ast.Member):
+        if not isinstance(node, ast.Member) or not self.of_process(node):
             return super().is_clock(node)
         if isinstance(node.base, ast.Call):
             processes = [p for p in self.network.processes if p.name.startswith(f"{node.base.name}(")]

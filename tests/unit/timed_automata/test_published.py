@@ -244,14 +244,29 @@ def test_a_lower_bound_is_not_executed(load: Callable[[str], Network]) -> None:
         Execution(made, ["P", "Q"])
 
 
-@pytest.mark.parametrize("point", ["", '<branchpoint id="a"/>'])
-def test_an_id_that_stands_twice_in_a_file_is_refused(point: str) -> None:
-    template = '<template><name>{}</name><location id="a"/>{}<init ref="a"/></template>'
-    second = "" if point else template.format("Q", "")
-    text = f"<nta>{template.format('P', point)}{second}<system>system P;</system></nta>"
+@pytest.mark.parametrize("second", ['<location id="a"/>', '<branchpoint id="a"/>'])
+def test_an_id_that_stands_twice_in_a_template_is_refused(second: str) -> None:
+    template = f'<template><name>P</name><location id="a"/>{second}<init ref="a"/></template>'
     with pytest.raises(ModelError, match=r"A second location has the id 'a'; .* at m\.xml:1:30\.") as error:
-        read_document(text.encode(), "m.xml")
-    assert error.value.where == ("m.xml:1:48" if point else "m.xml:1:98")
+        read_document(f"<nta>{template}<system>system P;</system></nta>".encode(), "m.xml")
+    assert error.value.where == "m.xml:1:48"
+
+
+def test_an_id_may_stand_in_two_templates() -> None:
+    template = """<template><name>{0}</name><location id="a"><name>{0}a</name></location>
+    <location id="b"><name>{0}b</name></location><init ref="b"/>
+    <transition><source ref="b"/><target ref="a"/></transition></template>"""
+    text = f"<nta>{template.format('P')}{template.format('Q')}<system>system P, Q;</system></nta>"
+    explorer = Explorer(make_network(read_document(text.encode(), "m.xml")))
+    assert explorer.check("E<> P.Pa && Q.Qb").holds
+    assert explorer.check("E<> Q.Qa && P.Pb").holds
+
+
+def test_test_code_is_ignored_with_a_note() -> None:
+    text = """<nta><template><name>P</name><location id="a"><label kind="testcodeEnter">x();</label></location>
+    <init ref="a"/></template><system>system P;</system></nta>"""
+    (note,) = read_document(text.encode(), "m.xml").notes
+    assert note.what == "The test code is ignored."
 
 
 def test_the_files_of_this_product_have_no_notes() -> None:

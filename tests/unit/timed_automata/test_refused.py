@@ -6,12 +6,30 @@ from end_effector_hal.errors import ModelError
 from timed_automata import load_network
 
 CONSTRUCTS = [
-    ("struct { int a; } s;", "", "'struct', a structure", "struct"),
+    ("struct { clock x; } s;", "", "'x', clock in a structure", "x"),
+    ("struct { chan c[2]; } s;", "", "'c', chan[2] in a structure", "c"),
+    (
+        "struct { int a; } s; void f() { int b = (s = s).a; }",
+        "",
+        "an assignment of a clock, an array or a structure",
+        "s = s",
+    ),
+    ("struct { int a, b; } s; void f() { s.a = s.a++; }", "", "which changes 's.a' while", "s.a++"),
+    (
+        "typedef struct { int a, b; } t; t s; int g() { return s.a; } void f() { s.b = g() + s.a++; }",
+        "",
+        "changes 's.a'",
+        "s.a++",
+    ),
+    (
+        "typedef struct { int a; } t; t g() { t r; return r; } t s[2] = {g(), g()};",
+        "",
+        "a call for a part",
+        "g()",
+    ),
     ("double d;", "", "'double', a type that is not integral", "double"),
     ("string s;", "", "'string', a type that is not integral", "string"),
     ("int a = 1.5;", "", "'1.5', a floating-point number", "1.5"),
-    ("typedef scalar[3] s;", "", "'scalar', a scalar set", "scalar"),
-    ("meta int a;", "", "'meta', a meta variable", "meta"),
     ("hybrid clock x;", "", "'hybrid', a hybrid clock", "hybrid"),
     ("chan a, b; chan priority a < b;", "", "'priority', a priority", "priority"),
     ('import "lib.so" { int f(); };', "", "'import', an external function", "import"),
@@ -107,7 +125,6 @@ def element(inside="", location="", transition="", template="", queries=""):
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ({"location": '<label kind="testcodeEnter">x</label>'}, "test code"),
         ({"transition": '<nail x="1" y="2"/><label kind="guard">x</label>'}, "<label> stands behind <nail>"),
         ({"template": '<branchpoint id="B"/>'}, "<location> stands behind <branchpoint> inside <template>"),
         ({"inside": "<lsc><name>L</name></lsc>"}, "a live sequence chart"),

@@ -105,7 +105,7 @@ def equal_names(network: Network) -> Iterator[str]:
     named = {each.type.name for each in network.variables if each.type.name}
     known: dict[tuple[str, int], str] = {}
     for name, symbol in network.scope.symbols.items():
-        if isinstance(symbol, Constant) and symbol.type.name in named and not symbol.type.dimensions:
+        if isinstance(symbol, Constant) and symbol.type.name in named and symbol.type.single:
             first = known.setdefault((symbol.type.name, symbol.values[0]), name)
             if first != name:
                 yield f"{first} and {name} are both {symbol.values[0]} ({symbol.type.name})"

@@ -58,7 +58,7 @@ def faults(where: str, written: str) -> list[ModelError]:
 
 
 def test_the_pages_have_their_rows_and_commands() -> None:
-    assert (len(ROWS), len(COMMANDS)) == (23, 15)
+    assert (len(ROWS), len(COMMANDS)) == (20, 15)
     assert faults("guard", "x > 3") == []
 
 
