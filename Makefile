@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 ROS_ENV := source build/catkin/devel/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH"
 
-.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures test-boot interlocks test-gpiochip test-page test-board board mutants image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-buses kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
+.PHONY: help setup demo demo-all demo-ros2 ros2 test-ros2 test-ros2-peer test test-thinned nightly pictures deb test-boot interlocks test-gpiochip test-page test-board board mutants image test-image check test-dist test-readme bench bench-ros2 format clean debian docs ros kill-matrix kill-matrix-buses kill-matrix-full kill-matrix-ros2 contract-edits matrix-processes fmea link-campaign arbiter-simulation
 
 help: ## what can be made
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -85,7 +85,10 @@ pictures: setup ## the pictures of the page in docs/images, by its tests in a re
 	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q tests/acceptance/page -k "$(OF_PICTURES)"
 	@for picture in docs/images/page*.png; do cp runs/page/$${picture##*/} $$picture || exit; done
 
-test-boot: setup ## by hand, as root: the systemd units on a booted systemd (needs systemd-container)
+deb: debian ## a Debian package of it, in build/: apt install ./build/end-effector-hal_*.deb; ARCH=arm64: for a board
+	@TARGETARCH=$(ARCH) deploy/package.sh build
+
+test-boot: setup ## by hand, as root: that package on a booted Debian 12: installed, gripping, upgraded, removed (needs systemd-container, mmdebstrap)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
 
 arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time, killed at any step (RUNS=2000)

@@ -1,16 +1,17 @@
 #!/bin/sh
 # Puts the project into one folder that needs no source any more: a Python environment with the wheel, the locked
-# dependencies and the extras modbus and recordings (figures are drawn elsewhere), the messages and launch files as a ROS install space
-# in PREFIX/ros, and PREFIX/bin/eehal-hal; where ROS 2 is sourced: for ROS 2, with PREFIX/bin/eehal-hal-ros2.
-# Usage: deploy/build.sh [PREFIX]     default: /opt/eehal-<version>; what stands there is replaced.
+# dependencies and the extras modbus, page and recordings (figures are drawn elsewhere), the messages and launch files as a
+# ROS install space in PREFIX/ros, and PREFIX/bin/eehal-hal; where ROS 2 is sourced: for ROS 2, with PREFIX/bin/eehal-hal-ros2.
+# Usage: deploy/build.sh [PREFIX]     default: /opt/eehal; what stands there is replaced.
+# DESTDIR: built below this folder, used as PREFIX (deploy/package.sh).
 # Needs the packages of debian-packages.txt (deploy/debian.sh); ROS is left out where catkin is not installed. For ROS 2:
 # colcon, and python3-venv.
 # ROS=2: for ROS 2 by its wheels (the image), which need no ROS 2 on the machine; x86-64 only.
 # TARGETARCH=arm64 (Docker's variable): for that architecture, made on any.
 set -eu
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
-version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/pyproject.toml" | head -n 1)
-prefix=${1:-/opt/eehal-$version}
+installed=${1:-/opt/eehal}
+prefix=${DESTDIR:-}$installed
 native=$(dpkg --print-architecture 2>/dev/null || true)
 target=${TARGETARCH:-$native}
 case $target in
@@ -34,24 +35,27 @@ rm -rf "$prefix"
 /usr/bin/python3 -m venv "$work/uv"
 "$work/uv/bin/pip" install -q --disable-pip-version-check 'uv>=0.5,<1'
 # shellcheck disable=SC2086
-"$work/uv/bin/uv" venv -q $sites -p /usr/bin/python3 "$prefix"
+"$work/uv/bin/uv" venv -q --relocatable $sites -p /usr/bin/python3 "$prefix"
 cd "$root"
-# Compiled here: its users may not write there. An interpreter of another architecture reads the same.
 # shellcheck disable=SC2086
 VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
-    "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --extra recordings --no-editable --compile-bytecode --reinstall-package end-effector-hal \
-    $group $platform -p /usr/bin/python3
+    "$work/uv/bin/uv" sync -q --frozen --no-dev --extra modbus --extra page --extra recordings \
+    --no-editable --reinstall-package end-effector-hal $group $platform -p /usr/bin/python3
 # The parser's tables, beside the bytecode
 "$prefix/bin/python" -c 'from timed_automata.language import parse_system; from timed_automata.document import Text
 parse_system(Text.plain("system a;", ""))'
+# Compiled here: its users may not write there. An interpreter of another architecture reads the same.
+compiled() { "$prefix/bin/python" -m compileall -q -s "${DESTDIR:-}/" -p / "$@"; }
+compiled "$prefix"/lib/python3*/site-packages
+rm -f "$prefix/.lock" "$prefix/.gitignore"
 mkdir -p "$prefix/share/doc"
 cp docs/how-to/deployment.md docs/how-to/wiring.md SAFETY.md "$prefix/share/doc/"
 
 if [ "${ROS:-}" = 2 ]; then
     "$prefix/bin/python" ros/wheels/build_messages.py ros/end_effector_msgs
-    "$prefix/bin/python" -m compileall -q "$prefix"/lib/python3*/site-packages/end_effector_msgs
+    compiled "$prefix"/lib/python3*/site-packages/end_effector_msgs
     mkdir "$prefix/ros"
-    echo "export ROS_VERSION=2 AMENT_PREFIX_PATH=$prefix" >"$prefix/ros/setup.bash"
+    echo "export ROS_VERSION=2 AMENT_PREFIX_PATH=$installed" >"$prefix/ros/setup.bash"
     install -m 755 deploy/eehal-hal-ros2 deploy/container/eehal-container deploy/container/eehal-healthy "$prefix/bin/"
 elif [ "${ROS_VERSION:-}" = 2 ]; then
     colcon --log-base "$work/log" build --merge-install --install-base "$prefix/ros" --build-base "$work/build" \
@@ -63,7 +67,7 @@ elif command -v catkin_make >/dev/null 2>&1; then
     ln -s "$root/ros/end_effector_msgs" "$root/ros/end_effector_hal" "$work/ws/src/"
     # only Python is generated
     ROS_LANG_DISABLE=gencpp:genlisp catkin_make -C "$work/ws" -DPYTHON_EXECUTABLE=/usr/bin/python3 \
-        -DCATKIN_ENABLE_TESTING=OFF "-DCMAKE_INSTALL_PREFIX=$prefix/ros" install >"$work/catkin.log" 2>&1 ||
+        -DCATKIN_ENABLE_TESTING=OFF "-DCMAKE_INSTALL_PREFIX=$installed/ros" install >"$work/catkin.log" 2>&1 ||
         { tail -n 20 "$work/catkin.log" >&2; exit 1; }
     install -m 755 deploy/eehal-hal deploy/container/eehal-container deploy/container/eehal-healthy "$prefix/bin/"
 else

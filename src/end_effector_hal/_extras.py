@@ -10,8 +10,8 @@ from importlib.util import find_spec
 from end_effector_hal.errors import MissingExtraError
 
 DISTRIBUTION = "end-effector-hal"
-_LAB = ("matplotlib", "mcap")
-"""The packages of the extra `lab`; if one is missing, the commands of the lab are hidden."""
+_LAB = ("mcap",)
+"""What the commands of the lab need; without it they are hidden. Figures also need matplotlib, and say so."""
 _ADDED = re.compile(r"""(?P<package>[\w.-]+).*;.*\bextra == ['"](?P<extra>[\w-]+)['"]""")
 
 

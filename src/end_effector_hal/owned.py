@@ -43,7 +43,7 @@ def open_owned(path: str | Path, flags: int, mode: int = 0o600, *, shared: bool 
     return fd
 
 
-def write_owned(path: Path, data: bytes) -> None:
+def write_owned(path: Path, data: bytes, mode: int = 0o644) -> None:
     """Write a file completely or not at all, through a temporary file beside it.
 
     An existing file or link at the path is replaced; the link is not followed.
@@ -51,7 +51,7 @@ def write_owned(path: Path, data: bytes) -> None:
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         beside.unlink(missing_ok=True)
-        with os.fdopen(open_owned(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644), "wb") as file:
+        with os.fdopen(open_owned(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
             file.write(data)
         beside.replace(path)
     except OSError:

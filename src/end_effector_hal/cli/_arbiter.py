@@ -119,7 +119,7 @@ def reload(description: Path, restart: tuple[str, ...], as_json: bool) -> None:
 
     \b
     eehal reload tool.yaml                                        only prints whether it would be accepted now
-    eehal reload tool.yaml -- systemctl restart eehal-hal         nodes of ROS (`systemctl reload eehal-hal` does it)
+    eehal reload tool.yaml -- systemctl restart eehal@tool        a service (`systemctl reload eehal@tool` does it)
 
     The file is checked first. Then the running HAL is asked: it refuses while a part is held, a command or maintenance
     is under way, or an error is latched, and where what the line arbiter was started with would change (outputs, their

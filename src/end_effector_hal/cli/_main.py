@@ -33,6 +33,7 @@ _COMMANDS = {
     "arbiter": "own the output lines of a tool and serve them on a socket",
     "page": "a tool in a browser: live, or as it was recorded",
     "do": "give commands to a tool that runs, from any terminal",
+    "record": "record a tool that runs, in a process of its own",
     "reload": "check a changed description, and whether what runs may take it over",
     "reset": "clear what the line arbiter of a tool has latched",
     "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
@@ -45,7 +46,7 @@ _COMMANDS = {
 }
 _AUDIENCES = {
     "To run a tool and look at it (operators)": (
-        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "arbiter", "doctor",
+        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "record", "arbiter", "doctor",
     ),
     "To describe a tool and connect it (integrators)": (
         "init", "check", "devices", "schema", "listen", "tune", "testbench", "export", "completion",
@@ -77,7 +78,7 @@ _PLACES = {
     **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
     **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model")},
     **{name: f"run._run:{name}" for name in ("run", "serve")},
-    **{name: f"run._clients:{name}" for name in ("do", "status")},
+    **{name: f"run._clients:{name}" for name in ("do", "record", "status")},
     "page": "recorded:command",
     "schema": "_completion:schema",
 }

@@ -55,8 +55,8 @@ def reload_answer(before: Description) -> Answer:
         return Answer(
             False,
             f"Only a restart of the line arbiter can change {what}. The description that runs stays in force. End the "
-            "programs, restart the line arbiter (its lines keep their levels), and start them again; with systemd "
-            "`install.sh -c` does that.",
+            "programs, restart the line arbiter (its lines keep their levels), and start them again; with systemd: "
+            "systemctl restart eehal-arbiter@TOOL eehal@TOOL.",
         )
     return Answer(True, CONTENT)
 

@@ -32,6 +32,6 @@ def connect_relay(path: Path, what: str = "is the master of this bus, does not r
         raise LinkError(
             f"the line arbiter, which {what}: {error.strerror or error}.",
             where=str(path),
-            todo="Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter.",
+            todo="Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter@TOOL.",
         ) from error
     return client

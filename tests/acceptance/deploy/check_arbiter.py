@@ -14,8 +14,8 @@ from end_effector_hal.errors import ReportedError
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.lines import read_chip
 
-CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-arbiter"
-BOTTOM, CYLINDER, TOP = [actuator.line for _, actuator in load("/etc/eehal/end_effector.yaml").ordered]
+CHIP, SOCKET, UNIT = "/bench/chip", "/run/eehal/verdin_gripper.sock", "eehal-arbiter@tool"
+BOTTOM, CYLINDER, TOP = [actuator.line for _, actuator in load("/etc/eehal/tool.yaml").ordered]
 WILL = [(TOP, False, 0), (CYLINDER, False, 600_000), (BOTTOM, False, 1_200_000)]
 ACTIVE = dict.fromkeys((BOTTOM, CYLINDER, TOP), True)
 

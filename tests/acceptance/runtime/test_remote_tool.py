@@ -259,3 +259,24 @@ def test_status_and_do_on_the_command_line(client: RemoteTool, world: World) -> 
     out, _ = interrupted.communicate(timeout=PATIENCE_S)
     assert "RELEASE: succeeded" in out
     assert "Traceback" not in out
+
+
+def test_a_process_of_its_own_records_what_the_tool_does(
+    client: RemoteTool, world: World, tmp_path: Path
+) -> None:
+    folder = tmp_path / "kept" / "run"
+    command = [*EEHAL, "record", str(world.description_path), str(folder)]
+    recorder = world.children.start("recorder", command, log=tmp_path / "recorder.log")
+    states = folder / "states.csv"
+
+    def recorded() -> list[int]:
+        rows = states.read_text().splitlines()[1:] if states.exists() else []
+        return [int(row.split(",")[1]) for row in rows]
+
+    wait_until("the state at its start", lambda: recorded() == [EndEffectorState.STAND_BY])
+    assert client.grip().outcome is Outcome.SUCCEEDED
+    wait_until("the grip", lambda: recorded()[-1] == EndEffectorState.GRIPPED)
+    os.kill(recorder.pid, signal.SIGTERM)
+    wait_until("its end", lambda: recorder.code is not None)
+    assert recorder.code == 0
+    assert client.status.ee is EndEffectorState.GRIPPED, "the end of the recorder touches nothing"

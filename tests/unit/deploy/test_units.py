@@ -8,14 +8,18 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import click
 import pytest
 from ruamel.yaml import YAML
 
 from end_effector_hal.arbiter import arbiter_policy
+from end_effector_hal.cli._main import eehal
 from end_effector_hal.description import Description, load, profile_path
 from tests.support.places import DEPLOY
 
 UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
+ARBITER, COMMON = "eehal-arbiter@.service", DEPLOY / "systemd" / "common.conf"
+PACKAGE = DEPLOY / "package"
 SCRIPTS = [path for path in DEPLOY.rglob("*") if path.is_file() and path.read_bytes().startswith(b"#!")]
 
 
@@ -23,7 +27,7 @@ def unit(name: str) -> configparser.ConfigParser:
     """A unit, of which keys that stand twice are joined."""
     parser = configparser.ConfigParser(strict=False, interpolation=None)
     parser.optionxform = str  # type: ignore[assignment,method-assign]
-    parser.read(DEPLOY / "systemd" / name)
+    parser.read([DEPLOY / "systemd" / name, *([] if name == ARBITER else [COMMON])])
     return parser
 
 
@@ -36,12 +40,23 @@ def seconds(text: str) -> float:
 
 @pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd is not installed")
 def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
+    paths = []
     for path in UNITS:
-        # the program is not installed here
-        text = re.sub(r"/opt/eehal/bin/\S+", "/bin/true", path.read_text())
-        (tmp_path / path.name).write_text(text)
+        # the programs are not installed here
+        text = re.sub(
+            r"^(ExecStart|ExecReload)=/opt/eehal/bin/\S+",
+            r"\1=/bin/true",
+            path.read_text(),
+            flags=re.MULTILINE,
+        )
+        instance = tmp_path / path.name.replace("@", "@my_tool")
+        instance.write_text(text)
+        paths.append(instance)
+        (tmp_path / f"{instance.name}.d").mkdir()
+        if path.name != ARBITER:
+            shutil.copy(COMMON, tmp_path / f"{instance.name}.d")
     result = subprocess.run(
-        ["systemd-analyze", "verify", "--man=no", *(str(tmp_path / path.name) for path in UNITS)],
+        ["systemd-analyze", "verify", "--man=no", *map(str, paths)],
         capture_output=True,
         text=True,
         timeout=60,
@@ -68,7 +83,7 @@ def test_the_groups_have_the_numbers_of_torizon(tmp_path: Path) -> None:
         name, _, number, members = line.split(":")
         groups[name] = (number, set(members.split(",")) - {""})
     assert groups["gpio"] == ("49", {"eehal", "eehal-arbiter"})
-    assert groups["dialout"] == ("20", {"eehal"})
+    assert groups["dialout"] == ("20", {"eehal", "eehal-arbiter"})
 
 
 def longest_will_s(description: Description) -> float:
@@ -79,7 +94,7 @@ def longest_will_s(description: Description) -> float:
 def test_a_stop_leaves_the_time_that_a_will_takes() -> None:
     longest = longest_will_s(load(profile_path()))
     assert longest == 7.0
-    arbiter = unit("eehal-arbiter.service")["Service"]
+    arbiter = unit(ARBITER)["Service"]
     assert seconds(arbiter["TimeoutStopSec"]) > 2 * longest
     assert (arbiter["KillSignal"], arbiter["KillMode"]) == ("SIGTERM", "mixed")
     assert "SendSIGHUP" not in arbiter
@@ -87,37 +102,67 @@ def test_a_stop_leaves_the_time_that_a_will_takes() -> None:
         assert seconds(service["stop_grace_period"]) > 2 * longest
 
 
-@pytest.mark.parametrize("name", ["eehal-hal.service", "eehal-hal-ros2.service"])
-def test_the_nodes_outlive_a_restart_of_the_arbiter(name: str) -> None:
-    hal = unit(name)["Unit"]
-    assert "eehal-arbiter.service" in hal["Wants"].split()
-    assert "eehal-arbiter.service" in hal["After"].split()
-    assert not {"Requires", "BindsTo", "PartOf"} & set(hal)
+def test_no_unit_takes_another_one_down_with_it() -> None:
+    """A restart of the arbiter would end a grip that survives it; one of the nodes, the tool."""
+    wants = {
+        "eehal@.service": "eehal-arbiter@%i.service",
+        "eehal-ros1@.service": "eehal@%i.service",
+        "eehal-ros2@.service": "eehal@%i.service",
+    }
+    for path in UNITS:
+        keys = unit(path.name)["Unit"]
+        assert not {"Requires", "BindsTo", "PartOf", "Conflicts"} & set(keys)
+        wanted = wants.get(path.name)
+        assert keys.get("Wants") == wanted
+        assert wanted is None or wanted in keys["After"].split()
 
 
-def test_one_generation_drives_the_tool_and_hears_this_machine_only() -> None:
-    one, two, logger = (unit(f"eehal-{name}.service") for name in ("hal", "hal-ros2", "logger-ros2"))
-    for each in (two, logger):
-        assert each["Unit"]["Conflicts"] == "eehal-hal.service"
-        assert each["Service"]["Environment"] == "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
-    for each in (one, two, logger):
-        assert (each["Service"]["IPAddressDeny"], each["Service"]["IPAddressAllow"]) == ("any", "localhost")
-        assert each["Service"]["User"] == "eehal"
-    assert two["Service"]["SupplementaryGroups"] == one["Service"]["SupplementaryGroups"]
-    assert logger["Service"]["SupplementaryGroups"] == "gpio", (
-        "the socket of the HAL; it has no business with ports"
-    )
+def test_all_but_the_arbiter_hear_this_machine_only_and_only_the_tool_has_ports() -> None:
+    for path in UNITS:
+        service = unit(path.name)["Service"]
+        if path.name == ARBITER:
+            assert service["PrivateNetwork"] == "yes"
+            continue
+        assert (service["IPAddressDeny"], service["IPAddressAllow"]) == ("any", "localhost")
+        assert service["User"] == "eehal"
+        assert ("DeviceAllow" in service) is (path.name == "eehal@.service")
+    ros = "".join(path.read_text() for path in UNITS if "ros" in path.name)
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in ros
+    assert "ROS_MASTER_URI=http://127.0.0.1:11311" in ros
+    assert ros.count(" connect:=true ") == 2, "the nodes are faces of the tool that eehal@ serves"
 
 
-def test_what_the_units_start_is_installed_by_the_build() -> None:
+def test_the_programs_and_options_of_the_units_exist() -> None:
     build = (DEPLOY / "build.sh").read_text()
-    started = re.findall(
-        r"^ExecStart=/opt/eehal/bin/(\S+)", "".join(each.read_text() for each in UNITS), re.MULTILINE
-    )
-    assert len(started) == len(UNITS)
-    for program in set(started) - {"eehal"}:
-        assert f"deploy/{program} " in build
-        assert (DEPLOY / program).is_file()
+    for path in UNITS:
+        for command in re.findall(
+            r"^Exec(?:Start|Reload)=/opt/eehal/bin/(.*)$", path.read_text(), re.MULTILINE
+        ):
+            program, *words = command.replace("%i", "tool").replace("$EEHAL_OPTIONS", "").split()
+            if program == "eehal":
+                found = eehal.get_command(click.Context(eehal), words[0])
+                assert found, words[0]
+                found.make_context(words[0], words[1:], resilient_parsing=True)
+                known = {option for each in found.params for option in each.opts}
+                own = words[: words.index("--")] if "--" in words else words
+                assert {word for word in own if word.startswith("--")} <= known
+            else:
+                assert f"deploy/{program} " in build
+                assert (DEPLOY / program).is_file()
+                assert f"AssertPathExists=/opt/eehal/bin/{program}\n" in path.read_text(), (
+                    "where it was built"
+                )
+
+
+@pytest.mark.parametrize("restart", ["postinst", "prerm"])
+def test_the_package_asks_the_tool_before_it_touches_its_services(restart: str) -> None:
+    """A held part refuses: nothing is restarted or stopped before, and nothing is asked of a person."""
+    text = (PACKAGE / restart).read_text()
+    first = re.search(r"systemctl (?:re|try-re|st)[^\n]*", text)
+    assert first
+    asked = min(at for word in ("eehal reload ", "eehal check ") if (at := text.find(word)) >= 0)
+    assert asked < first.start()
+    assert "read " not in text
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from end_effector_hal.wires import holders_of
 from ._check_result import CheckedPart, CheckResult, CheckResults
 
 _FOLDERS = (Path("/run/eehal"), Path(f"/run/user/{os.getuid()}/eehal"), Path("/tmp/eehal-0"))
-_START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter."
+_START = "Start it: eehal arbiter DESCRIPTION, or systemctl start eehal-arbiter@TOOL."
 _GROUP = "Add the user to the group gpio, which owns the socket, and log in again."
 _FRESH_US = 1_000_000
 """Largest age of a sensor predicate that counts as fresh, µs. It is longer than the 150 ms of the arbiter itself: the

@@ -1,8 +1,10 @@
-"""``eehal do`` and ``eehal status``: commands to a tool that another process runs, and its state."""
+"""``eehal do``, ``status`` and ``record``: clients of a tool that another process runs."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -11,6 +13,8 @@ import click
 from end_effector_hal.cli._completion import client_words, completed
 from end_effector_hal.cli._options import PathName, end_in_order
 from end_effector_hal.errors import UsageError
+
+from ._opening import limit_options, own_folder, record_into
 
 
 @click.command("do")
@@ -94,3 +98,36 @@ def status(description: Path, follow: bool, as_json: bool) -> None:
             tool.subscribe(changes.status)
         if follow or not broken.empty():
             raise broken.get()
+
+
+@click.command("record")
+@click.argument("description", type=PathName())
+@click.argument("folder", type=PathName())
+@limit_options
+def record(description: Path, folder: Path, segment_mb: float, keep_mb: float) -> None:
+    """Record what the tool of a DESCRIPTION does into a FOLDER, until SIGTERM or Ctrl-C.
+
+    `eehal serve`, `eehal run` or the ROS nodes must run the tool. This process records by itself: neither a full disk
+    nor its death affects the tool. It records on when the tool is back. The trace that `eehal replay` needs is recorded
+    by the program of the tool only: `eehal serve --record FOLDER`.
+
+    Exit codes: 0 ended by SIGTERM, SIGHUP or Ctrl-C, 2 the description has a fault, or the folder cannot be written, 3
+    no HAL runs the tool.
+    """
+    from end_effector_hal.codecs import load_tool
+    from end_effector_hal.recording import Recording, RecordingLimits
+    from end_effector_hal.runtime import EndEffector, RemoteTool
+
+    ended = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, lambda *_: ended.set())
+    with EndEffector.connect(description):
+        pass  # a HAL runs it
+    tool = RemoteTool(load_tool(description))
+    limits = RecordingLimits.of_megabytes(segment_mb, keep_mb)
+    with Recording(own := own_folder(folder), tool.description, limits=limits) as recording:
+        record_into(tool, recording)
+        tool.start()
+        click.echo(f"{tool.description.name} is recorded into {own}.")
+        ended.wait()
+        tool.close()  # its last states are recorded

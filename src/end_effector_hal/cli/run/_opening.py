@@ -19,7 +19,7 @@ from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError, os_
 if TYPE_CHECKING:
     from end_effector_hal.control import Status
     from end_effector_hal.recording import Recording
-    from end_effector_hal.runtime import EndEffector
+    from end_effector_hal.runtime import EndEffector, Tool
 
     from ._voices import Changes, Voice
 
@@ -27,6 +27,20 @@ READY_S = 10.0
 RECORDING = "that records"
 NOT_SIMULATED = "A scenario is for a simulated tool: nothing makes a real one fail."
 Decorated = TypeVar("Decorated", bound=Callable[..., object])
+
+
+def limit_options(command: Decorated) -> Decorated:
+    """Add the options that limit a recording."""
+    segment = click.option(
+        "--segment-mb", default=64.0, show_default=True, help="Size of one segment file, in MB."
+    )
+    keep = click.option(
+        "--keep-mb",
+        default=1000.0,
+        show_default=True,
+        help="Size limit of the whole recording, in MB; the oldest segments are removed.",
+    )
+    return segment(keep(command))
 
 
 def tool_options(command: Decorated) -> Decorated:
@@ -50,15 +64,7 @@ def tool_options(command: Decorated) -> Decorated:
             default=None, help="With --simulate: seed of the random noise and dead times.  [default: 0]"
         ),
         click.option("--record", type=PathName(), help="Folder for the recording of the run."),
-        click.option(
-            "--segment-mb", default=64.0, show_default=True, help="Size of one segment file, in MB."
-        ),
-        click.option(
-            "--keep-mb",
-            default=1000.0,
-            show_default=True,
-            help="Size limit of the whole recording, in MB; the oldest segments are removed.",
-        ),
+        limit_options,
     )):  # fmt: skip
         command = option(command)
     return command
@@ -99,9 +105,7 @@ class Wanted:
             )
         if self.record is None:
             return None
-        folder = _own_folder(self.record)
-        _try_to_write(folder)
-        return folder
+        return own_folder(self.record)
 
 
 @dataclass(frozen=True)
@@ -160,7 +164,7 @@ def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voic
     if record is not None:
         played = (scenario, seed) if wanted.simulate else ("", None)
         recording = Recording(record, loaded, scenario=played[0], seed=played[1], limits=limits)
-        _record(tool, stack.enter_context(recording))
+        record_into(tool, stack.enter_context(recording))
         stack.callback(tool.close)  # its last states are recorded
     changes = Changes(loaded, voice, causes)
     tool.subscribe(changes.status)
@@ -188,9 +192,12 @@ def _with_commands(error: ArbiterError, description: Path) -> ArbiterError:
     )
 
 
-def _own_folder(folder: Path) -> Path:
+def own_folder(folder: Path) -> Path:
     """Return the folder, or a new one beside it if it already contains a recording: a folder holds one run, and no run
     is refused because of that.
+
+    Raises:
+        UsageError: the folder cannot be written.
     """
     own, number = folder, 1
     with os_errors("The recording cannot be written", folder, todo="Name another folder."):
@@ -198,6 +205,7 @@ def _own_folder(folder: Path) -> Path:
             own = folder.with_name(f"{folder.name}-{(number := number + 1)}")
     if own != folder:
         click.echo(f"{folder} holds a recording already: this run is recorded into {own}.", err=True)
+    _try_to_write(own)
     return own
 
 
@@ -208,7 +216,9 @@ def _try_to_write(folder: Path) -> None:
         TemporaryFile(dir=folder).close()
 
 
-def _record(tool: EndEffector, recording: Recording) -> None:
+def record_into(tool: Tool, recording: Recording) -> None:
+    """Record every status and frame of a tool; call it before the tool starts or reconnects."""
+
     def state(status: Status) -> None:
         recording.state(status.at, status.ee, status.command, status.actuators)
         recording.tool_changer(status.at, status.changer)

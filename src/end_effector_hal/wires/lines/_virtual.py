@@ -65,7 +65,8 @@ class VirtualChip:
             pull_of = {name: (pulls or {}).get(name, "down") for name in names}
             at, pid, driven = now_us(), os.getpid(), (levels or {}).items()
             records = [record(Edge(at, name, "in", level, pid)) for name, level in driven]
-            write_owned(chip.path, header(label, pull_of, at) + b"".join(records))
+            # by the umask also for a group: the line arbiter may be another user
+            write_owned(chip.path, header(label, pull_of, at) + b"".join(records), 0o664)
         except OSError as error:
             raise WireError(
                 f"the virtual chip cannot be made: {error.strerror}.",

@@ -30,6 +30,8 @@ class PtyPair:
         self._claim = _claim(self.link)
         self.master, self._slave = os.openpty()
         tty.setraw(self._slave)
+        os.fchown(self._slave, -1, os.getegid())
+        os.fchmod(self._slave, 0o660)  # as a port: a service of another user reads it
         os.set_blocking(self.master, False)
         self.slave_name = os.ttyname(self._slave)
         try:
