@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import pickle
 import platform
@@ -112,7 +113,7 @@ class ClusterWorkers(Workers):
     def _begun(self, function: Callable[[Any, Any], Any], shared: object) -> Iterator[Computation]:
         name = f"end-effector-hal-{uuid4().hex}"
         part = _SharedPart(name, pickle.dumps((function, shared)), identity())
-        executor = self._client.get_executor(pure=False)
+        tasks = _Tasks(self._client, name)
         try:
             with self._reached():
                 self._client.register_plugin(part, name=name)
@@ -121,11 +122,11 @@ class ClusterWorkers(Workers):
                 if why and not isinstance(why, OSError):  # a worker that has just died is no misfit
                     raise _unfit(worker, str(why))
             with self._reached():
-                yield _Tasks(self._client, executor, name)
+                yield tasks
         finally:
             with suppress(*_FAILURES):
                 if self._client.status == "running":
-                    executor.shutdown(wait=False)
+                    tasks.cancel()
                     self._client.unregister_worker_plugin(name)
 
     def _check(self) -> None:
@@ -165,13 +166,39 @@ class _Tasks(Computation):
     tries = 1  # dask has tried it `allowed-failures` times already
     task_s = 1.0  # short items together, so that the scheduler has little to do
 
-    def __init__(self, client: Client, executor: Any, name: str) -> None:
+    def __init__(self, client: Client, name: str) -> None:
         super().__init__()
-        self._client, self._executor, self._name = client, executor, name
+        self._client, self._name = client, name
+        self._under_way: set[Any] = set()
         self._looked_at, self._workers, self._seen_at = -LOOK_S, 0, time.monotonic()
 
     def submit(self, items: list[Any]) -> Future[tuple[float, list[Any]]]:
-        return self._executor.submit(_do, self._name, items)  # type: ignore[no-any-return]
+        task, answer = (
+            self._client.submit(_do, self._name, items, pure=False),
+            Future[tuple[float, list[Any]]](),
+        )
+        self._under_way.add(task)
+        self._client.loop.add_callback(self._answer, task, answer)
+        return answer
+
+    async def _answer(self, task: Any, answer: Future[tuple[float, list[Any]]]) -> None:
+        """Pass on how a task has ended.
+
+        dask's own executor asks for the status after the result: if the worker has died between, it takes the result
+        for an error (ValueError).
+        """
+        try:
+            answer.set_result(await task)
+        except asyncio.CancelledError as error:
+            answer.set_exception(CancelledError(str(error)))
+        except Exception as error:  # noqa: BLE001 -- whatever the function raises is raised by the result
+            answer.set_exception(error)
+        finally:
+            self._under_way.discard(task)
+
+    def cancel(self) -> None:
+        """Cancel all tasks that have not ended."""
+        self._client.cancel(list(self._under_way.copy()))
 
     def places(self) -> int:
         now = time.monotonic()
