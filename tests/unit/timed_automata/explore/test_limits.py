@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, RangeError
 from tests.unit.timed_automata.explore.classics import csma_cd, fischer, train_gate
 from tests.unit.timed_automata.explore.models import Template, network
-from timed_automata import load_network
+from timed_automata import Network, load_network
 from timed_automata.explore.states._discrete import DiscreteSpace
 from timed_automata.explore.zones._limits import NEVER, Limit, Limits, QueryLimits, largest, limits_of
 from timed_automata.network import Semantics
@@ -81,11 +83,17 @@ def test_a_constant_too_large_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "model",
-    [fischer(3), train_gate(2), csma_cd(2), load_network(load(profile_path()).automata_path)],
+    "made",
+    [
+        lambda: fischer(3),
+        lambda: train_gate(2),
+        lambda: csma_cd(2),
+        lambda: load_network(load(profile_path()).automata_path),
+    ],
     ids=["fischer", "train", "csma", "gripper"],
 )
-def test_the_quick_semantics_is_the_semantics(model) -> None:  # type: ignore[no-untyped-def]
+def test_the_quick_semantics_is_the_semantics(made: Callable[[], Network]) -> None:
+    model = made()
     space, plain = DiscreteSpace(model), Semantics(model)
     waiting, seen = [space.at(model.initial)], {model.initial}
     while waiting and len(seen) < 1500:
