@@ -86,10 +86,11 @@ test-page: setup ## the live page in a real browser: Debian's Chromium (4 minute
 # What the tests of the page leave in runs/page, as far as the docs show it
 OF_PICTURES = test_a_grip_and_a_drop_by_the_page or test_a_failing_attempt or held_with_a_leak or test_a_phone_in or test_a_link_leads
 
-pictures: setup ## the pictures of the page in docs/images, by its tests in a real browser
+pictures: setup ## the pictures in docs/images: of the page by its tests in a real browser, and of the README
 	@deploy/debian.sh tests/acceptance/page/debian-packages.txt
 	@$(ROS_ENV) && EEHAL_BROWSER=$${EEHAL_BROWSER:-/usr/bin/chromium} pytest -q tests/acceptance/page -k "$(OF_PICTURES)"
 	@for picture in docs/images/page*.png; do cp runs/page/$${picture##*/} $$picture || exit; done
+	@$(ROS_ENV) && python -m tools.first_picture docs/images/failed-grip.svg
 
 deb: debian ## a Debian package of it, in build/: apt install ./build/end-effector-hal_*.deb; ARCH=arm64: for a board
 	@TARGETARCH=$(ARCH) deploy/package.sh build

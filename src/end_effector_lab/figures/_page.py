@@ -55,6 +55,7 @@ def page_of(
     words_in: float,
     more_names: Sequence[str] = (),
     switched_s: float = 0.0,
+    width_in: float = WIDTH_IN,
 ) -> Page:
     """Return the page for a recording.
 
@@ -64,6 +65,7 @@ def page_of(
         words_in: width of the text right of the plots, inches.
         more_names: names of further lanes.
         switched_s: the last change in the lanes of switches; an opening e-stop may change no state.
+        width_in: width of the figure, inches.
     """
     start, last = span_of(log)
     # a counterexample may last some milliseconds
@@ -78,7 +80,7 @@ def page_of(
     names = [line for title in titles for line in _lane_title(title)]
     left = max(width_of(name, NAME) for name in names) + 0.35
     right = max(words_in + 0.25, 0.4)
-    return Page(start, end, max(left, 1.2), WIDTH_IN - max(left, 1.2) - right)
+    return Page(start, end, max(left, 1.2), width_in - max(left, 1.2) - right)
 
 
 def _lane_title(title: str) -> list[str]:
@@ -153,8 +155,8 @@ def sources(info: RunInfo) -> list[str]:
 
 def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
     """Draw title, reason, subtitle and legend, ``left`` inches from the edge."""
-    height = figure.get_figheight()
-    x = left / WIDTH_IN
+    width, height = figure.get_size_inches()
+    x = left / width
     figure.text(
         x,
         1 - EDGE_IN / height,
@@ -184,8 +186,8 @@ def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
     y = heading.legend_at
     for name, colour in FILLS.items():
         box = Rectangle(
-            (left / WIDTH_IN, 1 - (y + 0.06) / height),
-            _SWATCH_IN / WIDTH_IN,
+            (left / width, 1 - (y + 0.06) / height),
+            _SWATCH_IN / width,
             0.12 / height,
             facecolor=colour,
             linewidth=0,
@@ -193,5 +195,5 @@ def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
         box.set(transform=figure.transFigure, label=name)
         figure.add_artist(box)
         left += _SWATCH_IN + 0.08
-        figure.text(left / WIDTH_IN, 1 - y / height, name, fontsize=LEGEND, va="center_baseline")
+        figure.text(left / width, 1 - y / height, name, fontsize=LEGEND, va="center_baseline")
         left += width_of(name, LEGEND) + 0.22

@@ -57,8 +57,8 @@ class FigureSheet:
 
     def axes(self, y0: float, y1: float) -> Axes:
         """Return new axes over the time of the recording."""
-        page, height = self.page, self.height
-        place = (page.left / WIDTH_IN, 1 - y1 / height, page.width / WIDTH_IN, (y1 - y0) / height)
+        page, height, width = self.page, self.height, self.figure.get_figwidth()
+        place = (page.left / width, 1 - y1 / height, page.width / width, (y1 - y0) / height)
         axes = self.figure.add_axes(place)
         axes.set_xlim(page.start_s, page.end_s)
         axes.patch.set_visible(False)
@@ -136,6 +136,7 @@ def timeline(
     moments: Sequence[Moment] = (),
     changer: Sequence[ChangerRow] = (),
     switches: SwitchesLog | None = None,
+    width_in: float = WIDTH_IN,
 ) -> Figure:
     """Draw states as lanes with their names inside, events above, and switches and pressures with thresholds below.
 
@@ -157,6 +158,7 @@ def timeline(
             words_in,
             [*info.switches, *(each.name for each in info.watched)],
             last_switched_s(switches, info),
+            width_in,
         )
         shown = [moment for moment in moments if page.start_s <= moment.time_s <= page.end_s]
         told = sorted((*story.moments, *shown), key=lambda moment: moment.time_s)
@@ -168,13 +170,13 @@ def timeline(
         lanes[1].ruled = len(lanes) > 2
         for lane in lanes:
             write_lane(lane, page.x, page.width, crossed)
-        heading = heading_of(story, info, WIDTH_IN - page.left - EDGE_IN)
+        heading = heading_of(story, info, width_in - page.left - EDGE_IN)
         lanes_at = heading.height_in + (1 + max((event.row for event in events), default=0)) * ROW_IN
         lanes_end = lanes_at + FOOT_IN + sum(lane.height_in for lane in lanes)
         heights = [*(panel.height_in for panel in panels), *(CLOCK_IN for _ in clocks)]
         panels_end = lanes_end + sum(height + PANEL_GAP_IN for height in heights)
         height = panels_end + AXIS_IN
-        sheet = FigureSheet(Figure(figsize=(WIDTH_IN, height), facecolor="white", dpi=DPI), page, height)
+        sheet = FigureSheet(Figure(figsize=(width_in, height), facecolor="white", dpi=DPI), page, height)
         draw_heading(sheet.figure, heading, page.left)
         deadlines = [each.deadline_s for each in clocks if each.deadline_s is not None]
         draw_lanes(sheet, lanes, events, (heading.height_in, lanes_at, lanes_end), deadlines)

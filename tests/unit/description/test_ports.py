@@ -31,6 +31,7 @@ def faults(port: str, frame: str, more: str = "") -> list[str]:
         ("/dev/ttyUSB0", "modbus"),
         ("/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", "modbus"),
         ("uart.pty", "text"),
+        ("/dev/canary0", "text"),
         ("tcp://192.168.1.20", "modbus"),
         ("tcp://plc.local:1502", "modbus"),
         ("tcp://[fe80::1%eth0]:502", "modbus"),
@@ -70,6 +71,25 @@ def test_anything_else_that_looks_like_an_address_is_refused_with_the_right_form
     (fault,) = faults(port, frame)
     assert "'port' is no address that this link can use" in fault
     assert expected in fault
+
+
+@pytest.mark.parametrize(
+    ("port", "fieldbus"),
+    [
+        ("ethercat://eth0", "EtherCAT"),
+        ("profinet:10.0.0.1", "PROFINET"),
+        ("enip://10.0.0.2", "EtherNet/IP"),
+        ("can0", "CAN"),
+        ("/dev/can1", "CAN"),
+        ("socketcan:can0", "CAN"),
+        ("opc.tcp://plc:4840", "OPC UA"),
+    ],
+)
+@pytest.mark.parametrize("frame", ["text", "modbus"])
+def test_a_fieldbus_that_is_not_supported_is_named(port: str, fieldbus: str, frame: str) -> None:
+    (fault,) = faults(port, frame)
+    assert f"{fieldbus} is not supported" in fault
+    assert "a gateway to Modbus TCP: tcp://HOST:502" in fault
 
 
 @pytest.mark.parametrize("key", ["baudrate: 9600", "parity: E", "stopbits: 2"])
