@@ -256,7 +256,7 @@ def _print_summary(description: Description, checked: Checked) -> None:
         console.print(line)
     if computed := computed_bounds(description):
         said = ", ".join(f"{key} = {seconds:g}" for key, seconds in computed.items())
-        console.print(f"bounds    computed, for they are not written: {said}")
+        console.print(f"bounds    computed from times and attempts, for lack of `bounds:`: {said}")
     switched_off = [key for key, on in description.interlocks.model_dump(by_alias=True).items() if not on]
     if switched_off:
         console.print(f"switched off  {', '.join(switched_off)}", style="bold yellow")
@@ -272,7 +272,7 @@ def _actuators(description: Description) -> Table:
     """Return a table of the actuators in the order of a grip."""
     from rich.table import Table
 
-    columns = ("actuator", "kind", "line", "pin", "channel", "time-out", "reset", "gone")
+    columns = ("actuator", "kind", "line", "pin", "channel", "time-out", "reset", "release")
     table = Table(*columns, box=None, pad_edge=False, padding=(0, 1))
     for name, each in description.ordered:
         times = (f"{each.attempts} x {each.timeout_s:g} s", f"{each.reset_s:g} s", f"{each.release_s:g} s")

@@ -220,10 +220,10 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every:
         for finding in proof.findings:
             _print_line(finding)
     else:
-        _print_what_is_to_be_said(source, proof, what)
+        _print_what_is_to_be_said(source, proof)
     _print_bounds(proof)
     if computed := _computed(source):
-        click.echo(f"bounds that are not written are what the steps add up to: {', '.join(computed)}")
+        click.echo(f"computed from times and attempts, for lack of `bounds:`: {', '.join(computed)}")
     for note in _first(source.network.document.notes, every=every):
         click.echo(f"note: {note}")
     if proof.off and every:
@@ -231,13 +231,11 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every:
     _print_runs(source, proof, files, every=every)
     if not files and any(finding.trace for finding in proof.findings):
         click.echo("-o DIR writes the runs and draws them.")
-    _print_verdict(proof, every=every, free=free)
+    _print_verdict(proof, what, every=every, free=free)
 
 
-def _print_what_is_to_be_said(source: Source, proof: Proof, what: str) -> None:
-    """Print the reason for every requirement that does not hold, the number of those that do not apply, and those that
-    are open or have an answer.
-    """
+def _print_what_is_to_be_said(source: Source, proof: Proof) -> None:
+    """Print the reason for every requirement that does not hold, and those that are open or have an answer."""
     from end_effector_hal.verification.proof import UNMET
 
     failing = [each for each in proof.findings if not each.holds and each.decided]
@@ -248,8 +246,6 @@ def _print_what_is_to_be_said(source: Source, proof: Proof, what: str) -> None:
             click.echo(_wrapped(_why(source, finding), _INDENT))
     if more := failing[_MOST_LISTED:]:
         click.echo(_wrapped(f"{len(more)} fail as well: {_ids(more)}", ""))
-    if empty := sum(each.holds and each.remark == UNMET for each in proof.findings):
-        click.echo(f"{empty} {'does' if empty == 1 else 'do'} not apply to this {what}")
     told = [
         each for each in proof.findings if not each.decided or (each.holds and each.remark not in ("", UNMET))
     ]
@@ -264,9 +260,11 @@ def _print_what_is_to_be_said(source: Source, proof: Proof, what: str) -> None:
 
 
 def _print_bounds(proof: Proof) -> None:
-    if proof.bounds:
+    # what never begins with this tool, such as an unlock, has no worst case
+    bounds = {name: worst for name, worst in proof.bounds.items() if str(worst) != "never"}
+    if bounds:
         click.echo("\nworst cases, computed and required:")
-    for name, worst in proof.bounds.items():
+    for name, worst in bounds.items():
         click.echo(
             f"  {name.removesuffix('_s').replace('_', '-'):16} {worst!s:>9}  {worst.declared_ms / 1000:g} s"
         )
@@ -290,13 +288,18 @@ def _print_runs(source: Source, proof: Proof, files: dict[str, list[Path]], *, e
         )
 
 
-def _print_verdict(proof: Proof, *, every: bool, free: bool) -> None:
+def _print_verdict(proof: Proof, what: str, *, every: bool, free: bool) -> None:
+    from end_effector_hal.verification.proof import UNMET
+
     count = len(proof.findings)
     failed = sum(not finding.holds and finding.decided for finding in proof.findings)
     left = sum(not finding.decided for finding in proof.findings)
-    held = f"{count - left} of {count} hold" if left else f"all {count} hold"
+    unmet = sum(finding.holds and finding.remark == UNMET for finding in proof.findings)
+    applying = f"all {count - unmet} that apply hold" if unmet else f"all {count} hold"
+    held = f"{count - left} of {count} hold" if left else applying
     verdict = f"{failed} of {count} fail" if failed else held
     verdict += f", {left} are not decided" if left else ""
+    verdict += f", {unmet} {'does' if unmet == 1 else 'do'} not apply to this {what}" if unmet else ""
     hint = "" if every else "  (--all lists every requirement" + (" and run)" if failed else ")")
     color = "red" if failed else "yellow" if left else "green"
     text = click.style(f"\n{verdict}; {proof.states:,} states, {proof.seconds:.2f} s", fg=color, bold=True)

@@ -37,8 +37,8 @@ from ._parts import (
 MOST_SAID = 16
 """Largest number of findings or phrases that one call may return."""
 _DECLARED = (
-    "name", "stanza", "channels", "states", "orders", "joint_rules", "opposing", "samples", "below_ambient", "moves",
-    "empty",
+    "name", "stanza", "channels", "states", "orders", "joint_rules", "opposing", "samples", "below_ambient",
+    "margin_from", "moves", "empty",
 )  # fmt: skip
 T = TypeVar("T")
 

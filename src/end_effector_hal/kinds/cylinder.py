@@ -146,6 +146,7 @@ class Cylinder(DeviceKind[CylinderActuator]):
     # What takes longer than its time-out can never happen.
     orders = (("extended_s", "<", "timeout_s"), ("retracted_s", "<", "release_s"))
     joint_rules = (JointRule(("retracted_kpa", "extended_fraction", "supply.refuse_kpa"), _apart),)
+    margin_from = "confirmed"
     moves = True
 
     def detector(self, actuator: CylinderActuator, supply: Supply) -> CylinderDetector:

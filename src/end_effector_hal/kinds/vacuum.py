@@ -289,6 +289,7 @@ class Vacuum(DeviceKind[VacuumActuator]):
         ChannelKey("gone_bit", Kind.BIT),
     )
     states = VacuumState
+    margin_from = "lost"
     # A signal rises through gone, lost at once, lost, confirmed, secure; equal where two may be one.
     orders = (
         ("gone_kpa", "<", "lost_at_once_kpa"),

@@ -51,7 +51,7 @@ def test_a_description_is_taken_over_at_rest_and_a_held_part_keeps_the_old_one(
     code, said = asked(world)
     assert (code, "A part is held" in said) == (1, True), said
     terminal.type("drop\n")
-    at = terminal.read_until("RELEASE: succeeded", after=at)
+    at = terminal.read_until("DROP: succeeded", after=at)
     world.description_path.write_text(f"{original}\nnot_a_key: 1\n")
     terminal.type("reload\n")
     at = terminal.read_until("refused: reload.*unknown key 'not_a_key'", after=at)

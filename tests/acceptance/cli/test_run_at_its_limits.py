@@ -97,7 +97,7 @@ def test_a_part_is_dropped_where_no_thread_can_be_started(run: Run) -> None:
     run.do("grip", "GRIP: succeeded")
     run.process.send_signal(signal.SIGUSR1)
     run.do("stop", "STOP: succeeded")
-    run.do("drop", "RELEASE: succeeded")
+    run.do("drop", "DROP: succeeded")
     run.do("reset", "RESET: succeeded")
     run.do("grip", "GRIP: succeeded")
     run.process.terminate()

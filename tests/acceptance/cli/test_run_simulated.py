@@ -94,7 +94,7 @@ def test_a_script_from_an_empty_folder_to_the_end(started: list[Started], tmp_pa
     assert [line for line in out.splitlines() if "succeeded" in line] == [
         "LOCK: succeeded",
         "GRIP: succeeded",
-        "RELEASE: succeeded",
+        "DROP: succeeded",
     ]
     assert (tool.others(), list(tool.temporary.iterdir())) == ([], [])
     assert (tmp_path / "recorded" / "states.csv").exists()
@@ -112,7 +112,7 @@ def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[
     grip, leek, *rest = [line for line in out.splitlines() if told.match(line)][1:]
     assert grip.startswith("refused: grip. IL-06")
     assert leek == "refused: scenario. no fault is named 'leek'. Did you mean 'leak'?"
-    assert rest == ["scenario: nominal", "GRIP: succeeded", "RELEASE: succeeded"]
+    assert rest == ["scenario: nominal", "GRIP: succeeded", "DROP: succeeded"]
     assert tool.process.returncode == 1
 
 
@@ -134,7 +134,7 @@ def test_without_a_tool_nothing_is_locked_or_gripped_and_no_lift_is_allowed(
         f"refused: lock. A lock is refused: there is no tool ({bit} is off).",
         f"refused: grip. IL-05: there is no tool ({bit} is off).",
         "GRIP: succeeded",
-        "RELEASE: succeeded",
+        "DROP: succeeded",
     ]
     held, gone = out.split("scenario: no-tool")
     assert "GRIPPED; a part is held, lift allowed" in held
@@ -152,7 +152,7 @@ def test_a_grip_right_after_the_reset_of_a_stop(started: list[Started]) -> None:
     refused = said.pop(4)
     assert refused.startswith("refused: grip. IL-13: the tool was stopped")
     assert [line.partition(":")[0] for line in said] == [
-        "LOCK", "GRIP", "STOP", "RELEASE", "RESET", "GRIP", "RELEASE",
+        "LOCK", "GRIP", "STOP", "DROP", "RESET", "GRIP", "DROP",
     ]  # fmt: skip
     assert tool.process.returncode == 1
 

@@ -31,7 +31,7 @@ class Run:
             stdout=subprocess.PIPE,
             text=True,
         )
-        self.until(lambda each: each.get("end_effector") in ("STAND-BY", "GRIPPED"))
+        self.until(lambda each: each.get("end_effector") in ("STAND_BY", "GRIPPED"))
 
     def __enter__(self) -> Self:
         return self

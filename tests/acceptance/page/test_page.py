@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import subprocess
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ import pytest
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.stream import ask_program, program_socket
 from end_effector_hal.verification.mutation import kept_record
+from end_effector_lab.processes import EEHAL
 from tests.acceptance.page.conftest import Live
 from tests.support.named_parts import gripper_with_parts
 from tests.support.patience import wait_until
@@ -72,8 +74,10 @@ def press_forbidden(page: Any, word: str) -> None:
 
 
 def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
+    subprocess.run([*EEHAL, "verify", str(nominal.world.description_path)], check=True, capture_output=True)
     page = opened(chromium, nominal, viewport={"width": 1440, "height": 1000})
     shows(page, "state-word", "STAND-BY")
+    page.locator("#fact-verdict", has_text=re.compile("hold")).wait_for()
     assert page.locator("#part").count() == 0, "the tool names no parts"
     shows(page, "why-grip", "Take control first.")
     press_forbidden(page, "grip")
@@ -91,6 +95,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     press_forbidden(page, "unlock")
     shows(page, "answer", sentence)
     page.locator("#held-detail", has_text=re.compile("^secure$")).wait_for()
+    assert re.fullmatch(r"\+[\d.]+ kPa from (lost|confirmed)", page.locator(".margin").first.inner_text())
     shot(page, "page")
     page.wait_for_selector("#cards .hold")
     shot(page, "nominal", whole=True)

@@ -257,7 +257,7 @@ def test_status_and_do_on_the_command_line(client: RemoteTool, world: World) -> 
     time.sleep(0.5)
     interrupted.send_signal(signal.SIGINT)
     out, _ = interrupted.communicate(timeout=PATIENCE_S)
-    assert "RELEASE: succeeded" in out
+    assert "DROP: succeeded" in out
     assert "Traceback" not in out
 
 

@@ -127,7 +127,7 @@ def test_what_does_not_apply_is_counted_and_all_lists_it() -> None:
         ("sup: x", "[all] How long in all."),
     )
     told = run("--model", "model.xml").stdout
-    assert "1 does not apply to this model\n" in told
+    assert ", 1 does not apply to this model; " in told
     assert "does not apply here: its condition is never met" in run("--model", "model.xml", "--all").stdout
     assert "holds  How long." in told
     assert "       3\n" in told
@@ -239,7 +239,7 @@ def test_a_fourth_actuator_needs_no_bounds() -> None:
     result = run("tool.yaml")
     assert result.exit_code == 0
     assert (
-        "bounds that are not written are what the steps add up to: grip_s, release_s, cancel_s\n"
+        "computed from times and attempts, for lack of `bounds:`: grip_s, release_s, cancel_s\n"
         in result.stdout
     )
 

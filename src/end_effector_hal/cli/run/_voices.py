@@ -123,7 +123,8 @@ class Words:
         after = f" after {result.seconds:.2f} s" if self._timed and result.seconds else ""
         steps = "; ".join(self._steps(result)) if self._timed and command is Command.GRIP else ""
         steps = f"{steps}." if steps else ""
-        text = f"{command.name}: {_ENDED.get(result.outcome, 'failed')}{after}"
+        name = "DROP" if command is Command.RELEASE else command.name  # as the user typed it
+        text = f"{name}: {_ENDED.get(result.outcome, 'failed')}{after}"
         more = " ".join(filter(None, (result.reason, steps)))
         self._say(f"{text}{f'. {more}' if more else ''}", fg="green" if result.succeeded else "red")
 
@@ -357,9 +358,9 @@ class Changes:
             self._told.notify_all()
 
     def _labels(self, status: Status) -> tuple[str, dict[str, str]]:
-        """Return the labels of the state of the end-effector and of each actuator."""
+        """Return the name of the end-effector's state, as in all other lines, and the label of each actuator's."""
         states = zip(self._description.ordered, status.actuators, strict=True)
-        return status.ee.label, {
+        return status.ee.name, {
             name: kind_of(actuator).states(state).label for (name, actuator), state in states
         }
 

@@ -367,6 +367,6 @@ def _outlasts(description: Description) -> Iterator[str]:
 
 def _falls(name: str, key: str, what: str, when: str) -> Iterator[str]:
     if what == "release":
-        yield f"{name}: {key}: release: a held part falls {when}"
+        yield f"{name}: a held part falls {when} ({key}: release)"
     elif what == "undefined":
-        yield f"{name}: {key}: undefined: the description does not say whether a held part falls {when}"
+        yield f"{name}: the description does not say whether a held part falls {when} ({key}: undefined)"

@@ -54,7 +54,7 @@ class Card {
     put(this.unused, now.unused ? `not used for ${state.part}` : "");
     this.gauges.forEach((gauge, index) => {
       gauge.markFor(state.judged);
-      gauge.show(now.values[index] ?? null, index ? null : now.margin_kpa);
+      gauge.show(now.values[index] ?? null, index ? null : now.margin_kpa, this.drawn.margin_from);
     });
     this.showAttempt(now.attempt, now.phase);
     this.showTimer(now.timer, at);
@@ -168,10 +168,10 @@ class Gauge {
     this.fill.setAttribute("width", value === null || value === undefined ? 0 : this.x(value));
   }
 
-  show(value, margin) {
+  show(value, margin, from) {
     const { decimals } = this.drawn;
     put(this.value, value === null ? "–" : (Math.abs(value) < 0.5 / 10 ** decimals ? 0 : value).toFixed(decimals));
     this.fillTo(value);
-    put(this.margin, value === null ? "no valid reading" : margin === null ? "" : `margin ${margin >= 0 ? "+" : "−"}${Math.abs(margin).toFixed(1)} kPa`);
+    put(this.margin, value === null ? "no valid reading" : margin === null ? "" : `${margin >= 0 ? "+" : "−"}${Math.abs(margin).toFixed(1)} kPa from ${from || "its threshold"}`);
   }
 }

@@ -60,6 +60,7 @@ class Cards:
             "kind": kind.name,
             "line": actuator.line,
             "states": {int(state): state.label for state in kind.states},
+            "margin_from": kind.margin_from,
             "gauges": [curve.drawn() for curve in self._curves[name]],
             "bits": self._bits(actuator),
         }

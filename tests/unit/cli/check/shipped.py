@@ -20,7 +20,7 @@ def sentences(result: Result) -> list[str]:
     return [line for line in result.stderr.splitlines() if not EXCERPT.match(line)]
 
 
-NO_E_STOP = "e-stop: none in the description: IL-13 covers only the software stop"
+NO_E_STOP = "no e-stop in the description: IL-13 covers only the software stop"
 
 NIBBLE = {
     "codec: ees1-ascii ": "codec: legacy-nibble ",

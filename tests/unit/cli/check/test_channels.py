@@ -169,7 +169,7 @@ def test_a_fourth_actuator_on_the_channel_of_the_supply(check: Check) -> None:
     }
     result = check("--json", replace=replace)
     assert result.exit_code == 0, result.stdout
-    assert "supply: channel: none: IL-06 is off" in result.stdout
+    assert "no sensor of the supply (channel: none): IL-06 is off" in result.stdout
 
 
 def test_a_cylinder_is_offered_its_bit(check: Check) -> None:

@@ -20,7 +20,7 @@ def test_a_valid_description_is_told_in_short(check: Check) -> None:
     words = [" ".join(line.split()) for line in result.stdout.splitlines()]
     assert words[0].startswith("verdin_gripper multifunction end-effector on a Toradex Verdin")
     assert words[1:] == [
-        "actuator kind line pin channel time-out reset gone",
+        "actuator kind line pin channel time-out reset release",
         "bottom_vacuum vacuum SODIMM_208 X20 pin 28 bottom 3 x 5 s 1 s 2 s",
         "cylinder cylinder SODIMM_210 X20 pin 29 cylinder 3 x 5 s 1 s 2 s",
         "top_vacuum vacuum SODIMM_212 X20 pin 30 top 3 x 5 s 1 s 2 s",
@@ -116,7 +116,7 @@ def test_faults_as_json(check: Check) -> None:
 
 def test_bounds_that_are_not_written_are_told(check: Check) -> None:
     shorter = {"  grip_s: 58.0\n": "", "attempts: 3": "attempts: 2"}
-    told = "bounds    computed, for they are not written: grip_s = 51.8\n"
+    told = "bounds    computed from times and attempts, for lack of `bounds:`: grip_s = 51.8\n"
     assert told in check(replace=shorter).stdout
     assert json.loads(check("--json", replace=shorter).stdout)["computed_bounds"] == {"grip_s": 51.8}
 
@@ -131,7 +131,7 @@ def test_what_cannot_be_proven_without_a_sensor_is_told(check: Check) -> None:
         "cylinder: retracted_bit: none: retracted is assumed to be the opposite of extended: "
         "a rod that stops on its way counts as retracted",
         "top_vacuum: top is a switch, on or off, and no pressure: thresholds are off",
-        "supply: channel: none: IL-06 is off: 600 kPa is assumed, and low pressure is not detected",
+        "no sensor of the supply (channel: none): IL-06 is off: 600 kPa is assumed, and low pressure is not detected",
         "tool changer: stand_bit: none: an unlock is armed first (IL-02)",
         NO_E_STOP,
     ]
@@ -167,7 +167,7 @@ def test_a_description_without_a_tool_changer(check: Check) -> None:
     result = check("--json", replace={stanza: ""})
     assert result.exit_code == 0
     assert json.loads(result.stdout)["not_fitted"] == [
-        "tool changer: none in the description: IL-01 to IL-05 are off",
+        "no tool changer in the description: IL-01 to IL-05 are off",
         NO_E_STOP,
     ]
 

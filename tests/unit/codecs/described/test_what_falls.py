@@ -12,7 +12,7 @@ SILENT, POWER = (
     "a held part falls when the bus or the line arbiter is silent",
     "a held part falls without power",
 )
-NOBODY = "undefined: the description does not say whether"
+NOBODY = "the description does not say whether"
 
 
 @pytest.mark.parametrize(
@@ -20,16 +20,19 @@ NOBODY = "undefined: the description does not say whether"
     [
         ("line: A", []),
         ("line: A, on_power_loss: hold", []),
-        ("line: A, on_power_loss: release", [f"cup: on_power_loss: release: {POWER}"]),
-        ("line: A, on_power_loss: undefined", [f"cup: on_power_loss: {NOBODY} {POWER}"]),
+        ("line: A, on_power_loss: release", [f"cup: {POWER} (on_power_loss: release)"]),
+        ("line: A, on_power_loss: undefined", [f"cup: {NOBODY} {POWER} (on_power_loss: undefined)"]),
         (
             REGISTER.format(""),
-            [f"cup: on_link_loss: {NOBODY} {SILENT}", f"cup: on_power_loss: {NOBODY} {POWER}"],
+            [
+                f"cup: {NOBODY} {SILENT} (on_link_loss: undefined)",
+                f"cup: {NOBODY} {POWER} (on_power_loss: undefined)",
+            ],
         ),
         (REGISTER.format(", on_link_loss: hold") + ", on_power_loss: keep", []),
         (
             REGISTER.format(", on_link_loss: release, keep_alive_ms: 9000") + ", on_power_loss: release",
-            [f"cup: on_link_loss: release: {SILENT} for 9000 ms", f"cup: on_power_loss: release: {POWER}"],
+            [f"cup: {SILENT} for 9000 ms (on_link_loss: release)", f"cup: {POWER} (on_power_loss: release)"],
         ),
     ],
 )

@@ -117,14 +117,14 @@ def _supply(description: Description, codec: CodecChannels) -> Iterator[str]:
     if carries is Kind.BIT:
         yield f"supply: {supply.channel} is a switch, on or off, and no pressure: IL-06 has no thresholds"
     elif carries is None:
-        taken = f"{number(supply.nominal_kpa)} kPa is assumed"
-        yield f"supply: channel: {supply.channel}: IL-06 is off: {taken}, and low pressure is not detected"
+        assumed = f"{number(supply.nominal_kpa)} kPa is assumed, and low pressure is not detected"
+        yield f"no sensor of the supply (channel: {supply.channel}): IL-06 is off: {assumed}"
 
 
 def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]:
     channels, changer, e_stop = codec.channels, description.tool_changer, description.e_stop
     if changer is None:
-        yield "tool changer: none in the description: IL-01 to IL-05 are off"
+        yield "no tool changer in the description: IL-01 to IL-05 are off"
     else:
         bits = (("locked_bit", changer.locked_bit), ("unlocked_bit", changer.unlocked_bit))
         if missing := ", ".join(f"{key}: {bit}" for key, bit in bits if bit not in channels):
@@ -136,7 +136,7 @@ def _interlocks(description: Description, codec: CodecChannels) -> Iterator[str]
         elif changer.present_bit not in channels:
             yield f"tool changer: present_bit: {changer.present_bit}: an absent tool is not seen (IL-02, IL-05)"
     if e_stop is None:
-        yield "e-stop: none in the description: IL-13 covers only the software stop"
+        yield "no e-stop in the description: IL-13 covers only the software stop"
     elif e_stop.channel not in channels:
         yield f"e_stop: channel: {e_stop.channel}: an open e-stop is not seen: IL-13 covers only the software stop"
 
