@@ -26,6 +26,7 @@ from .execute import (
     Step,
     TakenEdge,
     Written,
+    live,
 )
 from .network import Change, Network, State, Trace, TraceStep, export, load_network, make_network
 
@@ -51,6 +52,7 @@ __all__ = [
     "TraceStep",
     "Written",
     "export",
+    "live",
     "load_document",
     "load_network",
     "load_source",

@@ -2,6 +2,7 @@
 
 from ._boundary import ExecutionBoundary
 from ._execution import Execution
+from ._live import live
 from ._observations import (
     Begun,
     Event,
@@ -34,6 +35,7 @@ __all__ = [
     "SuccessorCache",
     "TakenEdge",
     "Written",
+    "live",
     "resume",
     "snapshot_of",
 ]

@@ -19,6 +19,7 @@ PICTURES = {
     "first-grip": {},
     "my-first-kind": {},
     "my-first-proof": {"runs/proof/grip-decided/timeline.svg": "counterexample.svg"},
+    "my-own-model": {},
     "my-own-tool": {"mine.svg": "my-tool.svg"},
 }
 """Of each tutorial, what it leaves and its page shows; ``EEHAL_UPDATE=1`` copies them."""
