@@ -27,6 +27,7 @@ _COMMANDS = {
     "devices": "the devices of the library, for `device: NAME` in a description",
     "doctor": "what this machine lacks to run a tool, and what to do",
     "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
+    "history": "grips per day, outcomes, times and margins over time, from the recordings of a tool",
     "init": "a folder with a description to start from, and its schema",
     "listen": "what arrives on each channel, live; thresholds from a recording",
     "model": "show, play, export and check the automata",
@@ -46,7 +47,8 @@ _COMMANDS = {
 }
 _AUDIENCES = {
     "To run a tool and look at it (operators)": (
-        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "record", "arbiter", "doctor",
+        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "history", "record",
+        "arbiter", "doctor",
     ),
     "To describe a tool and connect it (integrators)": (
         "init", "check", "devices", "schema", "listen", "tune", "testbench", "export", "completion",

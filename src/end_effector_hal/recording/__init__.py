@@ -7,7 +7,7 @@ from ._events import EventRow, EventsWriter, event_row
 from ._files import RecordingLimits, append_whole, lock
 from ._levels import ChangerRow, SwitchesLog, is_part_name, read_changer, read_switches
 from ._of_tool import content_hash, hash_of, pressure_channels, product_version, run_info
-from ._pressures import KPA, PressuresLog, read_pressures
+from ._pressures import KPA, PressuresLog, last_pressures, read_pressures
 from ._recording import Recording
 from ._run import COUNTEREXAMPLE, MODEL_RUN, RunInfo, Watched, check_replaceable, read_run
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
@@ -58,6 +58,7 @@ __all__ = [
     "event_row",
     "hash_of",
     "is_part_name",
+    "last_pressures",
     "lock",
     "pressure_channels",
     "product_version",

@@ -164,6 +164,36 @@ def read_pressures(path: str | Path) -> PressuresLog:
     return PressuresLog(channels, tuple(samples), str(path), note, quantities)
 
 
+def last_pressures(path: str | Path, spans: Sequence[tuple[float, float]]) -> list[dict[str, float]]:
+    """Return, for each span of time, the last valid gauge pressure of each channel in it, kPa.
+
+    The table is read row by row, because it may be too large for the memory.
+
+    Args:
+        path: path of the table.
+        spans: begin and end, seconds since the start; in order, and not overlapping. The end is not part of a span.
+
+    Raises:
+        UsageError: as `read_pressures` does.
+    """
+    lines = read_lines(path)
+    units = _units_of(read_header(lines, path, FIXED), f"{path}:1")
+    found: list[dict[str, float]] = [{} for _ in spans]
+    index, earliest_s = 0, 0.0
+    for line in lines:
+        if not line.complete:
+            break
+        earliest_s, values = _sample(line, tuple(units), earliest_s)
+        while index < len(spans) and earliest_s >= spans[index][1]:
+            index += 1
+        if index == len(spans):
+            break
+        if earliest_s >= spans[index][0]:
+            pairs = zip(units.items(), values, strict=True)
+            found[index] |= {name: kpa for (name, unit), kpa in pairs if unit == KPA and kpa is not None}
+    return found
+
+
 def column_of(channel: str, units: Mapping[str, str]) -> str:
     """Return the name of a column, with its unit; a channel that is not in ``units`` is a gauge pressure."""
     return f"{channel}{OF_QUANTITIES.get(units.get(channel, KPA), UNIT)}"

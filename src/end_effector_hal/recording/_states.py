@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 
 from end_effector_hal.errors import UsageError
@@ -68,8 +70,10 @@ class StatesLog:
 
     def part_at(self, time_s: float) -> str:
         """Return the part of a grip that begins at this time; empty: it has no name."""
-        since, until = time_s - TOGETHER_S, time_s + TOGETHER_S
-        return next((name for at, name in self.part_rows if since <= at <= until and name), "")
+        rows, at = self.part_rows, itemgetter(0)
+        first = bisect_left(rows, time_s - TOGETHER_S, key=at)
+        last = bisect_right(rows, time_s + TOGETHER_S, key=at)
+        return next((name for _, name in rows[first:last] if name), "")
 
 
 class StatesWriter(TableWriter[StatesRow]):

@@ -142,6 +142,17 @@ class Grip:
         """Number of attempts of each actuator."""
         return {attempt.actuator: attempt.number for attempt in self.attempts}
 
+    @property
+    def first_attempt(self) -> bool:
+        """Whether the grip succeeded, and every actuator was confirmed on its first attempt."""
+        return self.decision is GripDecision.GRIPPED and set(self.attempts_by_actuator.values()) <= {1}
+
+    @property
+    def confirm_s(self) -> Mapping[str, float]:
+        """Time from the activation to the confirmation in the attempt that was confirmed, s, by actuator."""
+        confirmed = (each for each in self.attempts if each.outcome is AttemptOutcome.CONFIRMED)
+        return {each.actuator: each.length_s for each in confirmed if each.length_s is not None}
+
 
 @dataclass(frozen=True)
 class Loss:

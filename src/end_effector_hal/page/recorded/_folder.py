@@ -25,15 +25,15 @@ MOST_S = 40.0
 PROGRESS = "progress "
 """Prefix of a line on stderr with the share read, from the process that reads a recording for the page."""
 _LONGEST = 160
-_BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
-_TABLE, _EVENTS, _INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
+BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
+TABLE, EVENTS, INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
 
 
 def recording_folders(folder: Path) -> dict[str, Path]:
     """Return the recordings in a folder, or the folder itself, by id, newest first; links are not followed."""
     found: list[tuple[float, Path]] = []
     for path in (folder, *_inside(folder)):
-        changed = _changed(path)
+        changed = changed_at(path)
         if changed is not None:
             found.append((changed, path))
     found.sort(key=lambda each: (-each[0], each[1].name))
@@ -54,7 +54,7 @@ def list_recordings(folder: Path, budget_s: float = BUDGET_S) -> dict[str, Any]:
             found = _read(path)
         else:
             found = {"tool": "", "story": "not read: there are too many", "length_s": None}
-        name, changed = printable(path.resolve().name), _changed(path) or 0.0
+        name, changed = printable(path.resolve().name), changed_at(path) or 0.0
         rows.append({"id": id_, "name": name, "changed": changed, **found})
     return {"folder": printable(str(folder)), "recordings": rows}
 
@@ -71,9 +71,9 @@ def _inside(folder: Path) -> Iterator[Path]:
         return
 
 
-def _changed(path: Path) -> float | None:
+def changed_at(path: Path) -> float | None:
     """Return when a recording was last written; None if the folder is no recording."""
-    for name in (_TABLE, _INFO):
+    for name in (TABLE, INFO):
         try:
             found = os.stat(path / name, follow_symlinks=False)
         except OSError:
@@ -96,24 +96,24 @@ def _id_of(path: Path) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    info = read_run(path) if _small(path / _INFO, MOST_INFO_BYTES) else RunInfo()
+    info = read_run(path) if is_small(path / INFO, MOST_INFO_BYTES) else RunInfo()
     tool, story, length_s = printable(info.description)[:_LONGEST], "", None
-    if not _small(path / _TABLE, MOST_TABLE_BYTES):
-        there = (path / _TABLE).exists()
+    if not is_small(path / TABLE, MOST_TABLE_BYTES):
+        there = (path / TABLE).exists()
         story = "long: open it" if there else "only traces: open it"
-    elif (path / _EVENTS).exists() and not _small(path / _EVENTS, MOST_TABLE_BYTES):
+    elif (path / EVENTS).exists() and not is_small(path / EVENTS, MOST_TABLE_BYTES):
         story = "long: open it"
     else:
         try:
-            log = read_states(path / _TABLE)
+            log = read_states(path / TABLE)
             story = read_story(log, info).verdict
             length_s = round(log.rows[-1].time_s, 1) if log.rows else 0.0
-        except _BROKEN:
+        except BROKEN:
             story = "its states cannot be read: open it"
     return {"tool": tool, "story": printable(story)[:_LONGEST], "length_s": length_s}
 
 
-def _small(path: Path, most: int) -> bool:
+def is_small(path: Path, most: int) -> bool:
     """Return whether the path is a regular file of at most this many bytes."""
     try:
         found = os.stat(path, follow_symlinks=False)

@@ -1,6 +1,6 @@
 """The view model of the page: it converts records to JSON and does no I/O."""
 
-from ._cards import Cards
+from ._cards import Cards, margin_kpa
 from ._curves import Curve
 from ._faults import FaultsView
 from ._log import EventLog

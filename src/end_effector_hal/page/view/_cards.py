@@ -8,7 +8,7 @@ from typing import Any
 from end_effector_hal.control import Controller, Status
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import LeakWatch, SwitchMeaning, kind_of, switch_meanings
-from end_effector_hal.kinds.stanza import Actuator
+from end_effector_hal.kinds.stanza import Actuator, Supply
 from end_effector_hal.signals import Kind, Value
 from end_effector_hal.vocabulary import ACTIVE, PENDING, EndEffectorState, Evidence, display_name
 
@@ -120,9 +120,8 @@ class Cards:
         value = readings.get(actuator.channel, seen_at)
         if self._carried.get(actuator.channel) is Kind.PRESSURE and value is not None:
             supply = self._description.supply
-            supply_pa = supply.pressure_pa(readings.get(supply.channel, seen_at))
-            margin = kind.margin_pa(actuator, value, supply_pa)
-            card["margin_kpa"] = None if margin != margin or card["unused"] else margin / 1000
+            margin = margin_kpa(actuator, value, supply, readings.get(supply.channel, seen_at))
+            card["margin_kpa"] = None if card["unused"] else margin
         card["bits"] = [readings.get(bit, seen_at) for bit in self._bits(actuator)]
         if status.held and not card["unused"]:
             card["hold"] = self._hold(index, controller)
@@ -177,6 +176,19 @@ class Cards:
         order = [self._description.sequence.index(name) for name in self._description.releasing]
         waits = [i for i in order if is_releasing(status, i)]
         return bool(waits) and waits[-1] == index
+
+
+def margin_kpa(actuator: Actuator, gauge_pa: float, supply: Supply, supply_pa: float | None) -> float | None:
+    """Return the distance of a pressure from the threshold that matters to its kind, kPa; None: no pressure decides.
+
+    Args:
+        actuator: the stanza, with the values of the part.
+        gauge_pa: its gauge pressure, Pa.
+        supply: the stanza of the supply.
+        supply_pa: the reading of the supply, gauge Pa; None: the nominal pressure is assumed.
+    """
+    margin = kind_of(actuator).margin_pa(actuator, gauge_pa, supply.pressure_pa(supply_pa))
+    return None if margin != margin else margin / 1000
 
 
 def is_releasing(status: Status, index: int) -> bool:
