@@ -63,7 +63,7 @@ def missing_extra(what_needs: str, error: ModuleNotFoundError) -> MissingExtraEr
     """
     module = (error.name or "").partition(".")[0]
     for extra, packages in sorted(extras().items(), key=lambda each: len(each[1])):  # the smallest will do
-        if module in packages:
+        if module.replace("_", "-") in packages:
             what = f"{what_needs} {module}, which is not installed."
             return MissingExtraError(what, todo=f"Install it: {command_for(extra)}.")
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import os
+import re
 import shutil
 from collections.abc import Callable, Sequence
 from math import isfinite
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from end_effector_hal._extras import command_for
-from end_effector_hal.errors import MissingExtraError, UsageError
+from end_effector_hal.errors import MissingExtraError, UsageError, os_errors
 from end_effector_hal.plugins import Plugins
 
 from ._options import PathName
@@ -148,6 +149,18 @@ def _bag(path: Path, description: Path | None) -> RecordedTables:
 
 
 PORT = 8137
+LEAST_SECRET, MOST_SECRET = 16, 200
+"""Length of the secret by which a monitoring system reads the metrics, characters."""
+
+
+def _secret(path: Path) -> str:
+    """Return the secret in a file; raises UsageError if it is no word of a sufficient length."""
+    with os_errors("The secret cannot be read", path), path.open("rb") as file:
+        text = file.read(MOST_SECRET + 2).decode("ascii", errors="replace").strip()
+    if not (LEAST_SECRET <= len(text) <= MOST_SECRET and re.fullmatch(r"[\x21-\x7e]+", text)):
+        what = f"This file must hold one word of {LEAST_SECRET} to {MOST_SECRET} ASCII characters."
+        raise UsageError(what, where=str(path), todo="Make one: openssl rand -hex 24.")
+    return text
 
 
 @click.command("page")
@@ -165,6 +178,12 @@ PORT = 8137
     type=PathName(),
     help="Of a live tool: the folder whose recordings the page lists.  [default: runs]",
 )
+@click.option(
+    "--metrics-token",
+    metavar="FILE",
+    type=PathName(),
+    help="File with a secret by which Prometheus reads /metrics of a live tool.",
+)
 @recording_options
 def command(
     what: tuple[Path, ...],
@@ -172,6 +191,7 @@ def command(
     port: int,
     names: tuple[str, ...],
     recordings: Path | None,
+    metrics_token: Path | None,
     description: Path | None,
     since: float | None,
     until: float | None,
@@ -189,7 +209,8 @@ def command(
     """
     from end_effector_hal.page.web import PageAddress, serve_page, serve_recordings
 
-    address = PageAddress(host, port, names)
+    scraper = "" if metrics_token is None else _secret(metrics_token)
+    address = PageAddress(host, port, names, scraper=scraper)
 
     def ready(url: str) -> None:
         click.echo(url)
@@ -205,6 +226,6 @@ def command(
 
         serve_page(load_tool(what[0]), address, recordings or Path("runs"), ready)
         return
-    if recordings is not None:
-        raise UsageError("--recordings is for a live tool.", where=str(what[0]))
+    if recordings is not None or metrics_token is not None:
+        raise UsageError("--recordings and --metrics-token are for a live tool.", where=str(what[0]))
     serve_recordings(open_recordings(what, description), part_of(since, until), address, ready)

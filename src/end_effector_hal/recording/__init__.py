@@ -12,7 +12,7 @@ from ._recording import Recording
 from ._run import COUNTEREXAMPLE, MODEL_RUN, RunInfo, Watched, check_replaceable, read_run
 from ._states import StatesLog, StatesRow, StatesWriter, read_states
 from ._story import AttemptOutcome, Grip, GripDecision, Moment, ReleaseCause, Story
-from ._story_reader import read_story
+from ._story_reader import StoryFold, read_story
 from ._trace_file import Record, TraceFile, read_trace
 from ._trace_writer import Gap, Opening, TraceWriter
 
@@ -44,6 +44,7 @@ __all__ = [
     "StatesRow",
     "StatesWriter",
     "Story",
+    "StoryFold",
     "SwitchesLog",
     "Tolerances",
     "TraceFile",

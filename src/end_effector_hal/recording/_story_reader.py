@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from end_effector_hal.control import EventKind
@@ -94,11 +94,16 @@ def _beginning(log: StatesLog) -> tuple[float, EndEffectorState]:
     return since, state
 
 
-class _Fold:
-    """Derives grips, releases and losses from the events of a recording, which may begin and end in any state."""
+class StoryFold:
+    """Derives grips, releases and losses from events, which may begin and end in any state.
 
-    def __init__(self, log: StatesLog, info: RunInfo) -> None:
-        self._info, self._log = info, log
+    Args:
+        info: the maximum number of failed attempts of each actuator.
+        part_at: returns the part of a grip that begins at a time, s; empty: it has no name.
+    """
+
+    def __init__(self, info: RunInfo, part_at: Callable[[float], str]) -> None:
+        self._info, self._part_at = info, part_at
         self.grips: list[Grip] = []
         self.releases: list[Release] = []
         self.losses: list[Loss] = []
@@ -106,15 +111,16 @@ class _Fold:
         self._grip: _Gripping | None = None
         self._release: Release | None = None
         self._cause = ReleaseCause.DROP
-        self._begin(*_beginning(log))
-        for event in log.events or ():
-            self._take(event)
+
+    def finish(self) -> None:
+        """End the story: a grip or a release that is still running stays unfinished."""
         if self._grip is not None:
             self.grips.append(self._grip.decided(None, GripDecision.UNFINISHED))
         if self._release is not None:
             self.releases.append(self._release)
 
-    def _take(self, event: EventRow) -> None:
+    def take(self, event: EventRow) -> None:
+        """Process the next event."""
         if event.kind is EventKind.STATE_CHANGED:
             self._change(event, EndEffectorState(event.old), EndEffectorState(event.new))
         elif event.kind is EventKind.ATTEMPT_BEGAN and self._grip is not None:
@@ -128,10 +134,10 @@ class _Fold:
             self._finish(event.time_s, EndEffectorState.GRIP_ERROR)
             self._cause = ReleaseCause.DROP
 
-    def _begin(self, at: float, state: EndEffectorState) -> None:
+    def begin(self, at: float, state: EndEffectorState) -> None:
         """Process the state in which the recording begins, or which a program adopted at its start."""
         if state is EndEffectorState.GRIPPING:
-            self._grip = _Gripping(at, self._log.part_at(at))
+            self._grip = _Gripping(at, self._part_at(at))
         elif state in (EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR):
             self.adopted = state
 
@@ -148,10 +154,10 @@ class _Fold:
             self.losses.append(Loss(at, event.actuator))
             self._cause = ReleaseCause.LOSS
         elif old is state.OFF or (new is state.GRIPPING and self._grip is None):
-            self._begin(at, new)
+            self.begin(at, new)
         elif new is state.GRIPPING and self._grip is not None:  # its end is not recorded
             self.grips.append(self._grip.decided(at, GripDecision.STOPPED))
-            self._begin(at, new)
+            self.begin(at, new)
         if event.cause is Cause.RELEASED_AT_START:
             self._cause = ReleaseCause.START
         if new is state.RELEASING:
@@ -179,7 +185,11 @@ def read_story(log: StatesLog, info: RunInfo | None = None, alarms: Sequence[Ala
         alarms: the alarms to list among the moments of the story.
     """
     info = info or RunInfo()
-    fold = _Fold(log, info)
+    fold = StoryFold(info, log.part_at)
+    fold.begin(*_beginning(log))
+    for event in log.events or ():
+        fold.take(event)
+    fold.finish()
     story = Story(
         log.actuators,
         tuple(fold.grips),

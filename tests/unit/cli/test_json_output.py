@@ -30,6 +30,7 @@ CALLS: dict[str, tuple[str, ...]] = {
     "compare": ("nothing", "nothing"),
     "devices": (),
     "doctor": ("--only", "python"),
+    "history": (str(profile_path()),),
     "init": ("new",),
     "model check": (),
     "model fig5": (),

@@ -31,9 +31,15 @@ def test_the_extras() -> None:
         "cluster": ("distributed",),
         "lab": ("matplotlib", "mcap"),
         "modbus": ("pymodbus",),
-        "page": ("starlette", "uvicorn"),
+        "page": ("prometheus-client", "starlette", "uvicorn"),
         "recordings": ("mcap",),
     }
+
+
+def test_a_module_is_found_under_the_name_of_its_package() -> None:
+    missing = _extras.missing_extra("It needs", ModuleNotFoundError(name="prometheus_client.core"))
+    assert missing is not None
+    assert "[page]" in missing.todo
 
 
 WORKSHOP = ("campaign", "compare", "demo", "import", "matrix", "plot", "report", "testbench", "tune")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from end_effector_hal.description import profile_path
 from end_effector_hal.page._html import static_file
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._control import ControlLease
 from end_effector_hal.page.web._guard import Asked, Guard
+from tests.unit.conftest import Whole
 
 ADDRESS = PageAddress("127.0.0.1", 8137)
 GUARD = Guard(ADDRESS)
@@ -63,6 +66,56 @@ def test_the_token_lets_one_in_and_then_the_cookie_does() -> None:
 )
 def test_every_rule_refuses(asked: Asked, status: int) -> None:
     assert status_of(asked) == status
+
+
+SCRAPED = Guard(replace(ADDRESS, scraper="s" * 20))
+
+
+@pytest.mark.parametrize(
+    ("sent", "path", "method", "status"),
+    [
+        ("Bearer " + "s" * 20, "/metrics", "GET", 200),
+        ("bearer " + "s" * 20, "/metrics", "GET", 200),
+        ("Bearer " + "s" * 19, "/metrics", "GET", 401),
+        ("Basic " + "s" * 20, "/metrics", "GET", 401),
+        ("Bearer " + ADDRESS.token, "/metrics", "GET", 401),
+        ("Bearer ü", "/metrics", "GET", 401),
+        ("", "/metrics", "GET", 401),
+        ("Bearer " + "s" * 20, "/", "GET", 401),
+        ("Bearer " + "s" * 20, "/events", "GET", 401),
+        ("Bearer " + "s" * 20, "/metrics", "POST", 401),
+        ("Bearer " + "s" * 20, "/command", "POST", 401),
+    ],
+)
+def test_a_scraper_reads_the_metrics_and_nothing_else(sent: str, path: str, method: str, status: int) -> None:
+    asked = Asked(method, path, {**OURS, "authorization": sent})
+    refusal = SCRAPED.refuse(asked)
+    assert (refusal.status if refusal else 200) == status
+    assert (refusal is None) or "--metrics-token" in refusal.why or path != "/metrics"
+    assert GUARD.refuse(asked) is not None  # none may, unless it was declared
+    foreign = replace(asked, headers={**asked.headers, "host": "evil.example:8137"})
+    found = SCRAPED.refuse(foreign)
+    assert found is not None
+    assert found.status == 421
+
+
+@pytest.mark.parametrize("content", [b"", b"short", b"two words of a secret\n", b"\xff" * 40, b"x" * 201])
+def test_a_secret_is_one_word_of_a_sufficient_length(content: bytes, whole: Whole, tmp_path: Path) -> None:
+    secret = tmp_path / "secret"
+    secret.write_bytes(content)
+    code, _, err = whole("page", profile_path(), "--metrics-token", secret)
+    assert code == 2
+    assert "one word of 16 to 200 ASCII characters" in err
+    code, _, err = whole("page", profile_path(), "--metrics-token", tmp_path / "none")
+    assert code == 2
+    assert "cannot be read" in err
+
+
+def test_an_empty_secret_lets_nobody_in() -> None:
+    for sent in ("Bearer ", "Bearer"):
+        asked = Asked("GET", "/metrics", {**OURS, "authorization": sent})
+        assert status_of(asked) == 401
+    assert status_of(replace(GET, path="/metrics")) == 200  # a browser with the cookie
 
 
 def test_beyond_loopback_only_the_names_that_were_given_count() -> None:

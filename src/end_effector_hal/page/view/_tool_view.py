@@ -10,13 +10,15 @@ from end_effector_hal.control import Status, network_of
 from end_effector_hal.control.goals import GOAL_COMMANDS, Outcome, judge
 from end_effector_hal.description import Description
 from end_effector_hal.recording import content_hash
-from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
+from end_effector_hal.runtime.stream import HEALTH, MAINTENANCE_WORDS
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict
 from end_effector_hal.vocabulary import STOPPED, Command, EndEffectorState, display_name
+from end_effector_hal.wires.sensors import SensorHealth
 
 from ._automata import AutomataView
 from ._cards import Cards
+from ._counts import GripCounts
 from ._interlocks import InterlockTable
 from ._log import EventLog
 from ._replica import Replica
@@ -57,6 +59,9 @@ class ToolView:
         self.cards = Cards(description, dict(carrier.channels))
         self._interlocks = InterlockTable(description)
         self.log = EventLog(description, network.document)
+        self.counts = GripCounts(description)
+        self.health: SensorHealth | None = None
+        """The latest state of the links and inputs; None: not known."""
         self.timeline = TimeLine(description, self.cards.curves, self.cards.switches)
         self._automata = AutomataView(network, description)
         self._frames = [deque[int](maxlen=400) for _ in self._sources]
@@ -91,6 +96,10 @@ class ToolView:
         self._replica.take(kind, record)
         if self._replica.connected and not before:
             self.log.add(at, "page", "The HAL is connected.")
+        if kind == "header":
+            self.counts.restart()
+        if kind == HEALTH:
+            self.health = record
         if kind == "frame":
             self._frames[self._source_of.get(next(iter(record.values), ""), 0)].append(at)
             self.timeline.frame(at, record.values)
@@ -107,12 +116,17 @@ class ToolView:
             self.timeline.gap(now)
             self._state, self._command, self._last = (EndEffectorState.OFF, now), (Command.NONE, now), None
         self._replica.lose(why)
+        self.health = None
 
     # What is shown.
 
     def status(self) -> Status | None:
         """Return the status of the tool; None before the first."""
         return self._replica.status
+
+    def is_fresh(self, at: int) -> bool:
+        """Return whether the HAL is connected and was not silent for too long."""
+        return self._replica.connected and at - self._replica.heard_at <= STALE_US
 
     def refusal(self, word: str, part: str = "") -> str:
         """Return why the HAL would refuse a button now; empty if it would accept it; ``part``: what to grip."""
@@ -193,8 +207,7 @@ class ToolView:
         return link or ("inputs" if on_board else "link")
 
     def _news(self, at: int) -> dict[str, Any]:
-        replica = self._replica
-        fresh = replica.connected and at - replica.heard_at <= STALE_US
+        replica, fresh = self._replica, self.is_fresh(at)
         age_s = (at - replica.heard_at) / 1e6 if replica.heard_at else None
         return {"fresh": fresh, "age_s": age_s, "why": "" if fresh else replica.why or "The HAL is silent."}
 
@@ -279,6 +292,7 @@ class ToolView:
 
     def _follow(self, status: Status) -> None:
         self.timeline.status(status)
+        self.counts.status(status)
         self._gripped = status.part or self._gripped
         if status.ee is not self._state[0]:
             self._state = status.ee, status.at

@@ -25,8 +25,9 @@ from end_effector_hal.vocabulary import display_name
 from end_effector_hal.wires import now_us
 
 from ._control import FAULT_WORDS, ControlLease, FaultCommands
-from ._guard import Asked, Guard, PageAddress
+from ._guard import METRICS, Asked, Guard, PageAddress
 from ._hub import Hub
+from ._metrics import TYPE, ToolMetrics
 from ._past import PastRecordings, past_routes
 
 Ask = Callable[[str, str], Awaitable[Answer]]
@@ -125,6 +126,7 @@ def make_app(
         Route("/", served.page),
         Route("/static/{name}", static_route),
         Route("/events", served.events),
+        Route(METRICS, served.metrics),
         Route("/command", served.command, methods=["POST"]),
         Route("/fault", served.fault, methods=["POST"]),
         Route("/control", served.control, methods=["POST"]),
@@ -156,6 +158,9 @@ class _Served(NamedTuple):
     async def page(self, _: Request) -> Response:
         html = page_html(self.view.description.name, recorded=False, csrf=self.address.csrf)
         return Response(html, media_type="text/html; charset=utf-8")
+
+    async def metrics(self, _: Request) -> Response:
+        return Response(ToolMetrics(self.view, now_us).text(), media_type=TYPE)
 
     async def events(self, request: Request) -> Response:
         page = request.query_params.get("page", "")

@@ -20,6 +20,7 @@ class PageAddress:
         token: secret in the printed address; it is exchanged for a cookie.
         session: value of the cookie.
         csrf: secret that a POST must carry in addition to the cookie.
+        scraper: secret by which a monitoring system reads ``/metrics``, and nothing else; empty: none may.
     """
 
     host: str
@@ -28,6 +29,7 @@ class PageAddress:
     token: str = field(default_factory=lambda: token_urlsafe(24), repr=False)
     session: str = field(default_factory=lambda: token_urlsafe(24), repr=False)
     csrf: str = field(default_factory=lambda: token_urlsafe(24), repr=False)
+    scraper: str = field(default="", repr=False)
 
     @property
     def url(self) -> str:
@@ -54,6 +56,8 @@ class PageAddress:
 
 
 CSRF_HEADER = "x-eehal-csrf"
+METRICS = "/metrics"
+_NO_SCRAPER = "Send the secret of `eehal page --metrics-token FILE`: Authorization: Bearer SECRET."
 _NOT_LET_IN = "Open the address that `eehal page` has printed: it has the token of this start."
 
 
@@ -80,7 +84,8 @@ class Guard:
     """The access rules, all of which always apply, since a POST moves valves.
 
     Rule 1: The Host must be one of the page's own; a foreign name that resolves to this address is refused.
-    Rule 2: A request with the token gets the cookie; every other request needs the cookie.
+    Rule 2: A request with the token gets the cookie; every other request needs the cookie. A GET of ``/metrics`` may
+        have the secret of the scraper instead.
     Rule 3: A request that another site started is refused, by Origin and by Sec-Fetch-Site.
     Rule 4: A POST needs the page's own Origin, and the page's CSRF token in a header.
     Rule 5: Methods other than GET, HEAD and POST are refused.
@@ -103,10 +108,10 @@ class Guard:
         navigates = asked.method == "GET" and headers.get("sec-fetch-mode") == "navigate"
         if foreign and not navigates:
             return Refusal(403, "Another site has asked for this.")
-        if self.lets_in(asked):
+        if self.lets_in(asked) or self._scrapes(asked):
             return None
         if not _same(asked.cookie, self._address.session):
-            return Refusal(401, _NOT_LET_IN)
+            return Refusal(401, _NO_SCRAPER if asked.path == METRICS else _NOT_LET_IN)
         if asked.method == "POST" and origin is None:
             return Refusal(403, "A command needs an Origin header.")
         if asked.method == "POST" and not _same(headers.get(CSRF_HEADER, ""), self._address.csrf):
@@ -116,6 +121,13 @@ class Guard:
     def lets_in(self, asked: Asked) -> bool:
         """Return whether the request has the token, so that it gets the cookie."""
         return asked.method == "GET" and asked.path == "/" and _same(asked.token, self._address.token)
+
+    def _scrapes(self, asked: Asked) -> bool:
+        scheme, _, secret = asked.headers.get("authorization", "").partition(" ")
+        known = bool(self._address.scraper) and scheme.lower() == "bearer"
+        return (
+            known and asked.method == "GET" and asked.path == METRICS and _same(secret, self._address.scraper)
+        )
 
 
 def _same(given: str, secret: str) -> bool:
