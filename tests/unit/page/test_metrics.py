@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,7 @@ from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth, LinkState
 from end_effector_hal.wires.sensors import SensorHealth
 from tests.support.named_parts import gripper_with_parts
+from tests.support.places import ROOT
 from tests.unit.page.test_tool_view import Watched
 
 Samples = dict[tuple[str, ...], float]
@@ -166,3 +169,29 @@ def test_a_grip_of_which_the_beginning_is_missing_is_not_counted(verdin: Descrip
     drop(watched)
     grip(watched)
     assert samples(watched, "grips_total")["GRIPPED", ""] == 1
+
+
+def all_names(watched: Watched) -> set[str]:
+    """Names of all samples of a tool that holds a part, with every source of readings; `_created` of none."""
+    watched.faults = (Alarm("recording.failed", "hal", {"text": "The disk is full."}),)
+    watched.tool.run(1.5)
+    grip(watched, seconds=6.0)
+    link = LinkHealth(state=LinkState.UP, since=0, errors={"crc": 3})
+    watched.send(HEALTH, watched.now, SensorHealth({"valves": link}, InputsHealth(since=0)))
+    text = ToolMetrics(watched.view, lambda: watched.now).text().decode()
+    return {sample.name for family in text_string_to_metric_families(text) for sample in family.samples}
+
+
+def test_the_dashboard_and_the_docs_name_the_metrics_that_exist(verdin: Description) -> None:
+    there = all_names(Watched(verdin, "leak:bottom_vacuum:1"))
+    dashboard = json.loads((ROOT / "examples/monitoring/grafana.json").read_text())
+    expressions = [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
+    expressions += [each["query"] for each in dashboard["templating"]["list"]]
+    assert len(expressions) > 8
+    for each in expressions:
+        names = set(re.findall(r"eehal_\w+", each))
+        assert names
+        assert names <= there, each
+    assert set(re.findall(r"eehal_\w+", (ROOT / "docs/how-to/watch.md").read_text())) <= there
+    table = (ROOT / "docs/reference/page.md").read_text()
+    assert set(re.findall(r"eehal_\w+", table)) | {"eehal_confirm_seconds_count"} == there
