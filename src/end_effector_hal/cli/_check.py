@@ -279,6 +279,8 @@ def _actuators(description: Description) -> Table:
         table.add_row(name, each.kind, each.line, each.pin, each.channel, *times)
         if coil := each.opposite:
             table.add_row("", "second coil", coil.line, coil.pin)
+        if each.modbus and each.modbus.opposite:
+            table.add_row("", "second coil", each.modbus.second_coil)
         if blow_off := kind_of(each).opposing_output(each):
             table.add_row("", kind_of(each).opposing.replace("_", "-"), blow_off.line, blow_off.pin)
     return table

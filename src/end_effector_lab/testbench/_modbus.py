@@ -35,6 +35,8 @@ class CommandedRegisters:
         self._registers: dict[tuple[int, int], int] = {}
         """Registers with activation bits, as they were written."""
         self._heard_at: dict[int, int] = {}
+        self._coils: dict[tuple[str, bool], bool] = {}
+        """Coils of pairs by output, the first or the second one, as they were written."""
         self._taken: set[str] = set()
         self._handed: set[str] = set()
         """Outputs with a completed handshake, which is valid for one command."""
@@ -51,7 +53,7 @@ class CommandedRegisters:
             for address, bits in each.activation_bits.items()
         }
         self._heard_at = {each.unit: at for each in self._outputs.values()}
-        self._taken, self._handed, self._staged = set(), set(), {}
+        self._taken, self._handed, self._staged, self._coils = set(), set(), {}, {}
 
     @property
     def due(self) -> int | None:
@@ -115,6 +117,9 @@ class CommandedRegisters:
             start = each.address - request.address
             if each.unit != request.unit or coils != (each.register_type == "coil"):
                 continue
+            if each.opposite is not None:
+                left -= self._pair(name, request.address, values, written)
+                continue
             if not (each.bitmask or 0xFFFF) & written:
                 continue
             if self._shakes(name, request.address, values):
@@ -134,7 +139,9 @@ class CommandedRegisters:
             row = values[start : start + len(each.command_on)]
             if each.bitmask:  # an output that has not changed is not commanded again
                 row = tuple(value & each.bitmask for value in row)
-            if each.pulse_s and row == each.rest:  # the valve stays where the pulse has moved it
+            if (
+                each.pulse_s and (each.address, row) in each.rests
+            ):  # the valve stays where the pulse has moved it
                 left -= set(range(start, start + len(row)))
             if row in (each.values(level=True), each.values(level=False)):
                 left -= set(range(start, start + len(row)))
@@ -144,6 +151,24 @@ class CommandedRegisters:
                 if each.activation is None or each.unit in self._activated:
                     self._command(name, level)
         return not left
+
+    def _pair(self, name: str, address: int, values: tuple[int, ...], written: int) -> set[int]:
+        """Write to a pair of coils, and return the places of its registers; the valve stays where one coil alone has
+        moved it.
+        """
+        each, found = self._outputs[name], set[int]()
+        for first in (True, False):
+            own, on = each.coil(first=first, active=True)
+            bitmask, start = each.bitmask_at(own) or 0xFFFF, own - address
+            row = tuple(value & bitmask for value in values[max(start, 0) : start + len(on)])
+            active = {on: True, each.coil(first=first, active=False)[1]: False}.get(row)
+            if active is None or start < 0 or not bitmask & written:
+                continue
+            found |= set(range(start, start + len(on)))
+            self._coils[name, first] = active
+            if active and not self._coils.get((name, not first)):
+                self._switch(name, level=first)
+        return found
 
     def _rise(self, unit: int, address: int, values: tuple[int, ...]) -> None:
         """Store written activation bits, and activate the unit if they rise."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
+from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
@@ -115,6 +116,11 @@ class ModelledUnits:
             (each.unit, _model(models[each.unit]).channel_of(each.address)): name
             for name, each in self._outputs.items()
         }
+        self._second = {
+            (each.unit, _model(models[each.unit]).channel_of(address)): name
+            for name, each in self._outputs.items()
+            if (address := _second_coil(each)) is not None
+        }
         changer = description.tool_changer
         devices = {actuator.line: name for name, actuator in description.ordered}
         devices |= {changer.line: TOOL_CHANGER} if changer else {}
@@ -218,10 +224,23 @@ class ModelledUnits:
 
     def _teller(self, unit: int) -> Callable[[int, bool], None]:
         def tell(channel: int, level: bool) -> None:
-            if (unit, channel) in self._names and not self._starting:
-                self._obey(self._names[unit, channel], level)
+            if self._starting:
+                return
+            if (unit, channel) in self._second:  # the valve stays where a coil has moved it
+                if level:
+                    self._obey(self._second[unit, channel], False)
+            elif (name := self._names.get((unit, channel))) and (level or name not in self._second.values()):
+                self._obey(name, level)
 
         return tell
+
+
+def _second_coil(output: RegisterOutput) -> int | None:
+    """Return the address of the second coil of a valve; None: it has one."""
+    if output.opposite is not None:
+        return output.opposite.address
+    neighbours = output.pulse_s is not None and output.register_type == "coil" and 1 in output.command_off
+    return output.address + output.command_off.index(1) if neighbours else None
 
 
 def _model(name: str) -> type[UnitModel]:

@@ -221,7 +221,8 @@ class Judge:
     def _stays_without_power(self, name: str) -> bool:
         """Return whether a valve with two coils is, or is moving, where its first coil moves it: it stays there."""
         actuator = self._description.actuators[name]
-        pulsed = actuator.modbus is not None and actuator.modbus.pulse_s is not None
+        bus = actuator.modbus
+        pulsed = bus is not None and (bus.pulse_s is not None or bus.opposite is not None)
         kept = pulsed and actuator.on_power_loss in ("hold", "keep")
         if actuator.line not in self._description.opposites and not kept:
             return False

@@ -1,4 +1,4 @@
-"""A bistable valve that is pulsed, and bits that are written alone: a server of pymodbus is the far end."""
+"""Bistable valves that are pulsed or held, and bits that are written alone: a server of pymodbus is the far end."""
 
 from __future__ import annotations
 
@@ -36,6 +36,36 @@ actuators:
 supply: {channel: none}
 """
 A, B = "modbus:1/0x0008", "modbus:1/0x0005.2"
+PAIR = TOOL.replace("command_on: [1, 0], command_off: [0, 1]", "command_on: [1], command_off: [0], SECOND")
+
+
+@pytest.mark.parametrize("pulse", ["", ", pulse_s: 0.3"])
+def test_two_coils_far_apart_are_never_both_active(tmp_path: Path, pulse: str) -> None:
+    second = f"opposite: {{address: 1}}{pulse}"
+    with Station("socket", 1) as station:
+        text = PAIR.replace("PORT", str(station.port)).replace("SECOND, pulse_s: 0.3", second)
+        tool = examine_text(text, "tool.yaml").description
+        assert tool is not None
+        codec = cast(BusCodec, codec_of(tool))
+        link = BusLink(tool.links[""].port, codec, *line_of(tool.links[""], codec))
+        lines = BusLines(link, tool.register_outputs, tmp_path / "relay")
+        with closing(ModbusTcpClient("127.0.0.1", port=station.port)) as seen, closing(lines):
+            seen.write_coil(1, True, device_id=1)
+            lines.request([A, B])
+            found = set[tuple[bool, bool]]()
+
+            def coils() -> tuple[bool, bool]:
+                bits = seen.read_coils(0, count=10, device_id=1).bits
+                found.add((bits[8], bits[1]))
+                return bits[8], bits[1]
+
+            for level, active in ((True, (True, False)), (False, (False, True)), (True, (True, False))):
+                lines.set({A: level})
+                wait_until(f"{active}", lambda active=active: coils() == active)
+                wait_until("its end", lambda: not pulse or coils() == (False, False))
+                wait_until("its acknowledgement", lambda level=level: lines.levels().get(A) is level)
+            assert (True, True) not in found
+            assert not lines.troubles()
 
 
 def test_each_coil_is_active_for_its_pulse_and_bits_keep_their_neighbours(tmp_path: Path) -> None:

@@ -314,3 +314,35 @@ def test_unit_0_is_a_unit_where_a_device_has_it_and_all_of_them_elsewhere(grippe
     sent = board(found.description, models="0=robotiq-2f85").answer(read, 1 * S)
     assert sent is not None
     assert sent.data.startswith(bytes.fromhex("00 04 06"))
+
+
+@pytest.mark.parametrize(
+    "valve",
+    [
+        "command_on: [1, 0], command_off: [0, 1], pulse_s: 0.1",
+        "command_on: [1], command_off: [0], opposite: {address: 9}, pulse_s: 0.1",
+        "command_on: [1], command_off: [0], opposite: {address: 9}",
+    ],
+)
+def test_a_valve_with_two_coils_at_a_station_stays_where_a_coil_has_moved_it(valve: str) -> None:
+    text = f"""
+schema: 2
+name: lift
+link: {{port: /dev/ttyUSB0, baudrate: 115200, frame: {{modbus: {{}}}}}}
+channels:
+  up: {{modbus: {{address: 0, register_type: discrete_input}}}}
+sequence: [lift]
+actuators:
+  lift: {{kind: cylinder, channel: none, extended_bit: up, retracted_bit: none,
+    modbus: {{address: 3, register_type: coil, {valve}}}}}
+supply: {{channel: none}}
+"""
+    tool = examine_text(text, "tool.yaml").description
+    assert tool is not None
+    played = VirtualTool(tool, models=chosen_models("1=remote-io", tool))
+    played.run(1)
+    for command, state in (("grip", EndEffectorState.GRIPPED), ("drop", EndEffectorState.STAND_BY)):
+        assert played.command(command).accepted
+        assert played.run_until(played.at + 10 * S, lambda state=state: played.status.ee == state)
+        played.run(1)
+        assert played.status.ee == state

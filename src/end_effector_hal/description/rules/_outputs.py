@@ -33,6 +33,7 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
         yield from _told_twice(facts, path)
         yield from _masked(facts, path)
         yield from _pulsed(facts, path)
+        yield from _pair(facts, path)
         yield from _shared(facts, output, taken)
 
 
@@ -41,7 +42,9 @@ def _one_output(facts: Facts, output: Keys) -> Iterator[Fault]:
         path = (*output, key)
         if facts.written(*path) and facts.get(*path) is not None:
             place, what = facts.places.key(*path), f"{key!r} and 'modbus' exclude each other"
-            yield Fault.at(place, CODE, what, found=key, expected="one output: a line, or registers")
+            expected = "one output: a line, or registers"
+            expected = "modbus: {opposite: {address: …}}" if key == "opposite" else expected
+            yield Fault.at(place, CODE, what, found=key, expected=expected)
     if any(path[:1] in (("link",), ("links",)) for path in facts.broken):
         return
     buses = _buses(facts)
@@ -298,9 +301,35 @@ def _pulsed(facts: Facts, path: Keys) -> Iterator[Fault]:
             yield Fault.at(place, CODE, what, found=key, expected="coils or registers that are pulsed only")
     for key in ("command_on", "command_off"):
         row = facts.get(*path, key)
-        if row and not facts.broken_within(*path, key) and not any(row):
+        neighbours = facts.get(*path, "opposite") is None
+        if neighbours and row and not facts.broken_within(*path, key) and not any(row):
             place, what = facts.places.value(*path, key), f"{key!r} is the end of a pulse"
             yield Fault.at(place, CODE, what, expected="a value that is not zero, such as [1, 0] and [0, 1]")
+
+
+def _pair(facts: Facts, path: Keys) -> Iterator[Fault]:
+    """Check a valve with two coils that are no neighbours: each is written alone."""
+    own, second = facts.get(*path, "address"), facts.get(*path, "opposite", "address")
+    row, place = facts.get(*path, "command_on"), facts.places.key(*path, "opposite")
+    if facts.get(*path, "opposite") is None or None in (own, second) or not row:
+        return
+    for key in ("activation", "handshake", "acknowledge"):
+        if facts.written(*path, key) and facts.get(*path, key) is not None:
+            what = f"'opposite' and {key!r} exclude each other"
+            yield Fault.at(place, CODE, what, found="opposite", expected="two coils that are only switched")
+    if abs(own - second) < len(row):
+        what, expected = "the second coil is in the registers of the first", "another address, or "
+        expected += "one output with both coils: bitmask, command_on: [1] and command_off: [2]"
+        yield Fault.at(place, CODE, what, found="opposite", expected=expected)
+    elif second + len(row) > 0x10000:
+        what, expected = "the last of these registers does not exist", "less than 65536 with address"
+        yield Fault.at(facts.places.value(*path, "opposite", "address"), "EE-208", what, expected=expected)
+    bits = [facts.get(*each, "bitmask") is None for each in (path, (*path, "opposite"))]
+    alone = facts.get(*path, "use_mask_write") is True
+    if bits[0] is not bits[1] or (not bits[0] and not alone):
+        what = "bits of two registers are written with function 22 only"
+        expected = "both bitmask with use_mask_write: true, or no bitmask: coils, or whole registers"
+        yield Fault.at(place, CODE, what, found="opposite", expected=expected)
 
 
 def _shared(
@@ -318,6 +347,10 @@ def _shared(
         registers += [(address if own is None else own) + index for index in range(len(request))]
     bits = [bit for bit in range(16) if bitmask >> bit & 1]
     mine = {(link, unit, table, each, bit): None for each in registers for bit in bits}
+    if (second := facts.get(*path, "opposite", "address")) is not None:
+        bitmask = facts.get(*path, "opposite", "bitmask") or 0xFFFF
+        bits = [bit for bit in range(16) if bitmask >> bit & 1]
+        mine |= {(link, unit, table, second + index, bit): None for index in range(len(row)) for bit in bits}
     if owner := next((taken[each] for each in mine if each in taken), None):
         place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"

@@ -59,6 +59,22 @@ class Handshake(BaseStanza):
     )
 
 
+class OppositeRegister(BaseStanza):
+    """The second coil of a valve, at an address that is no neighbour of the first, or another bit.
+
+    `command_on` makes a coil active and `command_off` inactive. A command first makes one coil inactive; the other
+    becomes active only when the device has acknowledged that, so the two are never active together. After a write
+    without an answer the command begins again.
+    """
+
+    address: Annotated[int, Field(ge=0, le=0xFFFF)] = Field(
+        description="of its first register, on the unit of the output"
+    )
+    bitmask: Annotated[int | None, Field(ge=1, le=0xFFFF)] = Field(
+        default=None, description="its bits; with `bitmask` of the output"
+    )
+
+
 class RegisterOutput(BaseStanza):
     """Registers or a coil of a Modbus device on the link, written by the line arbiter as the bus master."""
 
@@ -91,10 +107,15 @@ class RegisterOutput(BaseStanza):
     )
     command_on: Registers = Field(description="values that make it grip, from `address` on, in one request")
     command_off: Registers = Field(description="values that make it release; as many")
+    opposite: OppositeRegister | None = Field(
+        default=None,
+        description="absent: one coil, or two neighbours that `command_on` and `command_off` write together",
+    )
     pulse_s: Annotated[float | None, Field(ge=0.01, le=2)] = Field(
         default=None,
-        description="a command is active for so long, then zeros are written: the two coils of a bistable valve, "
-        "`command_on: [1, 0]` and `command_off: [0, 1]`; null: until the next command",
+        description="a command is active for so long, then zeros are written (with `opposite`, `command_off` to both): "
+        "the two coils of a bistable valve, `command_on: [1, 0]` and `command_off: [0, 1]`; null: until the next "
+        "command",
     )
     pause_s: Annotated[float | None, Field(ge=0.05, le=10)] = Field(
         default=None,
@@ -123,9 +144,21 @@ class RegisterOutput(BaseStanza):
     )
 
     @property
-    def rest(self) -> tuple[int, ...]:
-        """The values that end a pulse."""
-        return (0,) * len(self.command_on)
+    def rests(self) -> tuple[tuple[int, tuple[int, ...]], ...]:
+        """Address and values of each write that ends a pulse."""
+        if self.opposite is not None:
+            return self.coil(first=True, active=False), self.coil(first=False, active=False)
+        return ((self.address, (0,) * len(self.command_on)),)
+
+    def coil(self, *, first: bool, active: bool) -> tuple[int, tuple[int, ...]]:
+        """Return address and values that make the first or the second coil of a pair active or inactive."""
+        own = self.opposite if self.opposite is not None and not first else self
+        return own.address, _shifted(self.command_on if active else self.command_off, own.bitmask)
+
+    def bitmask_at(self, address: int) -> int | None:
+        """Return the bits that a write to one of its registers changes; None: all."""
+        second = self.opposite is not None and address == self.opposite.address
+        return self.opposite.bitmask if self.opposite is not None and second else self.bitmask
 
     @property
     def activation_bits(self) -> dict[int, int]:
@@ -149,10 +182,19 @@ class RegisterOutput(BaseStanza):
         """Name of this output among the outputs of the tool; it contains the address."""
         return output_name(self.unit, self.address, self.link, self.bitmask)
 
+    @property
+    def second_coil(self) -> str:
+        """Name of the second coil of a pair; empty: there is none."""
+        second = self.opposite
+        return output_name(self.unit, second.address, self.link, second.bitmask) if second else ""
+
     def values(self, level: bool) -> tuple[int, ...]:
         """Return the values to write for a level; with a bitmask the bits of the register, at their place."""
-        row = self.command_on if level else self.command_off
-        return tuple(value << lowest_bit(self.bitmask) for value in row) if self.bitmask else row
+        return _shifted(self.command_on if level else self.command_off, self.bitmask)
+
+
+def _shifted(row: tuple[int, ...], bitmask: int | None) -> tuple[int, ...]:
+    return tuple(value << lowest_bit(bitmask) for value in row) if bitmask else row
 
 
 def lowest_bit(bitmask: int) -> int:

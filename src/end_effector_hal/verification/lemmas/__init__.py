@@ -219,6 +219,7 @@ def output_constants(output: RegisterOutput) -> dict[str, int]:
         "SHAKE": {"": 0, "before": 1, "after": 2}[order],
         "VERIFY": int(output.verify is not None),
         "RELEASES": int(output.on_link_loss in ("release", "undefined")),
+        "PAIR": int(output.opposite is not None),
     }
 
 

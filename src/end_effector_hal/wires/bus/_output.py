@@ -85,8 +85,9 @@ class BusOutput:
         self._open = stanza.handshake is not None  # a handshake may have begun and not ended
         self._repeats = False  # a handshake of this command has begun again
         self._activates = stanza.commands_activate
-        self.rests = stanza.pulse_s is not None
-        """Whether a pulse is to be ended next; also at the start: an earlier master may have begun one."""
+        self._ends = [Row(*each) for each in stanza.rests]
+        # of a pulse; also at the start: an earlier master may have begun one
+        self._resting = deque(self._ends if stanza.pulse_s is not None else [])
         self._pulses = (
             False  # a command of the pulsed output may have reached the device, and its end has not
         )
@@ -101,6 +102,11 @@ class BusOutput:
     def pending(self) -> bool:
         """Whether a part of the last command is still to be done."""
         return bool(self._steps) or self._undecided
+
+    @property
+    def rests(self) -> bool:
+        """Whether a pulse is to be ended next."""
+        return bool(self._resting)
 
     @property
     def owed(self) -> bool:
@@ -126,7 +132,7 @@ class BusOutput:
         self.alone = self._repeats = self.refused = False
         self.refusal, self.in_vain = "", 0
         self._sent = None  # the device may have restarted since, and have lost what it had
-        self.rests = self.rests or self._pulses
+        self._end_pulse()
         activation, handshake = self.stanza.activation, self.stanza.handshake
         # a command that would activate the device is not written before that shows that it is active
         asks = level or self._drop or self._activates
@@ -224,7 +230,7 @@ class BusOutput:
 
     def next_row(self, at: int) -> Row | None:
         """Return the registers to write now; None: nothing."""
-        step = self._rest if self.rests else self._steps[0] if self._steps else None
+        step = self._resting[0] if self._resting else self._steps[0] if self._steps else None
         return step if isinstance(step, Row) and at >= self.due_at else None
 
     @property
@@ -236,15 +242,17 @@ class BusOutput:
         """Record that a row was sent."""
         handshake = self.stanza.handshake
         self._sent = row
-        self._pulses = self._pulses or (self.stanza.pulse_s is not None and row != self._rest)
+        self._pulses = self._pulses or (self.stanza.pulse_s is not None and row not in self._ends)
         self._open = self._open or (handshake is not None and row == self._control(handshake.request))
 
     def acknowledged(self, at: int) -> None:
         """Record that the device has acknowledged the last write."""
-        if self.rests and self._sent == self._rest:
-            self.rests = self._pulses = False
+        if self._resting and self._sent == self._resting[0]:
+            self._resting.popleft()
             self.alone, self.refused, self.in_vain = False, False, 0
-            self._be_quiet(at, self.stanza.pause_s)
+            if not self._resting:
+                self._pulses = False
+                self._be_quiet(at, self.stanza.pause_s)
         elif self._sent is not None and self._steps and self._steps[0] == self._sent:
             self._steps.popleft()
             self._progress_at = self._written_at = at
@@ -254,7 +262,7 @@ class BusOutput:
                 0 if self.level or self.pending or self._drop else late_us
             )  # a Drop ends all attempts
             if self._pulses:
-                self.rests = True
+                self._end_pulse()
                 self._be_quiet(at, self.stanza.pulse_s)
 
     def follow(self, other: BusOutput, release_us: int, at: int) -> None:
@@ -272,16 +280,22 @@ class BusOutput:
         """Record that the last write was not acknowledged: it is repeated.
 
         The device may have it all the same. So a pulse and its end follow each other also then, until both are
-        acknowledged: no coil stays active, and a release is done by a device that cannot be heard.
+        acknowledged: no coil stays active, and a release is done by a device that cannot be heard. Of two coils that
+        are written one after the other, none becomes active before the other one is known to be inactive: the command
+        begins again, after a pulse whose end is acknowledged.
         """
-        self.retry_at = at + RETRY_US
+        self.retry_at, pair = at + RETRY_US, self.stanza.opposite is not None
+        if pair and self._steps:
+            self._steps = deque(self._told(bool(self.level)))
         if not self._pulses:
             return
-        if self._sent != self._rest:
-            self.rests = True
+        if self._sent not in self._ends:
+            self._end_pulse()
             self._be_quiet(self.retry_at, self.stanza.pulse_s)
+        elif pair:
+            self._end_pulse()
         elif self.pending:
-            self.rests = False
+            self._resting.clear()
             self._be_quiet(self.retry_at, self.stanza.pause_s)
 
     def known(self, at: int) -> bool | None:
@@ -339,10 +353,10 @@ class BusOutput:
         """The time at which `advance` gives up the pending command; None: never."""
         return self._give_up_at if self.pending else None
 
-    @property
-    def _rest(self) -> Row:
-        """The row that ends a pulse."""
-        return Row(self.stanza.address, self.stanza.rest)
+    def _end_pulse(self) -> None:
+        """End a pulse that may have begun next: all of it, if a part of that is done."""
+        if self._pulses:
+            self._resting = deque(self._ends)
 
     def _be_quiet(self, at: int, seconds: float | None) -> None:
         """Write nothing for some time: while a pulse is active, or during the pause after it."""
@@ -400,7 +414,11 @@ class BusOutput:
         return self._reports[channel][2] > self._written_at
 
     def _told(self, level: bool) -> list[Row | Awaited]:
-        """Return the steps that command this level."""
+        """Return the steps that command this level; of two coils, one becomes inactive before the other is active."""
+        if self.stanza.opposite is not None:
+            first = self.stanza.address, self._values(level=True)
+            begins = first if level else self.stanza.coil(first=False, active=True)
+            return [Row(*self.stanza.coil(first=not level, active=False)), Row(*begins)]
         command = Row(self.stanza.address, self._values(level))
         handshake = self.stanza.handshake
         if handshake is None:
@@ -462,7 +480,7 @@ class BusOutput:
             self._steps.clear()
             return
         self.why, self._undecided = why, False
-        self.rests = self.rests or self._pulses
+        self._end_pulse()
         handshake = self.stanza.handshake
         # or the device would take later what was asked of it
         self._steps = deque([self._control(handshake.end)] if handshake and self._open else [])

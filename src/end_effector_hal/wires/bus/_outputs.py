@@ -219,7 +219,7 @@ class BusOutputs:
         """Return a write of this row and of all due rows with adjacent registers that were commanded with it."""
         unit, table, (address, values) = first.stanza.unit, first.stanza.register_type, row
         if first.stanza.use_mask_write:
-            return RegisterWrite(unit, address, values, mask=first.stanza.bitmask)
+            return RegisterWrite(unit, address, values, mask=first.stanza.bitmask_at(address))
         if (whole := self._register(first)) is not None:
             return RegisterWrite(unit, address, (whole,), multiple=first.stanza.use_write_multiple)
         ready = {
@@ -254,9 +254,10 @@ class BusOutputs:
         for each in self._outputs.values():
             row = each.next_row(LAST)
             same = (each.stanza.unit, each.stanza.register_type == "coil") == (write.unit, write.coils)
-            if row is None or not same or (write.mask is not None and write.mask != each.stanza.bitmask):
+            mask = each.stanza.bitmask_at(row.address) if row is not None else None
+            if row is None or not same or (write.mask is not None and write.mask != mask):
                 continue
-            start, mask = row.address - write.address, each.stanza.bitmask
+            start = row.address - write.address
             if mask:
                 if start == 0 and (write.values[0] & mask,) == row.values:
                     yield each, row
@@ -265,6 +266,7 @@ class BusOutputs:
 
 
 def _shares(output: BusOutput, row: Row) -> bool:
-    """Return whether a row may be written with its neighbours: it is a command without a handshake."""
+    """Return whether a row may be written with its neighbours: it is a command in one write, without a handshake."""
     whole = len(row.values) == len(output.stanza.command_on) and not output.stanza.bitmask
-    return whole and output.stanza.handshake is None and not output.alone
+    single = output.stanza.handshake is None and output.stanza.opposite is None
+    return whole and single and not output.alone

@@ -7,6 +7,7 @@ import random
 
 from end_effector_hal.codecs.modbus import RegisterWrite
 from end_effector_hal.kinds.stanza import Activation, Handshake, RegisterOutput
+from end_effector_hal.kinds.stanza._registers import OppositeRegister
 from end_effector_hal.verification.lemmas import BUS_FILE, output_constants
 from end_effector_hal.wires.bus import BusOutputs
 from tests.support.seen import SeenStep, seen
@@ -30,8 +31,13 @@ SHAKEN = PLAIN.model_copy(
 AFTER = PLAIN.model_copy(
     update={"handshake": Handshake(request=ASK, taken="taken", end=END, order="after", within_s=0.3)}
 )
+TWO_COILS = RegisterOutput(
+    address=0, command_on=(1,), command_off=(0,), opposite=OppositeRegister(address=9), verify="told"
+)
+ROWS_OF_A_PAIR = {(0, 1): 1, (9, 1): 2, (9, 0): 7, (0, 0): 8}
+"""The rows of the network by address and value."""
 CHANNELS = (
-    *(f"{name}[{index}]" for name, most in (("ask", 3), ("goes", 7)) for index in range(most)),
+    *(f"{name}[{index}]" for name, most in (("ask", 3), ("goes", 9)) for index in range(most)),
     *("withdraw", "reset", "done", "look", "report", "falls", "starts"),
 )
 
@@ -85,7 +91,8 @@ class OutputRun:
             self._look()
 
     def resets(self) -> None:
-        if not self.outputs._outputs[OUT].may_hold(self.at * MS):
+        clears = self.output.acknowledge is not None
+        if clears and not self.outputs._outputs[OUT].may_hold(self.at * MS):
             self._event("reset")
             self.outputs.acknowledge(self.at * MS)
             self._look()
@@ -105,7 +112,8 @@ class OutputRun:
         write = None if self.read_first else self.outputs.next_write(self.at * MS)
         if write is None:
             return
-        self._event(f"goes[{write.values[0]}]")
+        pair, row = self.output.opposite is not None, write.values[0]
+        self._event(f"goes[{ROWS_OF_A_PAIR[write.address, row] if pair else row}]")
         self.outputs.sent(write)
         outcome = self.chooser.choice(["done"] * 6 + ["lost", "unheard"])
         if outcome != "lost":
@@ -138,7 +146,10 @@ class OutputRun:
     def _reach(self, write: RegisterWrite) -> None:
         self._device()
         shake, late = self.output.handshake, self.chooser.choice([2, 2, 2, 400])
-        if write.values in (ON, OFF):
+        if self.output.opposite is not None:
+            if write.values == (1,):
+                self._obey(write.address == 0)
+        elif write.values in (ON, OFF):
             if shake is None or (shake.order == "before" and self.handed):
                 self.handed = False
                 self._obey(write.values == ON)
