@@ -38,6 +38,14 @@ def schema() -> dict[str, Any]:
         kinds = dict(each)
         each.clear()
         each |= {"if": {"required": ["device"]}, "then": {"type": "object"}, "else": kinds}
+    by_device = {"type": "object", "required": ["device"]}
+    defined = [found, *found["$defs"].values()]
+    for name in ("tool_changer", "blow_off"):
+        for each in defined:
+            if name in each.get("properties", {}):
+                each["properties"][name]["anyOf"].append(by_device)
+    patterns = found["properties"]["outputs"]["patternProperties"]
+    patterns |= {key: {"anyOf": [each, by_device]} for key, each in patterns.items()}
     for stanza in stanzas().values():
         # the output is one of the two; of one on the bus the name follows from its place
         if not issubclass(stanza, Output) or (defined := found["$defs"].get(stanza.__name__)) is None:

@@ -36,10 +36,10 @@ def chosen_models(text: str | None, description: Description) -> Models:
         UsageError: there is no such model, or the bus commands nothing at that unit.
     """
     found: dict[str, dict[int, str]] = {}
-    actuators = {actuator.line: actuator for _, actuator in description.ordered}
+    named = {each.line: each.device for each in description.every_output.values()}
     for link, outputs in description.buses.items():
         for line, output in outputs.items():
-            device = getattr(actuators.get(line), "device", None)  # the name of a device in a library
+            device = named.get(line)  # the name of a device in a library
             if device and (model := model_for(device)):
                 found.setdefault(link, {})[output.unit] = model.name
     for chosen in filter(None, (text or "").split(",")):

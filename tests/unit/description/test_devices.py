@@ -474,3 +474,62 @@ def test_each_shipped_device_makes_a_tool(device: LibraryDevice, folder: Path) -
     assert {each for used in found.used_devices.values() for each in used.overridden} == set()
     assert len(found.register_outputs) == (len(device.about.outputs) or bool(device.about.actuator))
     assert {f"in_{each}" for each in device.about.inputs} <= found.channels.keys()
+
+
+CELL = """\
+name: cell
+devices: mine
+link: {port: /dev/a}
+channels:
+  locked: {device: board, input: di1}
+  seal: {device: board, input: di2}
+sequence: [cup]
+actuators:
+  cup:
+    {device: board, output: do1, kind: vacuum, channel: seal, blow_off: {device: board, output: do2, duration_s: 0.3}}
+tool_changer: {device: board, output: do1, unit: 2, unlocked_bit: none, stand_bit: none, present_bit: none}
+outputs:
+  lamp: {device: board, output: do2, unit: 2, modbus: {on_link_loss: release}}
+supply: {channel: none}
+"""
+
+
+def test_a_tool_changer_a_blow_off_and_a_lamp_use_outputs_of_a_board(folder: Path) -> None:
+    (folder / "mine" / "board.yaml").write_text(
+        BOARD.replace("actuator: {", "actuator: {on_power_loss: keep, ")
+    )
+    found = tool(CELL)
+    assert found.tool_changer
+    assert {
+        each.line: (each.modbus.register_type, each.modbus.verify)
+        for each in found.every_output.values()
+        if each.modbus
+    } == {
+        "modbus:1/0x000A": ("coil", "cup_switched"),
+        "modbus:1/0x000B": ("coil", "cup_blow_off_switched"),
+        "modbus:2/0x000A": ("coil", "tool_changer_switched"),
+        "modbus:2/0x000B": ("coil", "lamp_switched"),
+    }
+    assert found.outputs["lamp"].modbus
+    assert found.outputs["lamp"].modbus.on_link_loss == "release"
+    assert {"cup", "cup_blow_off", "tool_changer", "lamp"} <= found.used_devices.keys()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "tool_changer: {device: board, output: do1",
+            "tool_changer: {device: jaw",
+            "jaw is no board with outputs that a tool changer, a blow-off or a lamp could use",
+        ),
+        ("output: do1, unit: 2", "output: do1", "this unit of the link has board already, do1"),
+        ("lamp: {device: board", "lamp: {device: bord", "there is no such device in the library"),
+        ("output: do2, duration", "output: do9, duration", "board has no such output"),
+    ],
+)
+def test_what_such_an_output_cannot_use_is_one_fault(folder: Path, old: str, new: str, expected: str) -> None:
+    (folder / "mine" / "board.yaml").write_text(BOARD)
+    assert old in CELL
+    (line,) = lines_of(CELL.replace(old, new))
+    assert expected in line

@@ -1,10 +1,11 @@
-"""Expands ``device: NAME`` of an actuator, or of a channel, while a description is read.
+"""Expands ``device: NAME`` of an output, or of a channel, while a description is read.
 
 1. The device's channels become channels of the description, named ``<actuator>_<channel>``; names of channels in the
    device's stanza follow, and ``self`` is the actuator.
 2. ``unit`` beside ``device``, else the device's own, becomes the unit of all its registers. ``link`` does likewise.
 3. A device with several ``outputs`` drives several actuators: ``output`` beside ``device`` names one of them.
-   A channel with ``device`` and ``input`` is one of its ``inputs``.
+   A channel with ``device`` and ``input`` is one of its ``inputs``. The tool changer, a blow-off and a plain output
+   use an output as well: its channels and its registers.
 4. The device's keys of the link are added to the link that the actuator uses.
 5. What the description writes under the same names has precedence, key by key. Lists, and the conditions of an
    evidence, are replaced as a whole.
@@ -32,6 +33,7 @@ from ._names import renamed
 
 SERIAL = ("baudrate", "parity", "stopbits")
 """Keys of a link that mean nothing over a network."""
+BLOW_OFF = "blow_off"
 SELF = "self"
 """Name of the actuator in the file of a device."""
 Tree = dict[str, Any]
@@ -71,7 +73,7 @@ class _Links:
 def expand(tree: Tree, places: Places) -> Expansion:
     """Add to a tree, and to its places, what the devices of its actuators and channels say."""
     done, found, links = Expansion(), dict[str, LibraryDevice | list[Fault] | None](), _Links()
-    users = [each for top in ("actuators", "channels") for each in _users(tree, top)]
+    users = list(_users(tree))
     library = _library(tree, places, done)
     for at, stanza in users:
         wanted, place = str(stanza["device"]), places.value(*at, "device")
@@ -80,7 +82,7 @@ def expand(tree: Tree, places: Places) -> Expansion:
         device = found[wanted]
         if isinstance(device, LibraryDevice) and isinstance(tree.setdefault("channels", {}), dict):
             use = _Use(at, device, tree, places, links)
-            fine = use.expand_actuator(stanza) if at[0] == "actuators" else use.expand_channel(stanza)
+            fine = use.expand_channel(stanza) if at[0] == "channels" else use.expand_output(stanza)
             done.faults += use.faults
             done.refused |= use.refused
         else:
@@ -92,17 +94,29 @@ def expand(tree: Tree, places: Places) -> Expansion:
             if isinstance(device, list):
                 done.faults += [replace(each, uses=places.where(*at, "device")) for each in device]
         if not fine:
-            done.unusable |= {str(at[1])} if at[0] == "actuators" else set()
-            done.refused |= {at} if at[0] == "channels" else set()
+            done.unusable |= {str(at[1])} if _is_actuator(at) else set()
+            done.refused |= set() if _is_actuator(at) else {at}
     return done
 
 
-def _users(tree: Tree, top: str) -> Iterator[tuple[Keys, Tree]]:
-    """Yield path and stanza of each actuator, or channel, that names a device."""
-    stanzas = tree.get(top)
-    for name, stanza in stanzas.items() if isinstance(stanzas, dict) else ():
+def _users(tree: Tree) -> Iterator[tuple[Keys, Tree]]:
+    """Yield path and stanza of each output, or channel, that names a device; blow-offs after their actuators."""
+    places: list[Keys] = []
+    for top in ("actuators", "channels", "outputs"):
+        stanzas = tree.get(top)
+        names = list(stanzas) if isinstance(stanzas, dict) else []
+        places += [(top, name) for name in names]
+        places += [(top, name, BLOW_OFF) for name in names if top == "actuators"]
+    for at in (*places, ("tool_changer",)):
+        stanza: Any = tree
+        for key in at:
+            stanza = stanza.get(key) if isinstance(stanza, dict) else None
         if isinstance(stanza, dict) and stanza.get("device") is not None:
-            yield (top, name), stanza
+            yield at, stanza
+
+
+def _is_actuator(at: Keys) -> bool:
+    return at[0] == "actuators" and len(at) == 2
 
 
 def _library(tree: Tree, places: Places, done: Expansion) -> DeviceLibrary:
@@ -117,7 +131,7 @@ def _library(tree: Tree, places: Places, done: Expansion) -> DeviceLibrary:
 
 
 class _Use:
-    """One actuator, or channel, that uses a device.
+    """One output, or channel, that uses a device.
 
     Args:
         at: the path of its stanza.
@@ -129,15 +143,25 @@ class _Use:
     def __init__(self, at: Keys, device: LibraryDevice, tree: Tree, places: Places, links: _Links) -> None:
         self.faults: list[Fault] = []
         self.refused: set[Keys] = set()
-        self._at, self._name = at, str(at[1])
+        self._at, self._name = at, "_".join(map(str, at[len(at) > 1 :]))
         self._device, self._tree, self._places, self._links = device, tree, places, links
         self._uses = places.where(*at, "device")
         self._names: dict[str, str] = {SELF: self._name}
         self._overridden: list[str] = []
 
-    def expand_actuator(self, stanza: Tree) -> bool:
-        """Add the device's channels, the keys of its link and those of the actuator; return whether it could."""
-        about, written = self._device.about, stanza.get("modbus")
+    def expand_output(self, stanza: Tree) -> bool:
+        """Add the device's channels, the keys of its link and those of the actuator; return whether it could.
+
+        Of the keys of the actuator, an output that is none gets the registers only.
+        """
+        about, written, actuates = self._device.about, stanza.get("modbus"), _is_actuator(self._at)
+        if not actuates and not about.outputs:
+            what = f"{self._device.name} is no board with outputs that a tool changer, a blow-off or a lamp could use"
+            expected = "a device with outputs, or modbus: with the registers"
+            self.faults.append(
+                Fault.at(self._places.value(*self._at, "device"), "EE-230", what, expected=expected)
+            )
+            return False
         output = written if isinstance(written, dict) else {}
         bus = self._bus(unit=self._beside(stanza, output, "unit"), link=self._beside(stanza, output, "link"))
         parts: list[tuple[Keys, Tree, Tree]] = [((), about.channels, about.actuator)]
@@ -148,13 +172,14 @@ class _Use:
             parts = [(("outputs", name), chosen.channels, chosen.actuator), *parts]
         for _, channels, _ in parts:
             self._names |= {each: f"{self._name}_{each}" for each in channels}
-        kind = str(stanza.get("kind", about.actuator.get("kind")))
+        user = stanza if actuates else self._tree.get("actuators", {}).get(str(self._at[-2:][0]), {})
+        kind = str(user.get("kind", about.actuator.get("kind")))
         for source, channels, actuator in parts:
             for channel, fragment in channels.items():
                 self._channel(self._names[channel], (*source, "channels", channel), fragment, bus)
             for key, value in actuator.items():
-                if key == "modbus" and "line" in stanza:
-                    continue  # a line drives it instead
+                if "line" in stanza if key == "modbus" else not actuates:
+                    continue  # a line drives it instead, or it is a key of an actuator
                 given = renamed(value, self._names, (*self._at, key), kind)
                 self._put(stanza, (*self._at, key), (*source, "actuator", key), given)
         if "line" not in stanza and isinstance(stanza.get("modbus"), dict):

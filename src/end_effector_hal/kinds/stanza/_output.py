@@ -22,6 +22,14 @@ class Output(BaseStanza):
         default=None, description="instead of `line`: a coil or registers of a device on the link"
     )
 
+    device: Word | None = Field(
+        default=None,
+        exclude=True,
+        description="a device of the library that gives all keys which are not written here, and its channels; beside "
+        "it `unit` is its address on the bus, `link` its link, if there are several, and `output` one of its outputs, "
+        "if it has several. `eehal devices` lists them",
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _output_has_a_name(cls, given: Any) -> Any:

@@ -47,13 +47,6 @@ class Actuator(Output):
     opposite: Opposite | None = Field(
         default=None, description="absent: a spring drives it back when `line` is inactive"
     )
-    device: Word | None = Field(
-        default=None,
-        exclude=True,
-        description="a device of the library that gives all keys which are not written here, and its channels; beside "
-        "it `unit` is its address on the bus, `link` its link, if there are several, and `output` one of its outputs, "
-        "if it has several. `eehal devices` lists them",
-    )
     on_power_loss: Literal["hold", "release", "keep", "undefined"] = Field(
         default="undefined",
         description="without power, by its manual; hold: what is held stays held; keep: it stays as it was",
