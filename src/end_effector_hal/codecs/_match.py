@@ -20,6 +20,7 @@ from end_effector_hal.description import (
     lost_by_silence,
     network_address,
     not_fitted,
+    refused_fieldbus,
     right_form,
     slow,
     unproven,
@@ -126,7 +127,8 @@ def _unusable(description: Description, name: str) -> Fault | None:
         if wanted in known:
             return Fault.at(place, "EE-226", what, expected="a codec that can be loaded", hint=hint)
         what, expected = "there is no such codec", f"one of {', '.join(known)}"
-        return Fault.at(place, "EE-226", what, expected=expected, hint=did_you_mean(wanted, known))
+        hint = refused_fieldbus(wanted) or did_you_mean(wanted, known)
+        return Fault.at(place, "EE-226", what, expected=expected, hint=hint)
     return None
 
 

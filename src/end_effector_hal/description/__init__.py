@@ -4,7 +4,14 @@
 together.
 """
 
-from ._address import MODBUS_SCHEMES, NetworkAddress, has_line, network_address, right_form
+from ._address import (
+    MODBUS_SCHEMES,
+    NetworkAddress,
+    has_line,
+    network_address,
+    refused_fieldbus,
+    right_form,
+)
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
@@ -89,6 +96,7 @@ __all__ = [
     "profile_path",
     "range_kpa",
     "raw_limits",
+    "refused_fieldbus",
     "right_form",
     "run_directory",
     "schema",

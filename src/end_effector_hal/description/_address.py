@@ -18,6 +18,13 @@ _ANY = re.compile(
 )
 _LOOKS = re.compile(r"[^/]*:.*|(\d+\.){3}\d+.*|[^/]+\.(local|lan|home|internal)", re.IGNORECASE)
 """Matches a network address and no path: a URL, a host with a port number, an IP address, a host name."""
+_FIELDBUSES = {
+    "EtherCAT": r"ethercat|ecat",
+    "PROFINET": r"profinet|pnio",
+    "EtherNet/IP": r"ethernet-?ip|enip|eip",
+    "CAN": r"(socket|v|sl)?can(open)?\d*",
+    "OPC UA": r"opc|opc-?ua|opc\.tcp",
+}
 
 
 class NetworkAddress(NamedTuple):
@@ -61,6 +68,13 @@ def has_line(port: str) -> bool:
 def looks_like_address(port: str) -> bool:
     """Return whether a `port` looks like an address in a network, valid or not."""
     return _LOOKS.fullmatch(port) is not None
+
+
+def refused_fieldbus(text: str) -> str:
+    """Return a hint if a port, a codec or a key names a fieldbus that is not supported; empty: it names none."""
+    word = text.lower().removeprefix("/dev/").partition(":")[0].replace("_", "-")
+    found = next((name for name, form in _FIELDBUSES.items() if re.fullmatch(form, word)), "")
+    return f"{found} is not supported: use a gateway or an I/O station with Modbus TCP" if found else ""
 
 
 def right_form(port: str, *, modbus: bool) -> str:

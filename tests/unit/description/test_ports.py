@@ -89,7 +89,7 @@ def test_anything_else_that_looks_like_an_address_is_refused_with_the_right_form
 def test_a_fieldbus_that_is_not_supported_is_named(port: str, fieldbus: str, frame: str) -> None:
     (fault,) = faults(port, frame)
     assert f"{fieldbus} is not supported" in fault
-    assert "a gateway to Modbus TCP: tcp://HOST:502" in fault
+    assert "use a gateway or an I/O station with Modbus TCP" in fault
 
 
 @pytest.mark.parametrize("key", ["baudrate: 9600", "parity: E", "stopbits: 2"])

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from end_effector_hal.description._address import refused_fieldbus
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, did_you_mean
 from end_effector_hal.description._numbers import (
     Limits,
@@ -31,6 +32,7 @@ _KEYS = {
     "slave": "unit",
     "slave_id": "unit",
     "stop_bits": "stopbits",
+    "message_wait_milliseconds": "pause_ms",
     "swap": "word_order",
     "unit_of_measurement": "unit",
     "data_type": "value_type",
@@ -46,6 +48,7 @@ _KEYS = {
 }
 _ELSEWHERE = {
     "timeout": "write timeout_ms under frame.modbus of the link, in milliseconds",
+    "message_wait_milliseconds": "write pause_ms under frame.modbus of the link",
     "scan_interval": "write period_ms under the link, in milliseconds",
     "bytesize": "leave it out: a byte has 8 bits",
     "data_bits": "leave it out: a byte has 8 bits",
@@ -79,6 +82,8 @@ def key_hint(key: str, path: Keys, known: list[str]) -> str:
         return f"write {other}"
     if key in _ELSEWHERE and (path[0] in ("link", "links") or "modbus" in path):
         return _ELSEWHERE[key]
+    if path[0] in ("link", "links", "channels", "actuators") and (refused := refused_fieldbus(key)):
+        return refused
     if key in _CHANNELS_HAVE and path[0] == "channels":
         return _CHANNELS_HAVE[key]
     in_a_source = len(path) == 4 and path[0] == "channels"

@@ -135,7 +135,8 @@ def pasted(**keys: str) -> str:
         ("FRAME", "timeout: 5", "; write timeout_ms"),
         ("LINK", "scan_interval: 1", "; write period_ms under the link, in milliseconds"),
         ("LINK", "delay: 2", ""),
-        ("FRAME", "message_wait_milliseconds: 30", ""),
+        ("LINK", "message_wait_milliseconds: 30", "; write pause_ms under frame.modbus of the link"),
+        ("FRAME", "message_wait_milliseconds: 30", "; write pause_ms"),
         (
             "LINK",
             "method: rtu",
@@ -167,6 +168,37 @@ def test_a_pasted_key_is_sent_to_its_place_or_nowhere(
     faults = json.loads(CliRunner().invoke(_check.command, ["--json", str(path)]).output)["faults"]
     (said,) = (each["message"] for each in faults if key.partition(":")[0] in each["message"])
     assert said.partition(";")[1] + said.partition(";")[2] == hint
+
+
+@pytest.mark.parametrize(
+    ("link", "bus"),
+    [
+        ("port: ethercat://0, frame: {modbus: {}}", "EtherCAT"),
+        ("port: /dev/ttyS0, frame: {ethercat: {}}", "EtherCAT"),
+        ("port: /dev/ttyS0, ethercat: {slave: 1}, frame: {modbus: {}}", "EtherCAT"),
+        ("port: 'profinet://plc', frame: {modbus: {}}", "PROFINET"),
+        ("port: /dev/ttyS0, codec: profinet", "PROFINET"),
+        ("port: eip://192.168.1.20, frame: {modbus: {}}", "EtherNet/IP"),
+        ("port: tcp://192.168.1.20, codec: ethernet-ip", "EtherNet/IP"),
+        ("port: can0, frame: {modbus: {}}", "CAN"),
+        ("port: can0, frame: {canopen: {}}", "CAN"),
+        ("port: opc.tcp://plc:4840, frame: {modbus: {}}", "OPC UA"),
+        ("port: tcp://plc, codec: opc_ua", "OPC UA"),
+    ],
+)
+def test_a_fieldbus_that_is_not_supported_is_refused_by_its_name(link: str, bus: str, tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(
+        f"schema: 2\nname: tool\nlink: {{{link}}}\nsequence: [a]\n"
+        "actuators: {a: {kind: vacuum, line: A, channel: p}}\nsupply: {channel: none}\n"
+    )
+    result = CliRunner().invoke(_check.command, ["--json", str(path)])
+    assert result.exit_code == 2
+    said = [each["message"] for each in json.loads(result.output)["faults"]]
+    assert any(
+        f"{bus} is not supported: use a gateway or an I/O station with Modbus TCP" in each for each in said
+    ), said
+    assert not any("for Modbus TCP, or rtu+tcp" in each for each in said)
 
 
 def test_a_hexadecimal_address_is_no_number_of_a_manual(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from posixpath import normpath
 
@@ -11,19 +10,11 @@ from end_effector_hal.description._address import (
     STREAMS,
     looks_like_address,
     network_address,
+    refused_fieldbus,
     right_form,
 )
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
-
-_FIELDBUSES = {
-    "EtherCAT": ("ethercat", "ecat"),
-    "PROFINET": ("profinet",),
-    "EtherNet/IP": ("enip", "ethernetip", "ethernet-ip"),
-    "CAN": ("can", "vcan", "slcan", "socketcan", "canopen"),
-    "OPC UA": ("opc.tcp", "opcua", "opc"),
-}
-
 
 def port_faults(facts: Facts, link: Keys) -> Iterator[Fault]:
     """Yield the faults of a link's port, and of keys that such a port does not have."""
@@ -31,9 +22,8 @@ def port_faults(facts: Facts, link: Keys) -> Iterator[Fault]:
     if port is None:
         return
     place, modbus = facts.places.value(*link, "port"), facts.says(*link, "frame", "modbus")
-    if fieldbus := fieldbus_of(port):
-        expected = "a serial device, such as /dev/ttyUSB0, or a gateway to Modbus TCP: tcp://HOST:502"
-        yield Fault.at(place, "EE-211", f"{fieldbus} is not supported", expected=expected)
+    if hint := refused_fieldbus(port):
+        yield Fault.at(place, "EE-211", "'port' is no address that this link can use", expected="", hint=hint)
         return
     if not looks_like_address(port):
         return
@@ -54,12 +44,6 @@ def port_faults(facts: Facts, link: Keys) -> Iterator[Fault]:
                 yield Fault.at(
                     facts.places.key(*link, key), "EE-228", what, found=key, expected="no such key", hint=hint
                 )
-
-
-def fieldbus_of(port: str) -> str:
-    """Return the name of the unsupported fieldbus that a port names, such as ``can0`` or ``ethercat://eth0``; or ""."""
-    scheme = re.match(r"(?:/dev/)?([a-z.-]+?)\d*(?:[:/]|$)", port.casefold())
-    return next((name for name, words in _FIELDBUSES.items() if scheme and scheme[1] in words), "")
 
 
 def place_of(port: str) -> str:
