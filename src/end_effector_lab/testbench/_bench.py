@@ -241,6 +241,15 @@ class Bench:
         """Return whether the device at the address of a link refuses connections at ``at`` (µs)."""
         return self._is_over(self.scenario.on_link(link).closed_after_us, at)
 
+    def foreign_write_at(self, link: str | None) -> int | None:
+        """Return the time, µs, at which another client makes the outputs on a link inactive; None: none does."""
+        after_us = self.scenario.on_link(link).foreign_write_after_us
+        return None if after_us is None else self._since(after_us)
+
+    def exchanged(self, at: int, link: str | None = None) -> bool:
+        """Return whether another device answers on a link at ``at`` (µs)."""
+        return self._is_over(self.scenario.on_link(link).other_device_after_us, at)
+
     def cuts(self, at: int, link: str | None = None) -> bool:
         """Return whether the connection of a link is reset in the middle of the answer at ``at`` (µs)."""
         share = self.scenario.on_link(link).cut
@@ -330,6 +339,8 @@ class Bench:
             effect.silent_after_us,
             effect.babble_after_us,
             effect.closed_after_us,
+            effect.foreign_write_after_us,
+            effect.other_device_after_us,
             *self._frozen_after_us,
         ]
         if effect.reboot_after_us is not None and not self._is_over(effect.reboot_after_us, at):

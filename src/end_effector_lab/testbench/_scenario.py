@@ -66,6 +66,8 @@ class LinkEffect:
     closed_after_us: int | None = None
     cut: float = 0.0
     """Share of the answers of a device at an address after whose first half the connection is reset."""
+    foreign_write_after_us: int | None = None
+    other_device_after_us: int | None = None
 
     @property
     def disturbs(self) -> bool:
@@ -127,7 +129,8 @@ class Fault:
         on: traits of devices; the fault needs a device with one of them; empty: it concerns the whole bench.
         number: the number that must be given.
         link: a sensor link can have it ("also"), only a link can ("only"), only a polled link ("polled"),
-            only one that asks Modbus registers ("modbus"), or only one that asks a device at an address ("network").
+            only one that asks Modbus registers ("modbus"), only one with outputs ("commanded"), or only one that asks
+            a device at an address ("network").
         channel: it concerns a channel that is an alarm.
     """
 
@@ -136,7 +139,7 @@ class Fault:
     changes: Callable[[float], Mapping[str, object]]
     on: tuple[str, ...] = ()
     number: Number | None = None
-    link: Literal["", "also", "only", "polled", "modbus", "network"] = ""
+    link: Literal["", "also", "only", "polled", "modbus", "commanded", "network"] = ""
     channel: bool = False
 
     @property
@@ -152,7 +155,7 @@ class Fault:
         )
 
 
-ASKING = {"polled": "polled", "modbus": "Modbus", "network": "network"}
+ASKING = {"polled": "polled", "modbus": "Modbus", "commanded": "commanded", "network": "network"}
 """Links that ask, in words."""
 RATE = Number("rate", 0, 1)
 BIT = Number("bit", 0, 1, whole=True)
@@ -219,6 +222,10 @@ FAULTS: tuple[Fault, ...] = (
           lambda s: {"closed_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="network"),
     Fault("cut-answers", "this share of the answers ends in the middle, with a reset of the connection",
           lambda r: {"cut": r}, number=RATE, link="network"),
+    Fault("foreign-write-after", "another client makes all outputs on the link inactive, once",
+          lambda s: {"foreign_write_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="commanded"),
+    Fault("other-device-after", "another device answers there: its registers are 0, and its outputs move nothing",
+          lambda s: {"other_device_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="commanded"),
     Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
     Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
     Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
@@ -300,6 +307,8 @@ def links_with(fault: Fault, description: Description) -> list[str]:
     """Return the names of the links that can have a fault."""
     if fault.link not in ASKING:
         return [*description.links]
+    if fault.link == "commanded":
+        return [*description.buses]
     codecs = {name: codec_of(description, name) for name in description.links}
     asked = [name for name, codec in codecs.items() if is_polled(codec)]
     if fault.link == "network":

@@ -18,6 +18,7 @@ from end_effector_hal.wires.lines import VirtualPins
 
 from ._bench import Bench
 from ._modbus import CommandedRegisters
+from ._strangers import OtherDevice, releases
 from ._units import ModelledUnits, Models
 
 
@@ -94,6 +95,9 @@ class SensorBoard:
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
+        self._other = OtherDevice()
+        self._outputs = tuple(description.buses[link or ""].values()) if registers else ()
+        self._foreign_write_at: int | None = None
 
     @classmethod
     def on_bus(
@@ -136,6 +140,7 @@ class SensorBoard:
     def due(self) -> int | None:
         """Time at which `advance` must be called, µs; None: nothing happens without a request."""
         parts = [each.due for each in (self._registers, self._units) if each]
+        parts += [self._next_foreign_write]
         return min([due for due in parts if due is not None], default=None)
 
     def frame(self, at: int) -> Sent:
@@ -151,11 +156,32 @@ class SensorBoard:
         if self._units:
             self._bench.sample(at)  # the physics comes first
             self._units.advance(at)
+        due = self._next_foreign_write
+        if due is not None and due <= at:
+            self._foreign_write_at = due
+            for request in releases(self._outputs):
+                self._execute(request, at)
+
+    @property
+    def _next_foreign_write(self) -> int | None:
+        """Time at which another client writes, µs; None: it does not, or has."""
+        at = self._bench.foreign_write_at(self._link) if self._outputs else None
+        return None if at == self._foreign_write_at else at
+
+    def _execute(self, request: bytes, at: int) -> None:
+        """Execute a write whose answer nobody here reads."""
+        if self._units and self._units.owns(request):
+            self._units.answer(request, self._carried(self._bench.sample(at)), at)
+        elif self._registers:
+            self._registers.hear(request, at)
+            self._registers.answer(request)
 
     def answer(self, request: bytes, at: int) -> Sent | None:
         """Return the answer to the bytes of a request at ``at`` (µs), or None if there is none."""
         self.advance(at)
         sample = self._bench.sample(at)
+        if self._outputs and self._bench.exchanged(at, self._link):
+            return self._answered(self._other.answer(request, at), sample, at)
         answers = b""
         if self._units and not self._bench.silent(at, self._link):
             answers = self._units.answer(request, self._carried(sample), at)

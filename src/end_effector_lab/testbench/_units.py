@@ -204,9 +204,10 @@ class ModelledUnits:
             values: readings of the sensors that are wired to inputs of the units.
         """
         for read in self._wired:
-            words = [0] * read.count
-            if all(each.put(words, values) for each in read.registers):
-                self.models[read.unit].wire(read.function, read.address, words)
+            words = [0] * read.count  # of an open wire
+            for each in read.registers:
+                each.put(words, values)
+            self.models[read.unit].wire(read.function, read.address, words)
         for channel, unit in self._alarms.items():
             self.models[unit].alarm = self._bench.scenario.alarms.get(channel, 0)
         return b"".join(self._answered(frame, at) for frame in self._frames.feed(data, at))

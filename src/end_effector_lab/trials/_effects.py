@@ -15,7 +15,7 @@ from end_effector_hal.kinds.stanza import named
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import display_name
 from end_effector_hal.wires.inputs import input_lines, pulls_of
-from end_effector_lab.testbench import plain_number
+from end_effector_lab.testbench import chosen_models, plain_number
 from end_effector_lab.testbench.physics import Supply, Valve, physics_of
 
 REST, GRIP, HELD, RELEASE = "rest", "grip", "held", "release"
@@ -49,7 +49,9 @@ DAMAGING = {
     "noise", "flips", "bursts", "lost-bytes", "doubled-bytes", "late-answers", "no-answers", "twice-answers",
     "wrong-answers", "cut-answers",
 }  # fmt: skip
-LYING = {"shows", "frozen-after", "swapped", *DAMAGING}
+STRANGE = {"foreign-write-after", "other-device-after"}
+"""Faults by another client or device on a commanded bus."""
+LYING = {"shows", "frozen-after", "swapped", *DAMAGING, *STRANGE}
 """Faults under which a sensor reports a wrong state."""
 PHYSICAL = {
     "nominal", "never-confirms", "fails-once", "fails", "stuck-release", "sticks", "leak", "leak-grows", "lost-after",
@@ -131,6 +133,8 @@ class Effects:
         fault, actuator = self.fault, self._description.actuators[name]
         if fault.name in SILENCING and self._is_of_link(name):
             return ANYTHING if self._keeps_its_level(name) else self._blind(name)
+        if fault.name in STRANGE:
+            return ANYTHING
         if fault.name in DAMAGING:
             frames = [link.frame for link in self._description.links.values() if link.frame]
             rare = (fault.number or 0.0) <= 0.001 and all(frame.checked for frame in frames)
@@ -216,10 +220,13 @@ class Effects:
         return any(channel.link == self.fault.place for channel in self._proofs(name))
 
     def _pulled(self, name: str) -> bool | None:
-        """Return the level that an input with a broken wire shows because of its pull; None: no such input confirms
-        the actuator.
+        """Return what an input with a broken wire shows, because of its pull or as an open input of an I/O board that
+        has a model; None: no such input confirms the actuator.
         """
         match self._proofs(name):
+            case [channel] if channel.modbus and channel.modbus.register_type == "discrete_input":
+                models = chosen_models(None, self._description).get(channel.link or "", {})
+                return channel.invert if channel.modbus.unit in models else None
             case [channel] if channel.digital:
                 pulls = pulls_of(input_lines(self._description))
                 return (pulls[channel.digital.line] == "up") is not channel.invert

@@ -156,8 +156,17 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
             there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
             below = actuator is not None and kind_of(actuator).below_ambient
             return ("0", f"{-min(there, 100.0) if below else there:g}")
-        case "frozen-after" | "silent-after" | "babble-after" | "reboot-after" | "closed-after":
+        case (
+            "frozen-after"
+            | "silent-after"
+            | "babble-after"
+            | "reboot-after"
+            | "closed-after"
+            | "foreign-write-after"
+        ):
             return ("0",)
+        case "other-device-after":
+            return ()  # it acknowledges releases in the place of the device: no rule can hold
         case "locked-shows" | "unlocked-shows" | "stand-shows":
             return ("0", "1")
         case "supply":

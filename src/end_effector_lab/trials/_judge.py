@@ -349,7 +349,8 @@ class Judge:
                 self._object("activation", f"{name} was tried again after {pause_us / 1e6:.3f} s")
         for other in before:
             if not self._active[other]:
-                self._object("activation", f"{name} became active before {other}")
+                if not self._reality.is_overruled(other):
+                    self._object("activation", f"{name} became active before {other}")
             elif self._reality.is_known and self._reality.lasts(f"gone {other}"):
                 self._object("activation", f"{name} became active, and {other} does not grip")
         if self._changer and self._tool.levels.get(self._changer):
@@ -382,7 +383,7 @@ class Judge:
             self._let_go[name] = each.at
         if name == [other for other in self._sequence if self._active[other]][-1]:
             return  # the last one: also when it is tried again
-        if self._reality.restarted(name, each.at):
+        if self._reality.restarted(name, each.at) or self._reality.is_overruled(name):
             return
         for other in order[: order.index(name)]:
             if self._active[other] and self._is_unwound(other):

@@ -87,12 +87,21 @@ class Reality:
         return self._tool.at - self._since.get(what, self._tool.at) > us
 
     def lets_go(self, name: str) -> bool:
-        """Return whether the device may release by itself, because it receives nothing (`on_link_loss`)."""
+        """Return whether the device may release without this product: it receives nothing (`on_link_loss`), or another
+        client commands it.
+        """
         output, tool = self._description.actuators[name].modbus, self._tool
+        if self.is_overruled(name):
+            return True
         if output is None or output.on_link_loss != "release" or output.keep_alive_ms is None:
             return False
         silent = "arbiter" not in tool.living or tool.bench.silent(tool.at, output.link)
         return silent or not self.is_known
+
+    def is_overruled(self, name: str) -> bool:
+        """Return whether another client has made the output inactive, or will."""
+        output = self._description.actuators[name].modbus
+        return output is not None and self._tool.bench.foreign_write_at(output.link or None) is not None
 
     def waits_for_a_drop(self, name: str, since: int) -> bool:
         """Return whether the device of an output that became active at ``since`` µs has restarted: it then obeys only

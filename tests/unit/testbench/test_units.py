@@ -346,3 +346,16 @@ supply: {{channel: none}}
         assert played.run_until(played.at + 10 * S, lambda state=state: played.status.ee == state)
         played.run(1)
         assert played.status.ee == state
+
+
+def test_an_open_wire_reads_0_at_an_input_of_a_modelled_board() -> None:
+    """The bit of one cup goes, the other one's stays; the description has no value for "open"."""
+    tool = VirtualTool(load_tool(ROOT / "examples/cells/three_parts/end_effector.yaml"))
+    tool.run(1.0)
+    assert tool.command("grip", part="sheet").accepted
+    assert tool.run_until(20 * S, lambda: tool.status.ee is EndEffectorState.GRIPPED)
+    tool.choose("invalid:left")
+    tool.run(1.0)
+    assert tool.status.ee is EndEffectorState.GRIP_ERROR
+    assert tool.status.reason.startswith("Left was lost")
+    assert [each.name for each in tool.status.evidence] == ["PARTIAL", "CONFIRMED", "GONE"]

@@ -10,6 +10,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from end_effector_lab.trials import Cell, cells_of, moments, play_case
+from end_effector_lab.trials._effects import Effects
 from tests.support.places import ROOT
 
 CELLS = [
@@ -45,3 +46,18 @@ def test_a_release_keeps_its_order_if_all_processes_die_before_the_first_write()
     assert trial.failures == {}
     cup, lift = [each.at for each in trial.tool.edges if not each.level][:2]
     assert lift - cup > description.actuators["cup"].release_s * 0.99e6
+
+
+@pytest.mark.parametrize("tool", ["remote_io", "gripper_2f85"])
+def test_what_another_client_writes_is_explained_and_no_fault_of_an_order(tool: str) -> None:
+    description, cells = grid(tool)
+    mine = [each for name, each in cells.items() if each.fault == "foreign-write-after:0"]
+    for cell in mine[::60]:
+        assert play_case(description, cell.case).failures == {}, cell.id
+
+
+def test_an_open_wire_at_an_input_of_a_modelled_board_is_a_lost_part() -> None:
+    description = load_tool(ROOT / "examples/cells/three_parts/end_effector.yaml")
+    effects = Effects(description, "invalid:left", "held", ("left", "right"), "sheet")
+    assert (effects.views["left"].keeps, effects.views["right"].keeps) == ({"lost"}, {"yes"})
+    assert not effects.refuses_grip, "it reads as nothing gripped"

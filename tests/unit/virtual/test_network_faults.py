@@ -14,7 +14,8 @@ from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 from tests.unit.virtual.test_unread_outputs import until
 
-GRIPPED, RELEASE_ERROR, STAND_BY = (
+GRIP_ERROR, GRIPPED, RELEASE_ERROR, STAND_BY = (
+    EndEffectorState.GRIP_ERROR,
     EndEffectorState.GRIPPED,
     EndEffectorState.RELEASE_ERROR,
     EndEffectorState.STAND_BY,
@@ -82,3 +83,77 @@ def test_an_activation_is_given_up_while_the_port_is_closed(tool: Description) -
     played.choose("nominal")
     played.run(10.0)
     assert played.edges == []
+
+
+BESIDE_US = "was commanded active, but its device reports otherwise: it was restarted, or another program writes to it"
+
+
+def held(name: str, fault: str) -> tuple[VirtualTool, int]:
+    """A tool that holds a part, three seconds after the fault; and how often its outputs had moved before."""
+    played = VirtualTool(load_tool(ROOT / f"examples/{name}/end_effector.yaml"))
+    until(played, STAND_BY)
+    played.run(1.0)
+    assert played.command("grip", part="crate" if "cells" in name else "").accepted
+    until(played, GRIPPED)
+    moved = len(played.edges)
+    played.choose(fault)
+    played.run(3.0)
+    return played, moved
+
+
+def used_again(played: VirtualTool) -> None:
+    played.choose("nominal")
+    played.run(3.0)
+    assert played.command("drop").accepted
+    until(played, STAND_BY)
+    assert played.reset().accepted
+    assert played.command("grip").accepted
+    until(played, GRIPPED)
+    assert played.status.alarm_texts == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "outputs"), [("tools/remote_io", 2), ("tools/gripper_2f85", 1), ("cells/three_parts", 3)]
+)
+def test_a_second_client_that_writes_the_outputs_is_an_alarm_where_they_are_read_back(
+    name: str, outputs: int
+) -> None:
+    """What it has released is released; nothing is written by this product before the Drop."""
+    played, moved = held(name, "foreign-write-after:0")
+    assert [each.level for each in played.edges[moved:]] == [False] * outputs, "by the other client"
+    assert (played.status.ee, played.status.lift_allowed) == (GRIP_ERROR, False)
+    assert sum(BESIDE_US in text for text in played.status.alarm_texts) == sum(
+        bool(each.verify) for each in played.description.register_outputs.values()
+    )
+    used_again(played)
+
+
+def test_a_second_client_that_writes_on_one_link_leaves_the_others() -> None:
+    played, moved = held("cells/three_parts", "foreign-write-after:gripper:0")
+    assert [each.line for each in played.edges[moved:]] == [played.description.actuators["fingers"].line]
+
+
+def test_another_device_at_the_address_is_no_proof_of_anything() -> None:
+    """Its registers are 0: what was held counts as lost, and stays held."""
+    played, moved = held("tools/remote_io", "other-device-after:0")
+    assert (played.status.ee, played.status.lift_allowed) == (GRIP_ERROR, False)
+    assert any(BESIDE_US in text for text in played.status.alarm_texts)
+    assert played.edges[moved:] == []
+    assert all(played.levels.values())
+    used_again(played)
+
+
+def test_another_device_without_these_registers_is_named_and_what_is_held_stays_held() -> None:
+    played, moved = held("tools/gripper_2f85", "other-device-after:0")
+    assert (played.status.ee, played.status.lift_allowed) == (GRIPPED, False)
+    assert any("No valid reading of Fingers" in text for text in played.status.alarm_texts)
+    assert played.edges[moved:] == []
+    used_again(played)
+
+
+def test_only_a_commanded_bus_has_a_second_client() -> None:
+    tool = load_tool(ROOT / "examples/tools/two_epick/end_effector.yaml")
+    assert "foreign-write-after" not in {each.name for each in offered_faults(tool)}
+    with pytest.raises(UsageError) as refused:
+        parse_scenario("foreign-write-after:0", tool)
+    assert "is a fault of a commanded link" in refused.value.what

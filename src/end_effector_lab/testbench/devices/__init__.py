@@ -16,4 +16,5 @@ from ._frames import (
     sealed,
 )
 from ._models import MODELS, model_for
+from ._remote_io import RemoteIo
 from ._unit import UnitModel
