@@ -176,10 +176,13 @@ kill-matrix-ros2: ros2 ## the same on ROS 2, with one process of the HAL and wit
 
 # Tools whose only outputs are registers; the second is played by the model of its device
 OF_BUSES = remote_io gripper_2f85
-kill-matrix-buses: setup ## the same without ROS, on a tool over Modbus TCP and on a 2F-85 (12 minutes)
+kill-matrix-buses: setup ## the same without ROS, on a tool over Modbus TCP, on a 2F-85, and on both with three parts (25 minutes)
 	@$(ROS_ENV) && for tool in $(OF_BUSES); do \
 		python -m tests.acceptance.kill_matrix.run --ros none --systems 2 -o runs/kill-matrix-$$tool.json \
 			--description examples/tools/$$tool/end_effector.yaml || exit; done
+	@$(ROS_ENV) && for part in bracket sheet crate; do \
+		python -m tests.acceptance.kill_matrix.run --ros none --systems 2 -o runs/kill-matrix-$$part.json --part $$part \
+			--description examples/cells/three_parts/end_effector.yaml || exit; done
 
 matrix-processes: setup ## some cells of `eehal matrix` on real processes: they must end as in virtual time (SAMPLE=50)
 	@$(ROS_ENV) && python -m tests.acceptance.matrix.run --sample $(or $(SAMPLE),50)

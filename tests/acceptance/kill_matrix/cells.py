@@ -59,6 +59,15 @@ class Cell:
         return f"{self.process}:{self.signal}:{self.state}"
 
 
+def gripping(description: Description, part: str) -> Description:
+    """The tool as it grips a part: with the actuators and the values of that part only."""
+    used = zip(description.sequence, description.uses(part), strict=True)
+    sequence = tuple(name for name, uses in used if uses)
+    own = description.for_part(part)
+    actuators = {name: own.actuators[name] for name in sequence}
+    return own.model_copy(update={"sequence": sequence, "actuators": actuators}) if part else description
+
+
 def states(description: Description) -> tuple[str, ...]:
     """In the order of a run; each step of the grip is one."""
     steps = (f"{GRIPPING} {name}" for name in description.sequence)

@@ -28,7 +28,7 @@ class PlainClient(Client):
     def send(self, number: int, name: str) -> None:
         if name == "cancel":
             return self.decided(number, accepted=self._tool.cancel().accepted)
-        begun = self._tool.begin(COMMANDS[name])
+        begun = self._tool.begin(COMMANDS[name], os.environ["EEHAL_KILLED_PART"] if name == "grip" else "")
         self.decided(number, accepted=not isinstance(begun, Refused))
         result = begun if isinstance(begun, Refused) else begun.wait()
         self.ended(number, name, result, succeeded=result.succeeded)

@@ -20,7 +20,7 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_lab.demo import Ros1, Ros2
-from tests.acceptance.kill_matrix.cells import PROCESSES, Cell, chosen, full, telling
+from tests.acceptance.kill_matrix.cells import PROCESSES, Cell, chosen, full, gripping, telling
 from tests.acceptance.kill_matrix.play import Play, Row
 from tests.acceptance.kill_matrix.system import System
 from tests.acceptance.kill_matrix.system_plain import PlainSystem
@@ -51,7 +51,7 @@ def main() -> int:
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda *_: stopping.set())
     begun, folder = time.monotonic(), Path(mkdtemp(prefix="eehal-kill-"))
-    rows = Matrix(description, cells, folder, arguments.systems, arguments.ros).run()
+    rows = Matrix(description, cells, folder, arguments.systems, arguments.ros, arguments.part).run()
     rows.sort(key=lambda row: cells.index(row.cell))
     show(console, rows)
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
@@ -77,10 +77,16 @@ class Matrix:
     """
 
     def __init__(
-        self, description: Description, cells: list[Cell], folder: Path, systems: int, generation: str
+        self,
+        description: Description,
+        cells: list[Cell],
+        folder: Path,
+        systems: int,
+        generation: str,
+        part: str = "",
     ) -> None:
         self._description, self._folder, self._total = description, folder, len(cells)
-        self._generation = generation
+        self._generation, self._part = generation, part
         self._left: queue.SimpleQueue[Cell] = queue.SimpleQueue()
         # those that take longest first
         for cell in sorted(cells, key=lambda cell: (cell.process != "roscore", cell.state)):
@@ -114,7 +120,7 @@ class Matrix:
 
     def _system(self, folder: Path) -> System:
         if self._generation == "none":
-            return PlainSystem(folder, self._description)
+            return PlainSystem(folder, self._description, self._part)
         if self._generation == "1":
             return Ros1System(folder, self._description)
         return Ros2System(folder, self._description, FIVE if self._generation == "2-five" else ONE)
@@ -152,19 +158,25 @@ class Matrix:
 
 def _asked(arguments: argparse.Namespace) -> tuple[Description, list[Cell]]:
     """The tool, and its cells that are to be played; raises ReportedError."""
-    description = load_tool(arguments.description)
+    whole = description = load_tool(arguments.description)
     if description.tool_changer is None and arguments.ros != "none":
         raise UsageError(
             "The matrix hears the node Position by the place of the tool changer: it takes a tool with a tool changer.",
             where=str(arguments.description),
         )
+    if arguments.part and (arguments.part not in description.parts or arguments.ros != "none"):
+        raise UsageError(
+            f"--part {arguments.part}: it takes --ros none, and a part of the tool.",
+            todo=f"There are: {', '.join(description.parts) or 'none'}.",
+        )
+    description = gripping(description, arguments.part)
     if not arguments.cells:
         some = full if arguments.full else telling
-        return description, list(some(description, arguments.ros))
+        return whole, list(some(description, arguments.ros))
     cells = chosen(arguments.cells, description, arguments.ros)
     if not cells:
         raise UsageError(f"No cell is {' or '.join(arguments.cells)}.", todo="--list --full names them all.")
-    return description, cells
+    return whole, cells
 
 
 def _arguments() -> argparse.Namespace:
@@ -179,6 +191,12 @@ def _arguments() -> argparse.Namespace:
         default=profile_path(),
         metavar="FILE",
         help="another tool, with other endings (default: the shipped one)",
+    )
+    parser.add_argument(
+        "--part",
+        default="",
+        metavar="NAME",
+        help="the part that is gripped, with --ros none (default: the first)",
     )
     parser.add_argument("--systems", type=int, default=2, metavar="N", help="systems at once (default 2)")
     parser.add_argument("--list", action="store_true", help="list the cells, play none")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from end_effector_hal.description import Description
 from end_effector_lab.processes import Child
-from tests.acceptance.kill_matrix.cells import BOTH
+from tests.acceptance.kill_matrix.cells import BOTH, gripping
 from tests.acceptance.kill_matrix.system import lives
 from tests.acceptance.kill_matrix.system_restarted import LINE_ARBITER, RestartedSystem
 from tests.acceptance.kill_matrix.waiting import until
@@ -17,11 +17,14 @@ class PlainSystem(RestartedSystem):
 
     nodes = ("HAL",)
 
-    def __init__(self, folder: Path, description: Description | None) -> None:
+    def __init__(self, folder: Path, description: Description | None, part: str = "") -> None:
         super().__init__(folder, description)
+        self._part = part
+        self.description = gripping(self.description, part)
 
     def connect(self) -> None:
-        self.hands = self.hands_by("client_plain", {"EEHAL_KILLED": str(self.plant.description_path)})
+        told = {"EEHAL_KILLED": str(self.plant.description_path), "EEHAL_KILLED_PART": self._part}
+        self.hands = self.hands_by("client_plain", told)
 
     def supervisor(self, script: str = "") -> Child:
         raise AssertionError("there is no such process")

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.vocabulary import EndEffectorState as State
-from tests.acceptance.kill_matrix.cells import PROCESSES, SIGNALS, Cell, full, states, telling
+from tests.acceptance.kill_matrix.cells import PROCESSES, SIGNALS, Cell, full, gripping, states, telling
 from tests.acceptance.kill_matrix.expected import expected
 from tests.support.declared import declared
 from tests.support.places import ROOT
@@ -116,9 +117,25 @@ def test_what_is_held_whole_may_be_confirmed_by_the_next_start() -> None:
     assert want.gripping == ()
 
 
+def test_a_part_has_the_cells_and_the_endings_of_its_own_actuators() -> None:
+    whole = load_tool(ROOT / "examples/cells/three_parts/end_effector.yaml")
+    sheet = gripping(whole, "sheet")
+    assert [each for each in states(sheet) if each.startswith("GRIPPING")] == [
+        "GRIPPING left",
+        "GRIPPING right",
+    ]
+    want = expected(sheet, Cell("HAL", "SIGKILL", "GRIPPED"))
+    assert want.active == {whole.actuators[name].line for name in ("left", "right")}
+    fingers = gripping(whole, "bracket")
+    assert [each for each in states(fingers) if each.startswith("GRIPPING")] == ["GRIPPING fingers"]
+    assert gripping(whole, "crate").actuators["left"].timeout_s == 6
+    assert gripping(whole, "") is whole
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (["--part", "lid"], "There are: none."),
         (["nobody"], "No cell is nobody."),
         (["--description", "changerless.yaml"], "it takes a tool with a tool changer"),
         (["--description", "none.yaml"], "none.yaml"),
