@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from timed_automata.document import Span
 
@@ -298,14 +299,20 @@ Statement = Block | Evaluate | If | For | DoWhile | Iterate | Return
 
 def walk(node: object) -> Iterator[Node]:
     """Yield a node and all nodes inside it, except the process before the dot of a call."""
-    if isinstance(node, tuple):
-        for item in node:
-            yield from walk(item)
-    elif isinstance(node, Node):
-        yield node
-        for name in node.__dataclass_fields__:
-            if name != "process":
-                yield from walk(getattr(node, name))
+    waiting = [node]
+    while waiting:
+        each = waiting.pop()
+        if isinstance(each, tuple):
+            waiting += reversed(each)
+        elif isinstance(each, Node):
+            yield each
+            waiting += [getattr(each, name) for name in _inside(type(each))]
+
+
+@cache
+def _inside(kind: type[Node]) -> tuple[str, ...]:
+    """Return the attributes that hold what `walk` looks into, the last first."""
+    return tuple(name for name in reversed(kind.__dataclass_fields__) if name not in ("span", "process"))
 
 
 def path(node: object) -> str | None:
