@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
+from end_effector_hal.control import EventKind
 from end_effector_hal.description import Description
 from end_effector_hal.page.web._metrics import ToolMetrics
+from end_effector_hal.runtime.boundary import Published
 from end_effector_hal.runtime.boundary._open import header_of
-from end_effector_hal.runtime.stream import HEALTH
+from end_effector_hal.runtime.stream import HEALTH, PUBLISHED
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires.inputs import InputsHealth
 from end_effector_hal.wires.link import LinkHealth, LinkState
@@ -169,6 +171,18 @@ def test_a_grip_of_which_the_beginning_is_missing_is_not_counted(verdin: Descrip
     drop(watched)
     grip(watched)
     assert samples(watched, "grips_total")["GRIPPED", ""] == 1
+
+
+def test_the_events_of_the_first_status_were_counted_before(verdin: Description) -> None:
+    """A client that connects gets the last status once more, with its events."""
+    watched = Watched(verdin, "lost-after:top_vacuum:4")
+    watched.tool.run(1.5)
+    grip(watched, seconds=10.0)
+    lost = next(each for each in watched.tool.statuses if any(e.kind == EventKind.LOST for e in each.events))
+    assert samples(watched, "losses_total")["top_vacuum",] == 1
+    watched.send("header", watched.now, header_of(verdin, watched.now))
+    watched.send(PUBLISHED, watched.now, Published(watched.now, lost, {}))
+    assert samples(watched, "losses_total")["top_vacuum",] == 1
 
 
 def all_names(watched: Watched) -> set[str]:
