@@ -95,8 +95,8 @@ pictures: setup ## the pictures in docs/images: of the page by its tests in a re
 deb: debian ## a Debian package of it, in build/: apt install ./build/end-effector-hal_*.deb; ARCH=arm64: for a board
 	@TARGETARCH=$(ARCH) deploy/package.sh build
 
-test-boot: setup ## by hand, as root: that package on a booted Debian 12: installed, gripping, upgraded, removed (needs systemd-container, mmdebstrap)
-	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy/test_boot.py
+test-boot: setup deb ## by hand, as root: that package on a booted Debian 12: installed, gripping, upgraded, removed (needs systemd-container, mmdebstrap)
+	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy
 
 arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time, killed at any step (RUNS=2000)
 	@$(BIN)/python -m tests.unit.arbiter.simulation.run --runs $(or $(RUNS),2000)

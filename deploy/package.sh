@@ -37,4 +37,4 @@ mkdir "$DESTDIR/DEBIAN"
 sed -e "s/@VERSION@/$version/; s/@ARCHITECTURE@/$arch/; s/@PYTHON@/3.$python/; s/@PYTHON_NEXT@/3.$((python + 1))/" \
     -e "s/@SIZE@/$(du -sk "$DESTDIR" | cut -f 1)/; s/@ROS@/$ros/" "$here/package/control" >"$DESTDIR/DEBIAN/control"
 install -m 755 "$here"/package/p* "$DESTDIR/DEBIAN/"
-dpkg-deb --root-owner-group -Zxz -b "$DESTDIR" "$out/end-effector-hal_${version}_$arch.deb"
+dpkg-deb --root-owner-group -Zxz -z2 -b "$DESTDIR" "$out/end-effector-hal_${version}_$arch.deb"

@@ -1,0 +1,170 @@
+"""The package on a fresh Debian 12 that systemd has booted: installed, gripping, killed, upgraded, removed, purged."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from end_effector_hal.description import profile_path
+from tests.support.patience import wait_until
+from tests.support.places import ROOT
+
+TOOL = "/etc/eehal/my_tool.yaml"
+PARTS = ("eehal-arbiter@my_tool", "eehal@my_tool")
+PACKAGES = "systemd,systemd-sysv,dbus,ca-certificates,python3"
+BOOT_S = 120.0
+
+pytestmark = [
+    pytest.mark.wall,
+    pytest.mark.timeout(1800),
+    pytest.mark.skipif(
+        "EEHAL_BOOT" not in os.environ or not (shutil.which("systemd-nspawn") and shutil.which("mmdebstrap")),
+        reason="by hand: make test-boot, as root, with Debian's systemd-container and mmdebstrap",
+    ),
+]
+
+
+class Machine:
+    """A booted Debian; ``pid`` is that of its systemd."""
+
+    def __init__(self, pid: int) -> None:
+        self._pid = pid
+
+    def run(self, script: str) -> tuple[int, str]:
+        """The exit code of a line for sh, and what it printed."""
+        done = subprocess.run(
+            ["nsenter", "-t", str(self._pid), "-a", "--", "env", "-i", "LANG=C.UTF-8",
+             "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "DEBIAN_FRONTEND=noninteractive", "sh", "-c", script],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+        )  # fmt: skip
+        return done.returncode, done.stdout
+
+    def does(self, script: str) -> str:
+        code, said = self.run(script)
+        assert code == 0, said
+        return said
+
+    def state(self) -> str:
+        found = re.match(r"verdin_gripper: (\w+)", self.run(f"eehal status {TOOL}")[1])
+        return found[1] if found else ""
+
+    def reach(self, state: str) -> None:
+        wait_until(state, lambda: self.state() == state)
+
+    def pids(self) -> list[str]:
+        return [self.does(f"systemctl show -P MainPID {part}").strip() for part in PARTS]
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The package that `make deb` has built, and a later version of it."""
+    built = sorted((ROOT / "build").glob("end-effector-hal_*_amd64.deb"))
+    assert built, "make deb"
+    folder = tmp_path_factory.mktemp("later")
+    subprocess.run(["dpkg-deb", "-R", built[-1], folder / "root"], check=True)
+    control = folder / "root/DEBIAN/control"
+    control.write_text(re.sub(r"(?m)^(Version: .*)$", r"\1+later", control.read_text()))
+    command = ["dpkg-deb", "--root-owner-group", "-Zgzip", "-z1", "-b", folder / "root", folder / "later.deb"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return built[-1], folder / "later.deb"
+
+
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory: pytest.TempPathFactory, packages: tuple[Path, Path]) -> Iterator[Machine]:
+    folder = tmp_path_factory.mktemp("debian")
+    root = folder / "root"
+    subprocess.run(
+        ["mmdebstrap", "--quiet", "--variant=minbase", f"--include={PACKAGES}", "--dpkgopt=force-unsafe-io",
+         "bookworm", root],
+        check=True,
+    )  # fmt: skip
+    for name, package in zip(("first.deb", "later.deb"), packages, strict=True):
+        shutil.copy(package, root / "root" / name)
+    (root / "etc/eehal").mkdir()
+    tool = (
+        profile_path()
+        .read_text()
+        .replace("backend: gpiod", "backend: virtual\n  path: /run/eehal/my_tool.chip")
+    )
+    (root / TOOL[1:]).write_text(re.sub(r"port: \S+", "port: /run/eehal/my_tool.uart", tool, count=1))
+    shutil.copy(profile_path().with_suffix(".xml"), root / "etc/eehal")
+    with (folder / "log").open("w") as log:
+        nspawn = subprocess.Popen(
+            ["systemd-nspawn", "-D", root, "--register=no", "--keep-unit", "--private-network", "-b"],
+            stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+        )  # fmt: skip
+        try:
+            yield booted(nspawn.pid, folder / "log")
+        finally:
+            nspawn.terminate()
+            nspawn.wait(60)
+
+
+def booted(parent: int, log: Path) -> Machine:
+    end = time.monotonic() + BOOT_S
+    while time.monotonic() < end:
+        children = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+        if children and Machine(int(children[0])).run("systemctl is-system-running")[1].strip() in (
+            "running",
+            "degraded",
+        ):
+            return Machine(int(children[0]))
+        time.sleep(0.5)
+    pytest.skip(f"systemd does not boot here: {log.read_text()[-300:]}")
+
+
+def test_from_the_installation_to_the_purge(machine: Machine) -> None:
+    """One story, since each step needs the one before."""
+    machine.does("apt-get install -y /root/first.deb")
+    machine.does(f"eehal check {TOOL}")
+    machine.does(f"systemd-run --unit=bench --gid=gpio -p UMask=0002 eehal testbench {TOOL}")
+    wait_until("the testbench", lambda: machine.run("test -L /run/eehal/my_tool.uart")[0] == 0)
+    machine.does("systemctl enable --now eehal@my_tool")
+    machine.reach("STAND_BY")
+    machine.does("systemctl start eehal-recorder@my_tool eehal-page@my_tool")
+    wait_until(
+        "the page", lambda: "/?token=" in machine.run("journalctl -u eehal-page@my_tool -o cat --no-pager")[1]
+    )
+    code, said = machine.run("systemctl start eehal@mistyped")
+    assert (code, "Assertion failed" in said) == (1, True)
+    machine.does("systemctl stop eehal-arbiter@mistyped")
+
+    machine.does(f"eehal do {TOOL} 'lock; grip'")
+    moved = machine.does("cat /run/eehal/my_tool.chip")
+
+    def held() -> None:
+        machine.reach("GRIPPED")
+        assert machine.does("cat /run/eehal/my_tool.chip") == moved, "no line changes"
+
+    machine.does("systemctl kill -s KILL eehal-arbiter@my_tool")
+    held()
+    machine.does(f"systemctl restart {' '.join(PARTS)}")
+    held()
+    before = machine.pids()
+    said = machine.does("apt-get install -y /root/later.deb")
+    assert "my_tool is not at rest: the version before goes on." in said
+    assert machine.pids() == before
+    held()
+    code, said = machine.run("apt-get remove -y end-effector-hal")
+    assert code
+    assert "my_tool may hold something" in said
+    assert machine.pids() == before
+    held()
+
+    machine.does(f"eehal do {TOOL} drop")
+    machine.does("apt-get install -y --allow-downgrades /root/first.deb")
+    assert not set(machine.pids()) & set(before), "at rest it gets the new programs"
+    machine.reach("STAND_BY")
+    said = machine.does("apt-get purge -y end-effector-hal")
+    assert "rm -r /var/log/eehal" in said
+    machine.does(f"test -s {TOOL} && test -s /var/log/eehal/my_tool/run/states.csv && ! test -e /opt/eehal")
+    assert "@my_tool" not in machine.does(
+        "systemctl list-units --no-legend 'eehal*'; ls /etc/systemd/system/*"
+    )
