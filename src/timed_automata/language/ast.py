@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 
 from timed_automata.document import Span
 
@@ -306,13 +305,16 @@ def walk(node: object) -> Iterator[Node]:
             waiting += reversed(each)
         elif isinstance(each, Node):
             yield each
-            waiting += [getattr(each, name) for name in _inside(type(each))]
+            kind = type(each)
+            names = _INSIDE.get(kind)
+            if names is None:
+                fields = reversed(kind.__dataclass_fields__)
+                names = _INSIDE[kind] = tuple(name for name in fields if name not in ("span", "process"))
+            waiting += [getattr(each, name) for name in names]
 
 
-@cache
-def _inside(kind: type[Node]) -> tuple[str, ...]:
-    """Return the attributes that hold what `walk` looks into, the last first."""
-    return tuple(name for name in reversed(kind.__dataclass_fields__) if name not in ("span", "process"))
+_INSIDE: dict[type[Node], tuple[str, ...]] = {}
+"""By kind of node, the attributes that `walk` looks into, the last first."""
 
 
 def path(node: object) -> str | None:

@@ -16,6 +16,7 @@ from end_effector_hal.description._address import (
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 
+
 def port_faults(facts: Facts, link: Keys) -> Iterator[Fault]:
     """Yield the faults of a link's port, and of keys that such a port does not have."""
     port = facts.get(*link, "port")
