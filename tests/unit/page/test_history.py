@@ -135,9 +135,9 @@ def test_damaged_and_foreign_recordings_are_named_and_left_out(whole: Whole, tmp
     runs, tool = tmp_path / "runs", profile_path()
     written(runs / "good", NOMINAL, REAL)
     expected = {
-        "noise": "header",
+        "noise": "states.csv:1: The header",
         "cut": "fields",
-        "backwards": "Time runs backwards",
+        "backwards": "states.csv:11: Time runs backwards",
         "other": "other actuators (left)",
         "named": "it is of the tool press",
         "kinds": "other actuators",

@@ -141,7 +141,9 @@ def read_history(
                 grip for grip in _grips(tool, path, info, into.notes) if not part or grip.part == part
             ]
         except BROKEN as error:
-            what = error.what if isinstance(error, UsageError) else str(error)
+            what = str(error)
+            if isinstance(error, UsageError):  # the place within the folder
+                what = ": ".join(filter(None, (Path(error.where).name, error.what)))
             notes.append(f"{printable(str(path))} is left out: {printable(what)}")
             continue
         into.recordings.append(str(path))
