@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from end_effector_hal.kinds.stanza import Activation, Handshake, RegisterOutput
 from end_effector_hal.signals import Value
@@ -26,10 +26,19 @@ class CommandedRegisters:
     Args:
         outputs: the outputs of one bus, by name.
         obey: called with name and level of an output that was commanded.
+        rows: what makes an output active beside its own command_on: the values of parts, by name.
     """
 
-    def __init__(self, outputs: Mapping[str, RegisterOutput], obey: Callable[[str, bool], None]) -> None:
+    def __init__(
+        self,
+        outputs: Mapping[str, RegisterOutput],
+        obey: Callable[[str, bool], None],
+        rows: Mapping[str, Collection[tuple[int, ...]]] | None = None,
+    ) -> None:
         self._outputs, self._obey = outputs, obey
+        self._active = {
+            name: {each.values(level=True), *(rows or {}).get(name, ())} for name, each in outputs.items()
+        }
         self._levels: dict[str, bool] = {}
         self._activated: set[int] = set()
         self._registers: dict[tuple[int, int], int] = {}
@@ -143,9 +152,9 @@ class CommandedRegisters:
                 each.pulse_s and (each.address, row) in each.rests
             ):  # the valve stays where the pulse has moved it
                 left -= set(range(start, start + len(row)))
-            if row in (each.values(level=True), each.values(level=False)):
+            level = row in self._active[name]
+            if level or row == each.values(level=False):
                 left -= set(range(start, start + len(row)))
-                level = row == each.values(level=True)
                 if each.bitmask and level is self._levels.get(name):
                     continue
                 if each.activation is None or each.unit in self._activated:

@@ -116,8 +116,11 @@ class SensorBoard:
             models: the units that have a model; the others are played from the description.
         """
         own, outputs = models.get(link, {}), description.buses[link]
+        parts = [each.buses[link] for each in description.per_part]
         registers = CommandedRegisters(
-            {name: each for name, each in outputs.items() if each.unit not in own}, obey
+            {name: each for name, each in outputs.items() if each.unit not in own},
+            obey,
+            {name: [each[name].values(level=True) for each in parts] for name in outputs},
         )
         units = ModelledUnits(description, link, own, bench, obey) if own else None
         return cls(codec_of(description, link), bench, description, start, link or None, registers, units)

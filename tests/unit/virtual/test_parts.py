@@ -10,6 +10,7 @@ from end_effector_hal.control import EventKind, event_lines
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.vocabulary import Cause, EndEffectorState, Evidence
 from end_effector_lab.virtual import VirtualTool
+from tests.support.places import ROOT
 
 STAND_BY, GRIPPED = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
 GRIP_ERROR = EndEffectorState.GRIP_ERROR
@@ -242,3 +243,15 @@ def test_a_release_is_proven_by_the_values_of_every_part(unlike: Description) ->
     assert tool.command("drop").accepted
     tool.run(10.0)
     assert tool.status.ee is EndEffectorState.RELEASE_ERROR
+
+
+def test_a_device_without_a_model_obeys_the_values_of_each_part() -> None:
+    """The crate closes the fingers with a row of its own."""
+    tool = VirtualTool(load(ROOT / "examples/cells/three_parts/end_effector.yaml"), models={})
+    tool.run(1.0)
+    for part in ("crate", "bracket"):
+        assert tool.command("grip", part=part).accepted
+        tool.run(10.0)
+        assert (tool.status.ee, tool.status.alarm_texts) == (GRIPPED, ())
+        assert tool.command("drop").accepted
+        tool.run(5.0)

@@ -6,6 +6,7 @@ from ._onrobot_vg import OnRobotVG10
 from ._remote_io import Adam4056, RemoteIo, Wago750
 from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
 from ._robotiq_epick import RobotiqEPick
+from ._schunk_egu import SchunkEgu
 from ._unit import UnitModel
 
 MODELS: dict[str, type[UnitModel]] = {
@@ -15,6 +16,7 @@ MODELS: dict[str, type[UnitModel]] = {
         Robotiq2F140,
         RobotiqHandE,
         RobotiqEPick,
+        SchunkEgu,
         OnRobotVG10,
         RemoteIo,
         Wago750,
