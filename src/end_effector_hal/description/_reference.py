@@ -168,10 +168,7 @@ def _codes() -> Iterator[str]:
         ["| code | meaning |", "|---|---|", *(f"| {code} | {words} |" for code, words in CODES.items())]
     )
     yield "## Codes of errors"
-    yield (
-        "What else a program can end with. With `--json` every error is one object "
-        "([commands](commands.md#what-holds-for-all))."
-    )
+    yield "What else ends a program. With `--json` every error is one object ([how](commands.md#what-holds-for-all))."
     rows = [f"| {each.code} | {each.exit_code} | {_first_line(each)} |" for each in _errors(ReportedError)]
     yield "\n".join(["| code | exit code | meaning |", "|---|---|---|", *sorted(rows)])
 
