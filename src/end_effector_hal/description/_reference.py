@@ -44,8 +44,10 @@ def schema() -> dict[str, Any]:
         for each in defined:
             if name in each.get("properties", {}):
                 each["properties"][name]["anyOf"].append(by_device)
-    patterns = found["properties"]["outputs"]["patternProperties"]
-    patterns |= {key: {"anyOf": [each, by_device]} for key, each in patterns.items()}
+    found["properties"]["link"]["anyOf"].append(by_device)
+    for name in ("outputs", "links"):
+        patterns = found["properties"][name]["patternProperties"]
+        patterns |= {key: {"anyOf": [each, by_device]} for key, each in patterns.items()}
     for stanza in stanzas().values():
         # the output is one of the two; of one on the bus the name follows from its place
         if not issubclass(stanza, Output) or (defined := found["$defs"].get(stanza.__name__)) is None:

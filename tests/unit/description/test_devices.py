@@ -403,12 +403,12 @@ def test_no_value_in_the_file_of_a_device_makes_it_raise(folder: Path, key: str,
 
 def test_the_examples_of_the_page_are_valid(folder: Path) -> None:
     page = (DOCS / "how-to" / "device.md").read_text(encoding="utf-8")
-    (own,) = re.findall(r"```text\n# my_devices/my-jaw.yaml\n(.*?)```", page, re.DOTALL)
     (folder / "my_devices").mkdir()
-    (folder / "my_devices" / "my-jaw.yaml").write_text(own)
+    for name in ("my-jaw", "my-gauge"):
+        (own,) = re.findall(rf"```text\n# my_devices/{name}.yaml\n(.*?)```", page, re.DOTALL)
+        (folder / "my_devices" / f"{name}.yaml").write_text(own)
     found = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
-    assert len(found) == 3
-    assert [lines_of(each) for each in found] == [[], [], []]
+    assert [lines_of(each) for each in found] == [[]] * 4
 
 
 SHIPPED = [
@@ -533,3 +533,74 @@ def test_what_such_an_output_cannot_use_is_one_fault(folder: Path, old: str, new
     assert old in CELL
     (line,) = lines_of(CELL.replace(old, new))
     assert expected in line
+
+
+GAUGE = """\
+title: My gauge
+maker: me
+confirmed: maker
+documents: [{title: my notes}]
+registers: []
+link: {baudrate: 19200, period_ms: 50, frame: {text: {start: "$"}}}
+channels:
+  vacuum: {text: {key: P}, unit: kPa}
+  ok: {text: {key: S}, on: [1]}
+"""
+GAUGED = """\
+name: tool
+devices: mine
+link: {port: /dev/a, device: gauge, period_ms: 20}
+sequence: [cup]
+actuators:
+  cup: {kind: vacuum, line: GPIO17, channel: vacuum}
+supply: {channel: none}
+"""
+
+
+def test_a_link_is_a_sensor_with_all_its_channels(folder: Path) -> None:
+    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
+    found = tool(GAUGED)
+    assert found.link
+    assert (found.link.baudrate, found.link.period_ms) == (19200, 20), "what is written here precedes"
+    assert set(found.channels) == {"vacuum", "ok"}
+    assert found.used_devices["link"].overridden == ("link.period_ms",)
+    assert "device" not in found.model_dump(mode="json")["link"]
+
+
+def test_each_of_several_links_is_a_sensor_of_its_own(folder: Path) -> None:
+    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
+    links = "links:\n  a: {port: /dev/a, device: gauge}\n  b: {port: /dev/b, device: gauge}\n"
+    found = tool(
+        GAUGED.replace("link: {port: /dev/a, device: gauge, period_ms: 20}\n", links).replace(
+            "channel: vacuum", "channel: b_vacuum"
+        )
+    )
+    assert {name: each.link for name, each in found.channels.items()} == {
+        "a_vacuum": "a",
+        "a_ok": "a",
+        "b_vacuum": "b",
+        "b_ok": "b",
+    }
+
+
+def test_a_sensor_on_a_bus_has_the_unit_beside_it(folder: Path) -> None:
+    text = GAUGE.replace('frame: {text: {start: "$"}}', "frame: {modbus: {}}")
+    text = text.replace("text: {key: P}", "modbus: {address: 3}").replace(
+        "text: {key: S}", "modbus: {address: 4}"
+    )
+    (folder / "mine" / "gauge.yaml").write_text(text)
+    found = tool(GAUGED.replace("device: gauge", "device: gauge, unit: 7"))
+    assert [each.modbus.unit for each in found.channels.values() if each.modbus] == [7, 7]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("jaw", "jaw is no sensor with a link of its own"), ("guage", "there is no such device in the library")],
+)
+def test_a_link_refuses_what_is_no_sensor(folder: Path, name: str, expected: str) -> None:
+    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
+    found = [
+        each for each in lines_of(GAUGED.replace("device: gauge", f"device: {name}")) if "EE-230" in each
+    ]
+    assert len(found) == 1
+    assert expected in found[0]

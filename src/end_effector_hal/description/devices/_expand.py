@@ -1,4 +1,4 @@
-"""Expands ``device: NAME`` of an output, or of a channel, while a description is read.
+"""Expands ``device: NAME`` of an output, of a channel, or of a link, while a description is read.
 
 1. The device's channels become channels of the description, named ``<actuator>_<channel>``; names of channels in the
    device's stanza follow, and ``self`` is the actuator.
@@ -7,7 +7,8 @@
    A channel with ``device`` and ``input`` is one of its ``inputs``. The tool changer, a blow-off and a plain output
    use an output as well: its channels and its registers.
 4. The device's keys of the link are added to the link that the actuator uses.
-5. What the description writes under the same names has precedence, key by key. Lists, and the conditions of an
+5. A link with ``device`` is a sensor: all its channels come with it, under ``links`` as ``<link>_<channel>``.
+6. What the description writes under the same names has precedence, key by key. Lists, and the conditions of an
    evidence, are replaced as a whole.
 
 The places of what was added are those in the file of the device, so that a fault names that file. Everything after
@@ -82,7 +83,8 @@ def expand(tree: Tree, places: Places) -> Expansion:
         device = found[wanted]
         if isinstance(device, LibraryDevice) and isinstance(tree.setdefault("channels", {}), dict):
             use = _Use(at, device, tree, places, links)
-            fine = use.expand_channel(stanza) if at[0] == "channels" else use.expand_output(stanza)
+            expanded = {"channels": use.expand_channel, "link": use.expand_link, "links": use.expand_link}
+            fine = expanded.get(str(at[0]), use.expand_output)(stanza)
             done.faults += use.faults
             done.refused |= use.refused
         else:
@@ -100,9 +102,9 @@ def expand(tree: Tree, places: Places) -> Expansion:
 
 
 def _users(tree: Tree) -> Iterator[tuple[Keys, Tree]]:
-    """Yield path and stanza of each output, or channel, that names a device; blow-offs after their actuators."""
-    places: list[Keys] = []
-    for top in ("actuators", "channels", "outputs"):
+    """Yield path and stanza of each link, output or channel that names a device; blow-offs after their actuators."""
+    places: list[Keys] = [("link",)]
+    for top in ("links", "actuators", "channels", "outputs"):
         stanzas = tree.get(top)
         names = list(stanzas) if isinstance(stanzas, dict) else []
         places += [(top, name) for name in names]
@@ -206,6 +208,34 @@ class _Use:
         self._used(f"channel {self._name}")
         return True
 
+    def expand_link(self, stanza: Tree) -> bool:
+        """Add the keys of a sensor's link, and its channels; return whether it is one."""
+        about, named = self._device.about, len(self._at) > 1
+        if about.actuator or about.outputs or not about.channels:
+            what = f"{self._device.name} is no sensor with a link of its own"
+            place, expected = self._places.value(*self._at, "device"), "device under actuators or channels"
+            self.faults.append(Fault.at(place, "EE-230", what, expected=expected))
+            return False
+        place = self._places.key(*self._at)
+        bus = self._bus(unit=self._beside(stanza, {}, "unit"), link=(self._name, place) if named else None)
+        unit = str(bus.get("unit", (1,))[0])
+        self._links.placed.setdefault((self._at, unit), (self._device.name, [SELF]))
+        self._add_keys(stanza, self._at)
+        self._names = {each: f"{self._name}_{each}" if named else each for each in about.channels}
+        for channel, fragment in about.channels.items():
+            name = self._names[channel]
+            self._channel(name, ("channels", channel), fragment, bus)
+            if named and isinstance(written := self._tree["channels"][name], dict):
+                self._address(written, ("channels", name), {"link": bus["link"]})
+        self._used(f"link {self._name}" if named else "link")
+        return True
+
+    def _add_keys(self, link: Tree, path: Keys) -> None:
+        """Add the device's keys of a link."""
+        for key, value in self._device.about.link.items():
+            if key not in SERIAL or has_line(str(link.get("port"))):
+                self._put(link, (*path, key), ("link", key), deepcopy(value))
+
     def _used(self, by: str) -> None:
         about = self._device.about
         channels = tuple(name for each, name in self._names.items() if each != SELF)
@@ -302,9 +332,7 @@ class _Use:
         frame = link.get("frame", {})
         if known or "codec" in link or not isinstance(frame, dict) or frame.keys() - {"modbus"}:
             return True  # another output of it; or another format, and the rules say what does not fit
-        for key, value in self._device.about.link.items():
-            if key not in SERIAL or has_line(str(link.get("port"))):
-                self._put(link, (*path, key), ("link", key), deepcopy(value))
+        self._add_keys(link, path)
         return True
 
     def _refuse(self, place: Place | None, what: str, expected: str) -> bool:

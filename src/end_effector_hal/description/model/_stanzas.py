@@ -115,6 +115,12 @@ class Link(Freshness):
         min_length=1,
         description="serial device, or an address such as tcp://HOST (docs/how-to/network.md)",
     )
+    device: Word | None = Field(
+        default=None,
+        exclude=True,
+        description="a sensor of a library of devices that gives the keys which are not written here, and its "
+        "channels; beside it `unit` is its address on a bus",
+    )
     baudrate: int | None = Field(
         default=None,
         ge=300,
