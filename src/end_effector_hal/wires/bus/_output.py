@@ -292,8 +292,9 @@ class BusOutput:
         if self._sent not in self._ends:
             self._end_pulse()
             self._be_quiet(self.retry_at, self.stanza.pulse_s)
-        elif pair:
+        elif pair:  # its other coil next, which may be the active one
             self._end_pulse()
+            self._resting.rotate(self._resting[0] == self._sent)
         elif self.pending:
             self._resting.clear()
             self._be_quiet(self.retry_at, self.stanza.pause_s)
