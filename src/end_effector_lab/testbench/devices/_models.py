@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ._onrobot_rg import OnRobotRG2
 from ._onrobot_vg import OnRobotVG10
 from ._remote_io import Adam4056, RemoteIo, Wago750
 from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
@@ -17,6 +18,7 @@ MODELS: dict[str, type[UnitModel]] = {
         RobotiqHandE,
         RobotiqEPick,
         SchunkEgu,
+        OnRobotRG2,
         OnRobotVG10,
         RemoteIo,
         Wago750,
