@@ -100,7 +100,8 @@ class ChangingExpressions(Expressions):
             return new
         term = self.term(node.target)
         if isinstance(term, StorageTerm) and term.type.kind == "bool":
-            raise refused(node.span, f"'{node.span.snippet}', the value of a bool before '++' or '--'")
+            what = f"'{node.span.snippet}', the value of a bool before '++' or '--'"
+            raise refused(node.span, what, "Read it in an update of its own, before the change.")
         back, by = ("-", 1) if op == "+" else ("+", -1)
         return Value(f"({new.source} {back} 1)", new.low - by, new.high - by)
 
@@ -113,12 +114,14 @@ class ChangingExpressions(Expressions):
         self.in_any_order(node.base, node.index)
         term = super()._index(node)
         if not isinstance(term, Value) and not term.type.single and ast.changed(node.index):
-            raise refused(node.span, f"'{node.span.snippet}', an assignment in the index of a whole array")
+            what = f"'{node.span.snippet}', an assignment in the index of a whole array"
+            raise refused(node.span, what, "Change the index in an update of its own.")
         return term
 
     def _quantified(self, node: ast.Quantified) -> Value:
         if ast.changed(node.body):
-            raise refused(node.span, f"'{node.span.snippet}', an assignment inside '{node.kind}'")
+            what = f"'{node.span.snippet}', an assignment inside '{node.kind}'"
+            raise refused(node.span, what, "Write a function with a loop.")
         return super()._quantified(node)
 
     def _asked(self, parts: tuple[ast.Expression, ...]) -> set[str]:

@@ -232,7 +232,8 @@ class Expressions:
         raise refused(node.span, what, "Did you mean '=='?")
 
     def _increment(self, node: ast.Increment) -> Term:
-        raise refused(node.span, f"'{node.span.snippet}', an assignment inside an expression")
+        what = f"'{node.span.snippet}', an assignment inside an expression"
+        raise refused(node.span, what, "Only an update may change a variable.")
 
     # Operators
 

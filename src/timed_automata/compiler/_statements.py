@@ -43,7 +43,7 @@ class Updates:
             self.emit(self.expressions.call(node, self.expressions.function(node)))
         else:
             if (word := node.span.snippet) in ("break", "continue") and not self.expressions.scope.find(word):
-                raise refused(node.span, f"'{word}', this statement")
+                raise refused(node.span, f"'{word}', this statement", "Put its condition into the loop's.")
             slip = isinstance(node, ast.Binary) and node.op == "=="
             todo = "Did you mean '='?" if slip else "Expected an assignment."
             raise fault(node.span, f"'{node.span.snippet}' has no effect.", todo)
@@ -165,7 +165,7 @@ class Statements(Updates):
 
     def _declare(self, node: ast.Declaration) -> None:
         if isinstance(node, ast.FunctionDefinition):
-            raise refused(node.span, f"'{node.name}', a function inside a function")
+            raise refused(node.span, f"'{node.name}', a function inside a function", "Declare it outside.")
         base = resolve_type(self.expressions, node.type)
         for declarator in node.declarators:
             type_ = resolve_dimensions(self.expressions, base, declarator)

@@ -113,8 +113,8 @@ def fault(span: Span, what: str, todo: str = "") -> ModelError:
     return ModelError(what, where=span.where, todo=todo)
 
 
-def refused(span: Span, construct: str, todo: str = "") -> ModelError:
-    """Return the error for a construct that UPPAAL supports and this subset does not."""
+def refused(span: Span, construct: str, todo: str) -> ModelError:
+    """Return the error for a construct that UPPAAL supports and this subset does not, and what to write instead."""
     return fault(span, f"{construct}: outside of the supported subset.", todo)
 
 

@@ -30,8 +30,8 @@ _IGNORED_LABELS = {
     **dict.fromkeys(("testcode", "testcodeEnter", "testcodeExit"), "The test code is ignored."),
 }
 _REFUSED_ELEMENTS = {
-    "lsc": "a live sequence chart",
-    "dynamic": "a dynamic template",
+    "lsc": ("a live sequence chart", "Remove it: it changes no verdict about the network."),
+    "dynamic": ("a dynamic template", "Put as many processes on the system line as there can be."),
 }
 
 
@@ -49,7 +49,8 @@ def _check(element: Element, known: str, *, ordered: bool = True) -> None:
     names, last = known.split(), ""
     for child in element.children:
         if child.tag in _REFUSED_ELEMENTS:
-            raise refused(child.place.whole, f"<{child.tag}>, {_REFUSED_ELEMENTS[child.tag]}")
+            construct, todo = _REFUSED_ELEMENTS[child.tag]
+            raise refused(child.place.whole, f"<{child.tag}>, {construct}", todo)
         if child.tag not in names:
             todo = did_you_mean(child.tag, names) or f"Expected <{'>, <'.join(names)}>."
             raise fault(child.place.whole, f"<{child.tag}> is unknown inside <{element.tag}>.", todo)
@@ -229,7 +230,7 @@ def read_document(source: bytes, path: str) -> Document:
     _check(root, "imports declaration template instantiation system queries")
     imports, system = _text(root, "imports"), _text(root, "system")
     if imports and imports.content.strip():
-        raise refused(imports.whole, "<imports>")
+        raise refused(imports.whole, "<imports>", "Write the declarations in the model.")
     if system is None:
         raise fault(root.place.whole, "The model has no <system>.")
     return Document(

@@ -120,11 +120,14 @@ class Builder:
         return ast.Number(self._span(meta), int(word == "true"), boolean=True)
 
     def double(self, meta: Any, digits: str) -> None:
-        raise refused(self._span(meta), f"'{digits}', a floating-point number", "Use integers.")
+        raise refused(
+            self._span(meta), f"'{digits}', a floating-point number", "Use an integer of a smaller unit."
+        )
 
     def rate(self, meta: Any, _clock: Any, _apostrophe: str) -> None:
         span = self._span(meta)
-        raise refused(span, f"'{span.snippet}', the rate of a clock (stopwatch)", "Clocks run at rate one.")
+        todo = "Clocks run at rate one: count the time in steps of an automaton."
+        raise refused(span, f"'{span.snippet}', the rate of a clock (stopwatch)", todo)
 
     def method(self, meta: Any, process: Any, name: str, arguments: Any) -> ast.Call:
         return ast.Call(self._span(meta), name, arguments, process)

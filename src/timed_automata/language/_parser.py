@@ -49,26 +49,27 @@ _NO_NAMES = frozenset(
 )
 """Words that UPPAAL refuses as the name of a location or a template: its queries and older text format reserve them."""
 _REFUSED_BY_CONSTRUCT = {
-    "a type that is not integral": "double string",
-    "a hybrid clock": "hybrid",
-    "a priority": "priority",
-    "an external function": "import",
-    "a dynamic template": "dynamic spawn exit",
-    "a Gantt chart": "gantt",
-    "a progress measure": "progress",
-    "a global update": "before_update after_update",
-    "this statement": "default assert",
-    "this operator": "xor",
-    "this section": "query IO",
-    "a template written as text": "process state trans commit branchpoint",
-    "a word that UPPAAL reserves": "select guard sync assign probability init location",
-    "a function on floating-point numbers": _FLOATING,
-    "a built-in function": "abs",
+    "double string": ("a type that is not integral", "Use an integer of a smaller unit: 1500 ms for 1.5 s."),
+    "hybrid": ("a hybrid clock", "Use a clock; it runs at rate one."),
+    "priority": ("a priority", "Guard what must wait by what must come first, or use a committed location."),
+    "import": ("an external function", "Write the function in the model."),
+    "dynamic spawn exit": ("a dynamic template", "Put as many processes on the system line as there can be."),
+    "gantt": ("a Gantt chart", "Remove it: it changes no verdict."),
+    "progress": ("a progress measure", "Remove it: it changes no verdict."),
+    "before_update after_update": ("a global update", "Call a function in the update of each edge."),
+    "default assert": ("this statement", "Use 'if', and a query for what must hold."),
+    "xor": ("this operator", "Write '!=' between two conditions."),
+    "query IO": ("this section", "Remove it."),
+    "process state trans commit branchpoint": ("a template written as text", "Write it as a <template>."),
+    "select guard sync assign probability init location": (
+        "a word that UPPAAL reserves",
+        "Use another name.",
+    ),
+    _FLOATING: ("a function on floating-point numbers", "Compute with integers of a smaller unit."),
+    "abs": ("a built-in function", "Write 'a < 0 ? -a : a'."),
 }
-_REFUSED_WORDS = {
-    word: construct for construct, words in _REFUSED_BY_CONSTRUCT.items() for word in words.split()
-}
-"""Words that UPPAAL reserves and this subset lacks, by the construct that they belong to."""
+_REFUSED_WORDS = {word: said for words, said in _REFUSED_BY_CONSTRUCT.items() for word in words.split()}
+"""Words that UPPAAL reserves and this subset lacks: the construct that they belong to, and what to do instead."""
 _SWITCH = re.compile(r"\bswitch\s*\([^{}]*\)\s*\Z")
 _READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
 _READABLE |= dict.fromkeys(("STRUCT", "SCALAR"), "a type")
@@ -143,7 +144,9 @@ def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
         return fault(Span(text, end, end), "The text ends too early.", f"Expected {expected}.")
     start = token.start_pos or 0
     if token == "{" and (found := _SWITCH.search(text.content, 0, start)):
-        return refused(Span(text, found.start(), found.start() + 6), "'switch', this statement")
+        return refused(
+            Span(text, found.start(), found.start() + 6), "'switch', this statement", "Use 'if' and 'else'."
+        )
     if text.content.startswith("/*", start):
         return fault(Span(text, start, start + 2), "This comment does not end.", "Expected '*/'.")
     return fault(
@@ -188,7 +191,8 @@ def parse(text: Text, start: str) -> Any:
     except _RefusedWordError as error:
         position = error.token.start_pos or 0
         span = Span(text, position, position + len(error.token))
-        raise refused(span, f"'{error.token}', {_REFUSED_WORDS[error.token]}") from None
+        construct, todo = _REFUSED_WORDS[error.token]
+        raise refused(span, f"'{error.token}', {construct}", todo) from None
     except UnexpectedInput as error:
         raise _syntax_error(text, error) from None
     except RecursionError:

@@ -230,7 +230,8 @@ def _synchronisation(
         raise fault(channel.span, f"'{channel.span.snippet}' is an array of channels.", "Expected an index.")
     direction: Literal["!", "?"] = "!" if node.direction == "!" else "?"
     if guard.clocks and term.type.urgent:
-        raise refused(guard.clocks[0].span, "a clock guard on an edge with an urgent channel")
+        todo = "Guard the edge that leads to its source, or give the location an upper bound."
+        raise refused(guard.clocks[0].span, "a clock guard on an edge with an urgent channel", todo)
     return number_of(expressions, term), term.possible, direction
 
 

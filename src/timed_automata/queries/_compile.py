@@ -57,7 +57,9 @@ def compile_without_deadlock(network: Network, node: ast.Expression, *, negated:
     """
     formula = compile_formula(network, node, negated=negated)
     if mentions_deadlock(formula):
-        raise refused(node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>")
+        raise refused(
+            node.span, f"'{node.span.snippet}', 'deadlock' outside of A[] and E<>", "Ask 'A[] not deadlock'."
+        )
     return formula
 
 

@@ -14,13 +14,23 @@ QueryKind = Literal["A[]", "E<>", "A<>", "E[]", "-->", "sup", "inf"]
 
 _PATH = re.compile(r"\s*(A\s*\[\s*\]|E\s*<\s*>|A\s*<\s*>|E\s*\[\s*\])")
 _EXTREME = re.compile(r"\s*(sup|inf)\b\s*([{:])?")
+_ASK = "Ask whether it is possible (E<>), certain (A[], A<>), or how long it takes (sup, inf)."
 _REFUSED = {
-    r"(Pr|E)\s*\[|simulate\b|\bE\s*\[.*;": "a query of statistical model checking",
-    r"(strategy|minE|maxE|saveStrategy|loadStrategy|acontrol)\b|.*\bunder\b": "a query about strategies",
-    r"(E\s*<\s*>\s*)?control(_t\*?)?\b|\{.*\}\s*control\b": "a query about strategies (control)",
-    r"[AE]\s*\[.*\b[UW]\b": "until and weak until",
-    r"bounds\b": "'bounds'",
-    r"refinement\b|specification\b|consistency\b": "a query of ECDAR",
+    r"(Pr|E)\s*\[|simulate\b|\bE\s*\[.*;": ("a query of statistical model checking", _ASK),
+    r"(strategy|minE|maxE|saveStrategy|loadStrategy|acontrol)\b|.*\bunder\b": (
+        "a query about strategies",
+        _ASK,
+    ),
+    r"(E\s*<\s*>\s*)?control(_t\*?)?\b|\{.*\}\s*control\b": ("a query about strategies (control)", _ASK),
+    r"[AE]\s*\[.*\b[UW]\b": (
+        "until and weak until",
+        "Ask 'p --> q', or A[] with a variable that remembers p.",
+    ),
+    r"bounds\b": ("'bounds'", "Ask 'inf' and 'sup'."),
+    r"refinement\b|specification\b|consistency\b": (
+        "a query of ECDAR",
+        "Compare two networks by trace inclusion.",
+    ),
 }
 
 
@@ -86,9 +96,9 @@ def _plain(text: Text) -> Query:
 
 
 def _refuse(text: Text) -> None:
-    for pattern, name in _REFUSED.items():
+    for pattern, (name, todo) in _REFUSED.items():
         if re.match(r"\s*(" + pattern + ")", text.content, re.DOTALL):
-            raise refused(text.whole, f"'{text.whole.snippet}', {name}")
+            raise refused(text.whole, f"'{text.whole.snippet}', {name}", todo)
 
 
 def _top_level(content: str, token: str, start: int = 0) -> int:
