@@ -118,7 +118,11 @@ def test_what_goes_wrong_is_chosen_at_the_start_and_while_it_runs(started: list[
 
 @pytest.mark.alone  # as above
 @pytest.mark.parametrize(
-    ("file", "bit"), [(profile_path(), "tool_present"), (TWO_COILS, "coupled")], ids=["shipped", "two_coils"]
+    ("file", "bit"),
+    [
+        pytest.param(profile_path(), "tool_present", id="shipped"),
+        pytest.param(TWO_COILS, "coupled", id="two_coils", marks=pytest.mark.thinned),
+    ],
 )
 def test_without_a_tool_nothing_is_locked_or_gripped_and_no_lift_is_allowed(
     started: list[Started], file: Path, bit: str

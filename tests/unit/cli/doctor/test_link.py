@@ -62,6 +62,7 @@ def test_silence_noise_and_another_codec(machine: Machine, monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize("program", ["eehal-like", "other"])
+@pytest.mark.wall
 def test_a_reader_loses_no_byte(machine: Machine, program: str, tmp_path: Path) -> None:
     script = tmp_path / program
     script.write_text(
