@@ -17,10 +17,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from xdist.scheduler import LoadFileScheduling
 
-from end_effector_hal.control import _network
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.description.reading import _yaml
-from timed_automata.language import _parts, parse_cache
 from timed_automata.language._parser import _lark
 
 # how long an example takes says something of the machine only
@@ -65,8 +63,6 @@ def pytest_configure() -> None:
 
     They compile the same UPPAAL files with other constants, or with one edge changed, and load the same descriptions.
     """
-    _network.read_document = lru_cache(maxsize=20)(_network.read_document)  # type: ignore[assignment]
-    _parts._kept = parse_cache(20_000)
     parser = _lark()
     parser.parse = lru_cache(maxsize=2000)(parser.parse)  # type: ignore[method-assign]
     _yaml._composed = lru_cache(maxsize=300)(_yaml._composed)
