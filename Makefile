@@ -40,11 +40,11 @@ HALVES := --dist worksteal
 # Real processes mostly wait: logic takes what they leave of the processors, so that it may be slow
 LOGIC := nice -n 10 pytest -q -n 2 $(HALVES) --timeout 900
 
-test: setup ## all tests: of real processes, then those that measure times; of logic meanwhile
+test: setup ## all tests: of real processes and meanwhile of logic, then those that measure times
 	@$(ROS_ENV) && .ci/meanwhile build/logic.log \
 		'$(LOGIC) -m "not (wall or ros or thinned or nightly)"' \
-		'$(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)' \
-		'$(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)'
+		'$(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)'
+	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)
 
 # Two tools of five processes each start at once there: nothing else runs beside it
 OF_LAUNCH := tests/acceptance/ros2/test_launch.py
