@@ -37,13 +37,9 @@ SHARED := --dist loadfile --no-loadscope-reorder
 # Neighbours need the same networks and texts: each worker begins with a half of its own, which is made in it only
 HALVES := --dist worksteal
 
-# Real processes mostly wait: logic takes what they leave of the processors, so that it may be slow
-LOGIC := nice -n 10 pytest -q -n 2 $(HALVES) --timeout 900
-
-test: setup ## all tests: of real processes and meanwhile of logic, then those that measure times
-	@$(ROS_ENV) && .ci/meanwhile build/logic.log \
-		'$(LOGIC) -m "not (wall or ros or thinned or nightly)"' \
-		'$(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)'
+test: setup ## all tests: of logic, of real processes, then those that measure times
+	@$(ROS_ENV) && pytest -q -n 2 $(HALVES) -m "not (wall or ros or thinned or nightly)"
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "(wall or ros) and not (alone or thinned or nightly)" $(OF_PROCESSES)
 	@$(ROS_ENV) && $(WALL) pytest -q -m "alone and not (thinned or nightly)" $(OF_TIMES)
 
 # Two tools of five processes each start at once there: nothing else runs beside it
@@ -60,10 +56,8 @@ contract-edits: setup ros2 ## by hand: edits of the transport, each of which the
 	@$(APART) $(ROS2)/bin/python -m tests.acceptance.contract.edits --unedited
 
 test-thinned: setup ## those of which `make test` runs representatives, what only ROS 1 has, the packages of examples/
-	@$(ROS_ENV) && .ci/meanwhile build/logic.log \
-		'$(LOGIC) -m "thinned and not (wall or ros or nightly)" --durations=15 $(THINNED)' \
-		'$(WALL) pytest -q -n 2 $(SHARED) -m "thinned and wall and not (nightly or ros)" --durations=15 $(THINNED)' \
-		'$(WALL) pytest -q -n auto $(SHARED) -m "thinned and ros and not nightly" tests/acceptance'
+	@$(ROS_ENV) && $(WALL) pytest -q -n 2 $(SHARED) -m "thinned and not (nightly or ros)" --durations=15 $(THINNED)
+	@$(ROS_ENV) && $(WALL) pytest -q -n auto $(SHARED) -m "thinned and ros and not nightly" tests/acceptance
 
 # The peer knows the messages and nothing else of this product
 test-ros2-peer: ros2 ## a client on ROS 2 Kilted, another generation of library and middleware, against the HAL on Jazzy

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-import time
 import timeit
 from collections.abc import Generator, Iterator
 from functools import lru_cache
@@ -132,8 +131,7 @@ class Groups(LoadFileScheduling):
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """Of tests with real processes, which mostly wait."""
-    squares = "sum(i * i for i in range(1_000_000))"
-    took_s = min(timeit.repeat(squares, number=1, repeat=3, timer=time.process_time))  # others run meanwhile
+    took_s = min(timeit.repeat("sum(i * i for i in range(1_000_000))", number=1, repeat=3))
     return 5 if took_s < _FAST_S else 3 if took_s < 1.5 * _FAST_S else 2
 
 
