@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.cli import PipedLines
 from end_effector_hal.cli.run import _simulation
 from end_effector_hal.cli.run._causes import Causes
 from end_effector_hal.cli.run._session import CommandThread, Prompt
@@ -19,6 +18,7 @@ from end_effector_hal.cli.run._voices import Changes, JsonLines
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import MissingExtraError, ReportedError, UsageError
+from end_effector_hal.runtime import PipedLines
 from end_effector_hal.runtime.boundary import RecordedController, Recorder, entry_of
 from end_effector_lab.demo import World
 from tests.support.virtual_tool import VirtualTool

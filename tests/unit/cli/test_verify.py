@@ -195,7 +195,7 @@ def test_a_value_out_of_range_comes_with_its_run() -> None:
             "A[] true",
             r"model\.xml:1:\d+: The invariant 'x < 0' does not hold in the initial",
         ),
-        ("struct { int a; } s;", "true", "A[] true", r"model\.xml:1:\d+: .*structure"),
+        ("struct { clock a; } s;", "true", "A[] true", r"model\.xml:1:\d+: .*structure"),
     ],
 )
 def test_what_cannot_be_checked_is_said_with_its_place(

@@ -83,9 +83,9 @@ def test_all_of_it_holds_for_two_coils(constants: dict[str, int]) -> None:
 
 def test_a_release_that_does_not_look_whether_the_device_is_active_would_activate_it() -> None:
     """As every release was written, of gripper_2f85 for one: its rows have rACT set."""
-    text, old = model_text(), "level == 1 || CARRIES == 1) || drops && PAIR == 0;"
+    text, old = model_text(), "level == 1 || CARRIES == 1) || drops &amp;&amp; PAIR == 0;"
     assert old in text
-    text = text.replace(old, "level == 1) || drops && PAIR == 0;")
+    text = text.replace(old, "level == 1) || drops &amp;&amp; PAIR == 0;")
     wrong = make_network(read_document(text.encode(), "old.xml"), {"ACTIVATION": 1, "VERIFY": 0})
     assert not Explorer(wrong).check("A[] !rash").holds
 
