@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from end_effector_lab.testbench.physics import Device, Fingers, Leg
 
-from ._unit import BadValueError, NoSuchRegisterError, Tell, UnitModel
+from ._unit import BadValueError, NoSuchRegisterError, Tell, UnitModel, fingers_of
 
 MOST = 400, 1100, 16
 """Largest force, 1/10 N; width, 1/10 mm; and command, in the registers 0 to 2."""
@@ -32,18 +32,13 @@ class OnRobotRG2(UnitModel):
 
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
-        fingers = devices[0]
-        assert isinstance(fingers, Fingers)
-        self._fingers = fingers
-        self._closes, self._safety = fingers.valve.is_open, 0
+        self._fingers = fingers_of(devices)
+        self._closes, self._safety = self._fingers.valve.is_open, 0
         self._written = [0, 0, 0]
 
     def power_up(self, at: int) -> None:
         self._written, self._safety = [0, 0, 0], 0
         self._stop()
-
-    def hear(self, at: int) -> None:
-        """Messages keep nothing alive: no source says that it watches them."""
 
     def read(self, function: int, address: int, size: int, at: int) -> tuple[int, ...]:
         status = self._safety | BUSY * self._fingers.moves

@@ -42,9 +42,6 @@ class OnRobotVG10(UnitModel):
         for channel in self.devices:
             self._tell(channel, False)
 
-    def hear(self, at: int) -> None:
-        """Messages keep nothing alive: no source says that it watches them."""
-
     def read(self, function: int, address: int, size: int, at: int) -> tuple[int, ...]:
         if address + size <= len(self._written):
             return tuple(self._written[address : address + size])

@@ -44,9 +44,6 @@ class RemoteIo(UnitModel):
         for channel in driven:
             self._tell(channel, False)
 
-    def hear(self, at: int) -> None:
-        """Messages keep nothing alive."""
-
     def wire(self, table: int, address: int, values: Sequence[int]) -> None:
         self._tables[table][address : address + len(values)] = values
 

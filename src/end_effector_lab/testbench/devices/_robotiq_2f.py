@@ -14,7 +14,7 @@ from typing import ClassVar
 from end_effector_lab.testbench.physics import Device, Fingers, Leg
 
 from ._robotiq import ACTIVE, GTO, RobotiqUnit
-from ._unit import Tell
+from ._unit import Tell, fingers_of
 
 OPENED, CLOSED = 3, 230
 """gPO of fingers that are fully open, and that meet."""
@@ -36,10 +36,8 @@ class Robotiq2F85(RobotiqUnit):
 
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
-        fingers = devices[0]
-        assert isinstance(fingers, Fingers)
-        self._fingers = fingers
-        self._closes = fingers.valve.is_open
+        self._fingers = fingers_of(devices)
+        self._closes = self._fingers.valve.is_open
         self.stop()
 
     def status(self) -> list[int]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from end_effector_lab.testbench.physics import Device, Fingers, Leg
 
-from ._unit import NoSuchRegisterError, Tell, UnitModel
+from ._unit import NoSuchRegisterError, Tell, UnitModel, fingers_of
 
 STATUS, CONTROL, SIZE = 0x003F, 0x0047, 8
 """First registers of the 16 bytes in each direction; byte 0 is the high byte of the first one, bit 0 its lowest bit."""
@@ -39,10 +39,8 @@ class SchunkEgu(UnitModel):
 
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
-        fingers = devices[0]
-        assert isinstance(fingers, Fingers)
-        self._fingers = fingers
-        self._closes = fingers.valve.is_open
+        self._fingers = fingers_of(devices)
+        self._closes = self._fingers.valve.is_open
         self._written = bytearray(2 * SIZE)
         self._error, self._shown, self._command = FAST_STOP, 0, 0
 
@@ -50,9 +48,6 @@ class SchunkEgu(UnitModel):
         self._written = bytearray(2 * SIZE)
         self._shown = 0
         self._fail(FAST_STOP)
-
-    def hear(self, at: int) -> None:
-        """Messages keep nothing alive: no source says that it watches them."""
 
     def read(self, function: int, address: int, size: int, at: int) -> tuple[int, ...]:
         error = self.alarm or self._error

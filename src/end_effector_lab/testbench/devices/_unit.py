@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
-from end_effector_lab.testbench.physics import Device
+from end_effector_lab.testbench.physics import Device, Fingers
 
 from ._frames import (
     ILLEGAL_ADDRESS,
@@ -32,6 +32,13 @@ class NoSuchRegisterError(LookupError):
 
 class BadValueError(ValueError):
     """The unit does not accept this value: exception 3."""
+
+
+def fingers_of(devices: Mapping[int, Device]) -> Fingers:
+    """Return the fingers of a gripper that has one actuator."""
+    fingers = devices[0]
+    assert isinstance(fingers, Fingers)
+    return fingers
 
 
 class UnitModel(ABC):
@@ -82,8 +89,7 @@ class UnitModel(ABC):
     def advance(self, at: int) -> None:  # noqa: B027 - most devices do nothing by themselves
         """Process what happened by ``at``; the physics has reached that time."""
 
-    @abstractmethod
-    def hear(self, at: int) -> None:
+    def hear(self, at: int) -> None:  # noqa: B027 - of most devices no source says that they watch their messages
         """Process that an undamaged message to this unit arrived."""
 
     @abstractmethod
