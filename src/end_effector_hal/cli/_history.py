@@ -33,7 +33,9 @@ MOST_NOTES = 20
     help="Folder with the recordings, at any depth.",
 )  # fmt: skip
 @click.option("--part", default="", metavar="NAME", help="Only the grips of this part.")
-@click.option("--json", "as_json", is_flag=True, help="Print {ok, grips, days, recordings, notes} as JSON.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print {ok, tool, grips, days, recordings, notes} as JSON."
+)
 def command(description: Path, recordings: Path, part: str, as_json: bool) -> None:
     """Show how the grips of a tool change over time, so that wear is seen before a grip fails.
 

@@ -43,7 +43,7 @@ class DeviceKind(Generic[Stanza]):
        ``evidence`` in a description takes precedence over both.
     5. **Plausible.** ``plausible`` is the range of its pressure; a reading outside of it is invalid.
     6. **Margin.** ``margin_pa`` is the distance of its pressure from the threshold that matters, positive on the right
-       side; ``margin_from`` names that threshold (``lost``).
+       side; ``margin_from`` names that threshold (such as ``lost``).
     7. **Hold.** ``hold_watch`` warns while a part is held. An actuator that holds by a vacuum (``below_ambient``) must
        be vented before an unlock (IL-01); for all others GONE is sufficient.
     8. **States.** ``states`` are its names for the integers of Table II: 0 inactive, 1 pending, 2 active.
@@ -65,8 +65,9 @@ class DeviceKind(Generic[Stanza]):
     samples: ClassVar[str] = ""
     """Key of the number of consecutive samples that confirm; empty: time alone decides."""
     below_ambient: ClassVar[bool] = False
-    margin_from: ClassVar[str] = ""
     """Whether the device holds by a vacuum: its pressure is negative, and must be vented before an unlock."""
+    margin_from: ClassVar[str] = ""
+    """The threshold from which `margin_pa` measures, such as ``lost``; empty: it has no margin."""
     moves: ClassVar[bool] = False
     """Whether the device travels between two end positions, which are published as positions."""
 

@@ -39,16 +39,16 @@ class GripCounts:
     def restart(self) -> None:
         """Forget the running grip, because events are missing; the counts stay."""
         self._fold = StoryFold(RunInfo(), lambda _: self._part)
-        self._connected = False
+        self._has_begun = False
 
     def status(self, status: Status) -> None:
         """Process the events of a published status; those of the first one were before the connection."""
         self._part = status.part
-        if self._connected:
+        if self._has_begun:
             for event in status.events:
                 self._fold.take(event_row(event, event.at / 1e6, self._sequence))
             self._count()
-        self._connected = True
+        self._has_begun = True
 
     def _count(self) -> None:
         for grip in self._fold.grips:

@@ -18,7 +18,7 @@ MOST = 400, 1100, 16
 MOVE, STOP, MOVE_WITH_OFFSET = 1, 8, 16
 WIDTH, STATUS = 0x010B, 0x010C
 BUSY, GRIPPED, SAFETY = 1 << 0, 1 << 1, 1 << 3
-"""Bits of the status; after SAFETY it moves only when its power was off."""
+"""Bits of the status; once SAFETY is set, it moves only after its power was off."""
 SPEED = 1.0
 """Strokes per second."""
 
