@@ -324,6 +324,17 @@ def _pair(facts: Facts, path: Keys) -> Iterator[Fault]:
     elif second + len(row) > 0x10000:
         what, expected = "the last of these registers does not exist", "less than 65536 with address"
         yield Fault.at(facts.places.value(*path, "opposite", "address"), "EE-208", what, expected=expected)
+    if (mask := facts.get(*path, "opposite", "bitmask")) is not None:
+        highest = mask >> lowest_bit(mask)
+        values = [*row, *(facts.get(*path, "command_off") or ())]
+        if any(value & ~highest for value in values):
+            at, what = (
+                facts.places.value(*path, "opposite", "bitmask"),
+                "the commands do not fit into these bits",
+            )
+            yield Fault.at(
+                at, CODE, what, expected="bits of the second coil, as many as `bitmask` of the output has"
+            )
     bits = [facts.get(*each, "bitmask") is None for each in (path, (*path, "opposite"))]
     alone = facts.get(*path, "use_mask_write") is True
     if bits[0] is not bits[1] or (not bits[0] and not alone):
