@@ -1,7 +1,7 @@
 """The decisions of the tool: its executed automata and the texts about them; no I/O."""
 
 from ._constants import model_constants
-from ._controller import Controller, ControllerSnapshot
+from ._controller import Controller, ControllerSnapshot, Foreseen
 from ._events import COMMANDS, FAILURES, EventKind, EventReader, ToolEvent, restart_events
 from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenance_will
 from ._network import network_of
@@ -24,6 +24,7 @@ __all__ = [
     "ControllerSnapshot",
     "EventKind",
     "EventReader",
+    "Foreseen",
     "GripLastWill",
     "Status",
     "StepReport",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
@@ -38,6 +38,14 @@ class ControllerSnapshot:
     status: Status
     execution: ExecutionSnapshot
     memory: Mapping[str, Any]
+
+
+class Foreseen(NamedTuple):
+    """The statuses that an event leads to if it comes before ``until`` µs; their times are those of the question."""
+
+    event: Event
+    until: int
+    statuses: list[Status]
 
 
 FIRST_FRAME_US = 5_000_000
@@ -85,6 +93,7 @@ class Controller:
         self._execution = Execution(network, automata.executed, automata.interface, observe=observe)
         self._statuses = StatusBuilder(description, self._execution, self._senses, self._hold)
         self._levels: dict[str, int] = {}
+        self._announce: Callable[[Event, int], None] = _to_nobody
         self._several = len(description.part_names) > 1
         self._on_bus = bool(description.register_outputs)
         self._commanded = self._statuses.outputs
@@ -161,6 +170,8 @@ class Controller:
         released = self._senses.now.nothing_gripped
         events = self._senses.frame(frame)
         self._write_levels()
+        if events and not statuses:
+            self._announced(events[0])
         held = self._statuses.held
         # until the lines are adopted a part is only perhaps held, and its sensors may not have been read yet
         told = self._hold.sample(seen, held=held and self._statuses.adopted)
@@ -205,6 +216,8 @@ class Controller:
             return Answer(False, no_part(self._description, part)), statuses
         if name == "grip" and (why := self._no_grip(event, part, at)):
             return Answer(False, why), statuses
+        if not statuses:
+            self._announced(event)
         reaction = self._execution.receive(event, at)
         if not reaction.taken:
             why = self._refusal(name, at)
@@ -293,19 +306,34 @@ class Controller:
         """Execute everything that is due at or before ``at``."""
         return self._advance(max(at, self._at))[0]
 
-    def look_ahead(self) -> Iterator[object]:
-        """Compute the results of possible next inputs, one portion per item; the state does not change."""
-        takes = self._execution.inputs
+    def foresee(self) -> Iterator[Foreseen | None]:
+        """Work out what each possible next input leads to, one per item; the state does not change.
+
+        None: that input leads to nothing, or it is a time-out. The caller stops the iteration when `discrete_state`
+        changes.
+        """
+        takes, execution = self._execution.inputs, self._execution
         commands = [self._event(name, "") for name in COMMANDS]
         events = [event for event in (*self._senses.events, *commands) if event and event.channel in takes]
-        return self._execution.look_ahead(events)
+        for event in [*events, None]:
+            found = execution.foresee(event)
+            if event is None or found is None:
+                yield None
+                continue
+            statuses = self._statuses.ahead(found.after)
+            told = [statuses.step(step, step.at) for step in found.steps]
+            yield Foreseen(event, found.until, told)
+
+    def announce_to(self, listener: Callable[[Event, int], None]) -> None:
+        """Call ``listener`` with an event and its time, µs, before the automata process it.
+
+        Only events that find nothing due are announced, and of each call of `frame` or `command` only the first.
+        """
+        self._announce = listener
 
     @property
     def discrete_state(self) -> object:
-        """A value that is equal for equal locations and variables.
-
-        The results of `look_ahead` hold for all equal states.
-        """
+        """A value that is equal for equal locations and variables."""
         return self._execution.state
 
     def status(self) -> Status:
@@ -348,6 +376,12 @@ class Controller:
         held = self._statuses.held and self._statuses.adopted
         loose = self._statuses.loose if held else ""
         return [*statuses, self.status()] if held and self._hold.tool(loose, self._at) else statuses
+
+    def _announced(self, event: Event) -> None:
+        """Announce an event that comes before anything that is due."""
+        due = self._execution.deadline
+        if due is None or due > self._at:
+            self._announce(event, self._at)
 
     def _write_levels(self) -> None:
         if (levels := self._senses.levels) != self._levels:
@@ -435,3 +469,7 @@ class Controller:
         ]
         statuses = [status for event in events for status in self._receive(event, self._at)]
         return statuses if statuses or not events else [self.status()]
+
+
+def _to_nobody(_: Event, __: int) -> None:
+    """Ignore an announced event."""

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from end_effector_hal.description import Description, used_channels
 from end_effector_hal.sensing import HoldMonitor, SensorSet
-from end_effector_hal.signals import NESTED
+from end_effector_hal.signals import NESTED, clone
 from end_effector_hal.vocabulary import (
     LATCHED_ERRORS,
     Alarm,
@@ -170,6 +170,12 @@ class StatusBuilder:
         events = self._events.of(step, at)
         self._steps.take(events, step.at, gripping=self.values["ee"] == EndEffectorState.GRIPPING)
         return self.status(at, events)
+
+    def ahead(self, execution: Execution) -> StatusBuilder:
+        """Return a copy that builds the statuses of a copy of the execution; for what is only foreseen."""
+        new = clone(self)
+        new._execution = execution
+        return new
 
     def blame(self, cause: int, cause_at: int, at: int) -> None:
         """Store why a grip or a release ended, with the readings of this moment, which soon change."""

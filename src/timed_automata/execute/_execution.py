@@ -10,7 +10,8 @@ instant after the entry into the present discrete state, and it is due at the fi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 
 from timed_automata.document import fault
 from timed_automata.errors import ModelError, RangeError, UsageError
@@ -19,6 +20,7 @@ from timed_automata.execute._observations import (
     Begun,
     Event,
     ExecutionSnapshot,
+    Foresight,
     Observation,
     Reaction,
     Received,
@@ -186,20 +188,39 @@ class Execution:
         self._clocks.resume(resumed.zeros)
         self._schedule.renew(resumed.state, snapshot.entered, None)
 
-    def look_ahead(self, events: Iterable[Event]) -> Iterator[State]:
-        """Compute ahead the results of the given events and of passing time, with the steps that follow without delay.
+    def foresee(self, event: Event | None) -> Foresight | None:
+        """Return what an event would lead to, if it came before anything else; the state does not change.
 
-        No transition is taken and no decision changes: if one of the events occurs, its result is already in the
-        cache. Each item is one state; a caller with other work stops iterating. The iteration may run in another
-        thread than the execution.
+        What is worked out here is not computed again when the event comes. With None, the next thing that time brings
+        is worked out. The result is None if no edge would receive the event, something is due now, or the model does
+        not allow what follows.
 
         Raises:
             UsageError: no such input, or a variable that is not in the interface or out of range.
         """
-        inputs = [
-            (self._boundary.input(event.channel), self._boundary.writes(event.writes)) for event in events
-        ]
-        return self._successors.explore(self._state, inputs)
+        # one microsecond later, so that no clock but those of this reaction is zero now
+        now, due = self._advance_clock(None) + 1, self.deadline
+        if due is None if event is None else (due is not None and due <= now):
+            return None
+        ahead = copy(self)
+        ahead._clocks = clocks = self._clocks.copy()
+        ahead._schedule = self._schedule.copy(clocks)
+        instants = [NEVER if due is None else due]
+
+        def passed(_: Observation) -> None:
+            instants.extend(clocks.instants(self._successors.at(ahead.state).bounds, now))
+
+        ahead._observe = passed
+        try:
+            if event is None:
+                steps = ahead.advance(due or now)
+            elif not self.takes(event):
+                return None
+            else:
+                steps = ahead.receive(event, now).steps
+        except ModelError:  # it is a fault only if it comes to that
+            return None
+        return Foresight(steps, min(instants), ahead)
 
     def run(self, until: int) -> tuple[Step, ...]:
         """Advance in virtual time from deadline to deadline, without lateness."""

@@ -36,6 +36,18 @@ class Schedule:
         self.deadline: int | None = None  # when the first candidate is due
         self.entered = 0  # when the discrete state was entered
 
+    def copy(self, clocks: ClockInstants) -> Schedule:
+        """Return a schedule with the same candidates that reads other clocks."""
+        new = Schedule(self._successors, clocks)
+        new.candidates, new._since = self.candidates, dict(self._since)
+        new.last, new.committed, new.deadline, new.entered = (
+            self.last,
+            self.committed,
+            self.deadline,
+            self.entered,
+        )
+        return new
+
     def renew(self, state: State, now: int, taken: Transition | None) -> None:
         """Find the candidates of a state entered now; transitions that were candidates before keep their age."""
         found, self.entered = self._successors.known.get(state) or self._successors.at(state), now

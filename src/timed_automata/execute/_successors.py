@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from timed_automata.compiler import Bound
-from timed_automata.errors import ModelError, RangeError
+from timed_automata.errors import RangeError
 from timed_automata.execute._observations import TakenEdge
 from timed_automata.network import Change, Edge, Fired, Semantics, State, Transition, changes_between
 
@@ -40,6 +40,18 @@ class ClockInstants:
         """Set clocks to values, given in the model's unit of time."""
         for clock, value in resets:
             self._zero[clock] = at - value * self._unit
+
+    def copy(self) -> ClockInstants:
+        """Return clocks with the same instants."""
+        new = ClockInstants(0, self._unit)
+        new._zero = list(self._zero)
+        return new
+
+    def instants(self, bounds: Iterable[Bound], now: int) -> list[int]:
+        """Return the instants after ``now`` at which constraints on clocks that were zero before change."""
+        zero, unit = self._zero, self._unit
+        found = [zero[clock] + value * unit for clock, _, value in bounds if zero[clock] < now]
+        return [instant for instant in found if instant >= now]
 
     def window(self, bounds: Iterable[Bound]) -> tuple[int, int]:
         """Return the first and the last instant, in whole µs, at which a conjunction of constraints holds."""
@@ -105,6 +117,13 @@ class StateSuccessors:
     may_delay: bool
     committed: bool
 
+    @property
+    def bounds(self) -> Iterator[Bound]:
+        """All bounds on clocks that decide when the state is left."""
+        yield from self.stay
+        for successor in self.successors:
+            yield from successor.bounds
+
 
 class SuccessorCache:
     """Caches the successors that the semantics computes. Several executions may share one cache, also in several
@@ -150,46 +169,6 @@ class SuccessorCache:
             self._received.clear()
         self._received[key] = found
         return found
-
-    def explore(self, state: State, inputs: Collection[tuple[int, Mapping[int, int]]]) -> Iterator[State]:
-        """Compute ahead the states that may follow: after one of the inputs, or after time, with immediate steps.
-
-        Each item is a state whose successors are in the cache; the next is computed when it is requested. A fault of
-        the model is not raised here: it counts only if the run reaches it.
-
-        Args:
-            state: the state to start from.
-            inputs: pairs of the number of a channel of the environment and the values that its sender writes, by
-                offset.
-        """
-        waiting = list(self._after(state, at_once=False))
-        for channel, writes in inputs:
-            try:
-                received = self.received(state, channel, writes)
-            except ModelError:
-                continue
-            if received is not None and isinstance(received.fired, Fired):
-                waiting.append(received.fired.state)
-        seen = set[State]()
-        while waiting:
-            following = waiting.pop()
-            if following not in seen and len(seen) < MOST:
-                seen.add(following)
-                yield following
-                waiting += self._after(following, at_once=True)
-
-    def _after(self, state: State, *, at_once: bool) -> list[State]:
-        """Return the targets of the transitions out of a state; ``at_once``: only those that wait for no clock."""
-        try:
-            successors = self.at(state).successors
-        except ModelError:
-            return []
-        return [
-            each.fired.state
-            for each in successors
-            if isinstance(each.fired, Fired)
-            and not (at_once and any(bound.op in (">=", ">", "==") for bound in each.transition.bounds))
-        ]
 
     def _work_out(self, state: State, channel: int, writes: Mapping[int, int]) -> Successor | None:
         transition = next(self._semantics.received(state, channel), None)

@@ -36,7 +36,8 @@ class RecordedController:
         self._put = put
         self._controller = Controller(description, network, observe=put)
         self.status, self.refuse_maintenance = self._controller.status, self._controller.refuse_maintenance
-        self.refusal, self.look_ahead = self._controller.refusal, self._controller.look_ahead
+        self.refusal, self.foresee = self._controller.refusal, self._controller.foresee
+        self.announce_to = self._controller.announce_to
         self.senses = self._controller.senses
         self.snapshot, self.resume = self._controller.snapshot, self._controller.resume
 

@@ -33,6 +33,11 @@ class OutputMapping:
         self.unlock_line = changer.line if changer else ""
         """The line that unlocks the tool changer; empty: the tool has none."""
 
+    @property
+    def maintenance_lines(self) -> tuple[str, ...]:
+        """The lines that maintenance drives now."""
+        return tuple(self._maintenance.lines)
+
     def levels(self, status: Status) -> dict[str, bool]:
         """Return the level that a status requests for every output, by line."""
         levels = dict(zip(self._lines, status.outputs, strict=True))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from typing import NamedTuple, Protocol
 
 from end_effector_hal.control import Status, maintenance_will
@@ -11,6 +13,7 @@ from end_effector_hal.vocabulary import ARBITER_LOST, NO_PART, Alarm, LastWillSt
 
 from ._output_mapping import OutputMapping
 
+_log = logging.getLogger("end_effector_hal.runtime")
 RETRY_US = 200_000
 """Time after which a failed access to the lines is repeated, µs."""
 RESTARTED = "the program has restarted."
@@ -45,6 +48,15 @@ class LineWriter(Protocol):
 
     def close(self, will: Sequence[LastWillStep]) -> None:
         """Close the connection in good order; the will is executed at once."""
+
+
+class Write(NamedTuple):
+    """One write to the line arbiter; see `LineWriter.ask`."""
+
+    changes: dict[str, bool]
+    will: tuple[LastWillStep, ...]
+    drop: bool = False
+    part: WrittenPart = NO_PART
 
 
 class _Asked(NamedTuple):
@@ -84,6 +96,7 @@ class Outputs:
         self._dropped = ""
         self._attempt = 0
         self._asked: _Asked | None = None
+        self._hastened: Write | None = None
         self.lost = False
         self.disagreement = ""
         """A sentence why the lines are not as they were written, after `agree` has returned False."""
@@ -119,6 +132,16 @@ class Outputs:
         This never waits; `complete` does. Before the lines are adopted nothing is written. A change of the last will
         alone is not written if a status of the same instant follows that deactivates lines: the two are one write.
         """
+        number, write = self._first(statuses)
+        if self._hastened is not None:
+            return self._checked(statuses, number, write)
+        if write is None:
+            return ()
+        self._ask(write, statuses[number].at)
+        return statuses[number + 1 :]
+
+    def _first(self, statuses: Sequence[Status]) -> tuple[int, Write | None]:
+        """Return the number of the first status that changes something, and its write; None: none does."""
         for number, status in enumerate(statuses):
             if not status.adopted:
                 continue
@@ -139,10 +162,38 @@ class Outputs:
                 will == self._said or self._deactivates(statuses[number + 1 : number + 2], status)
             ):
                 continue
-            grips = self.mapping.grips(status, changes)
-            self._ask({**self._undone, **changes}, will, status.at, drop=drop, part=grips)
+            part = self.mapping.grips(status, changes)
+            return number, Write({**self._undone, **changes}, will, drop, part)
+        return len(statuses) - 1, None
+
+    @property
+    def basis(self) -> object:
+        """A value that is equal as long as equal statuses are written equally."""
+        maintenance, unheard, objected = (
+            self.mapping.maintenance_lines,
+            frozenset(self._unheard),
+            frozenset(self.objected),
+        )
+        done = self._wanted, self._said, self._undone, self._attempt, self._dropped
+        return *done, unheard, objected, self.lost, maintenance
+
+    def foresee(self, statuses: Sequence[Status]) -> Write | None:
+        """Return what `begin` would write first after these statuses; None: nothing."""
+        return None if self.lost else copy(self)._first(statuses)[1]
+
+    def hasten(self, write: Write, at: int) -> None:
+        """Begin a write that was foreseen, before its statuses exist; `begin` compares it with what they request."""
+        self._ask(write, at)
+        self._hastened = write
+
+    def _checked(self, statuses: Sequence[Status], number: int, write: Write | None) -> Sequence[Status]:
+        """Compare the hastened write with the one that is requested; return the statuses that remain to be written."""
+        hastened, self._hastened = self._hastened, None
+        if hastened == write:
             return statuses[number + 1 :]
-        return ()
+        _log.error("The write %s was foreseen, but the automata decided %s.", hastened, write)
+        self._wanted = self._said = None  # all levels are written next
+        return statuses[number:]
 
     def complete(self, unwritten: Sequence[Status]) -> None:
         """Wait until the write is done, then write the statuses that `begin` has returned."""
@@ -177,7 +228,8 @@ class Outputs:
 
     def retry(self, status: Status, at: int) -> None:
         """Repeat the failed deactivations, and write the last will."""
-        self._ask(self._undone, self.mapping.last_will(status), at, part=self.mapping.grips(status, {}))
+        part = self.mapping.grips(status, {})
+        self._ask(Write(self._undone, self.mapping.last_will(status), part=part), at)
         self.finish()
 
     def agree(self, at: int, *, gripping: bool = False) -> bool:
@@ -221,7 +273,7 @@ class Outputs:
         """Deactivate the lines of maintenance; repeated until it succeeds, otherwise the last will does it."""
         self._leased |= set(lines)
         will = (*self.mapping.last_will(status), *maintenance_will(lines))
-        self._ask({**self._undone, **dict.fromkeys(lines, False)}, will, at)
+        self._ask(Write({**self._undone, **dict.fromkeys(lines, False)}, will), at)
         self.finish()
 
     def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
@@ -236,20 +288,14 @@ class Outputs:
             if each.at == status.at
         )
 
-    def _ask(
-        self,
-        changes: dict[str, bool],
-        will: tuple[LastWillStep, ...],
-        at: int,
-        *,
-        drop: bool = False,
-        part: WrittenPart = NO_PART,
-    ) -> None:
+    def _ask(self, write: Write, at: int) -> None:
+        changes, will = write.changes, write.will
         if self.lost:
             self._fail(changes)
             return
         try:
-            self._asked = _Asked(changes, will, at, self._lines.ask(changes, will, drop=drop, part=part))
+            wait = self._lines.ask(changes, will, drop=write.drop, part=write.part)
+            self._asked = _Asked(changes, will, at, wait)
         except ReportedError as error:
             self._asked = _Asked(changes, will, at, _nothing, error)
 

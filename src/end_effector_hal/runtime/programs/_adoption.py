@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
@@ -52,8 +52,6 @@ class Adoption:
         self.alarm: Alarm | None = None
         self._unreachable = False
         self._begin_at: int | None = None
-        self._ahead_of: object = None
-        self._ahead: Iterator[object] = iter(())
         self._withheld: tuple[ToolEvent, ...] = ()
 
     @property
@@ -181,10 +179,3 @@ class Adoption:
         """Return the current status; before the lines are adopted, its time is set to ``at``."""
         status = self.controller.status()
         return status if self.begun else replace(status, at=at)
-
-    def look_ahead(self) -> bool:
-        """Let the automata precompute one more step from their current state; return whether there are more."""
-        state = self.controller.discrete_state
-        if state != self._ahead_of:
-            self._ahead_of, self._ahead = state, self.controller.look_ahead()
-        return next(self._ahead, None) is not None

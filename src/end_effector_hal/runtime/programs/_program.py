@@ -52,8 +52,10 @@ from end_effector_hal.vocabulary import (
 )
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.sensors import SensorHealth
+from timed_automata import Event
 
 from ._adoption import Adoption, DeclaredDeadError
+from ._foresight import Foresight
 from ._inline_worker import InlineWorker
 from ._latched_faults import LatchedFaults
 from ._latest_status import LatestStatus, Listener
@@ -423,7 +425,14 @@ class Program:
         self._latest.publish(status)
 
     def _prepare(self) -> bool:
-        return self._adoption.look_ahead()
+        return self._adoption.begun and self._foresight.go_on()
+
+    def _hasten(self, event: Event, at: int) -> None:
+        """Begin to write what an event leads to, if that is worked out already."""
+        if write := self._foresight.of(event, at):
+            if self._publisher is not None:
+                self._publisher.publish()  # the line arbiter receives what the sensors prove before what they lead to
+            self._adoption.outputs.hasten(write, at)
 
     def _look_around(self) -> None:
         """Submit a check for changes outside the automata."""
@@ -557,6 +566,8 @@ class Program:
         self._maintenance = Maintenance(self._description)
         outputs = Outputs(self._lines, OutputMapping(self._description, self._maintenance), known)
         self._adoption = Adoption(controller, outputs, self._lines, activated, grip_error=grip_error)
+        self._foresight = Foresight(controller, outputs)
+        controller.announce_to(self._hasten)
 
     def _adopt(self) -> list[Status]:
         return self._adoption.begin(self._clock(), self._fault.found)

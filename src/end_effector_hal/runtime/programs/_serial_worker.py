@@ -17,8 +17,8 @@ Rule 6: An exception in a job ends the worker with this error; the submitter doe
 
 Rule 7: A question that could not start within 2 s never starts: the caller no longer waits.
 
-Rule 8: The worker's thread prepares possible next steps, piece by piece, while it is idle. Jobs do not wait for that:
-it does not hold the turn, and changes nothing that jobs can see.
+Rule 8: The worker's thread prepares possible next steps, piece by piece, while it is idle; a job waits for one piece at
+most.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ class SerialWorker:
         """Run the worker's thread: begin with ``first``, and return after `end`."""
         self.begin(first)
         while not self._ended:
-            while self._bell.empty() and self._patience() != 0 and self._prepare():
+            while self._bell.empty() and self._patience() != 0 and self._prepares():
                 pass
             with suppress(queue.Empty):
                 self._bell.get(timeout=self._patience())
@@ -139,6 +139,10 @@ class SerialWorker:
             if due is not None and due <= self._clock() and not self._ended:
                 self._do(self._time_passed)
             self._sleeps_until = self._due()
+
+    def _prepares(self) -> bool:
+        with self._turn:
+            return not self._jobs and self._prepare()
 
     def end(self) -> None:
         """Make `run` return after the jobs that were submitted before."""
