@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
@@ -32,8 +33,19 @@ from ._output import print_document
 @click.option(
     "--group", help="Group whose members may command the lines; default: the group of this process."
 )
+@click.option(
+    "--keep-awake",
+    is_flag=True,
+    help="Keep the processors from deep sleep: every reaction is shorter, and the machine uses more power.",
+)
 def arbiter(
-    description: Path | None, profile: str, socket: Path | None, journal: Path | None, group: str | None
+    description: Path | None,
+    profile: str,
+    socket: Path | None,
+    journal: Path | None,
+    group: str | None,
+    *,
+    keep_awake: bool,
 ) -> None:
     """Own all output lines of a tool (in one request) and serve them on a Unix socket.
 
@@ -45,9 +57,11 @@ def arbiter(
     """
     from end_effector_hal.arbiter import run_arbiter
     from end_effector_hal.codecs import load_tool
+    from end_effector_hal.wires import processors_awake
 
     path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
-    run_arbiter(load_tool(path), socket, journal, group)
+    with processors_awake() if keep_awake else nullcontext():
+        run_arbiter(load_tool(path), socket, journal, group)
 
 
 @click.command("stop")

@@ -1,5 +1,5 @@
 """The wires of an end-effector: lines (binary outputs), links (sensor frames), buses, and all sources of readings."""
 
 from ._claim import Claim, Holder, holders_of, program_name
-from ._clock import now_us, tune_interpreter
+from ._clock import now_us, processors_awake, tune_interpreter
 from ._relay import RELAYED, relay_path

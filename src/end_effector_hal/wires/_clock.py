@@ -6,8 +6,11 @@ import ctypes
 import gc
 import sys
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from end_effector_hal.errors import WireError
 
 
 def now_us() -> int:
@@ -35,6 +38,29 @@ def tune_interpreter() -> None:
         ctypes.CDLL(None).malloc_trim(0)
     gc.freeze()
     gc.set_threshold(COLLECT_AFTER, 20, 20)
+
+
+CPU_LATENCY = Path("/dev/cpu_dma_latency")
+"""The kernel's power management keeps the processors as awake as the open file requires (PM QoS)."""
+
+
+@contextmanager
+def processors_awake(device: Path = CPU_LATENCY) -> Iterator[None]:
+    """Keep the processors of the machine out of deep sleep, from which they need up to a millisecond to wake.
+
+    Raises:
+        WireError: the device cannot be opened.
+    """
+    try:
+        request = device.open("wb", buffering=0)
+    except OSError as error:
+        raise WireError(
+            f"{device}: {error.strerror}.",
+            todo="Give this user access to it (docs/how-to/deployment.md), or leave out --keep-awake.",
+        ) from error
+    with request:
+        request.write(bytes(4))  # 0 µs, for as long as the file is open
+        yield
 
 
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.1, 5.0
