@@ -34,8 +34,8 @@ WORDS = {
 }
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
 QUESTIONS = {
-    "at", "blocking", "deadline", "discrete_state", "foresee", "hold", "locations", "refusal", "refuse_maintenance",
-    "senses", "snapshot", "status",
+    "announce_to", "at", "blocking", "deadline", "discrete_state", "foresee", "hold", "locations", "refusal",
+    "refuse_maintenance", "senses", "snapshot", "status",
 }  # fmt: skip
 """What changes nothing in a controller, and so is not recorded."""
 
