@@ -1,13 +1,12 @@
 """Executes some processes of a network; its inputs are events and time, its outputs are steps and a deadline."""
 
 from ._boundary import ExecutionBoundary
-from ._execution import Execution
+from ._execution import Execution, Foresight
 from ._live import live
 from ._observations import (
     Begun,
     Event,
     ExecutionSnapshot,
-    Foresight,
     Observation,
     Reaction,
     Received,

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
+from typing import NamedTuple
 
 from timed_automata.document import fault
 from timed_automata.errors import ModelError, RangeError, UsageError
@@ -20,7 +21,6 @@ from timed_automata.execute._observations import (
     Begun,
     Event,
     ExecutionSnapshot,
-    Foresight,
     Observation,
     Reaction,
     Received,
@@ -34,6 +34,20 @@ from timed_automata.execute._successors import NEVER, ClockInstants, Successor, 
 from timed_automata.network import Network, Semantics, State
 
 _MOST_STEPS = 10_000  # at one instant: more is a livelock
+
+
+class Foresight(NamedTuple):
+    """The steps that an event would lead to now.
+
+    Attributes:
+        steps: the steps, as :meth:`Execution.receive` would return them; their times are those of the question.
+        until: instant from which a clock may lead to other steps, µs.
+        after: a copy of the execution, in the state after these steps.
+    """
+
+    steps: tuple[Step, ...]
+    until: int
+    after: Execution
 
 
 class Execution:

@@ -7,13 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from timed_automata.errors import UsageError
 from timed_automata.network import Change, Network, State
-
-if TYPE_CHECKING:
-    from timed_automata.execute._execution import Execution
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,21 +63,6 @@ class Reaction:
 
     taken: bool
     steps: tuple[Step, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Foresight:
-    """The steps that an event would lead to now.
-
-    Attributes:
-        steps: the steps, as :meth:`Execution.receive` would return them; their times are those of the question.
-        until: instant from which a clock may lead to other steps, µs.
-        after: a copy of the execution, in the state after these steps.
-    """
-
-    steps: tuple[Step, ...]
-    until: int
-    after: Execution = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import InlineWorker
-from end_effector_hal.runtime.outputs import Outputs, Write
+from end_effector_hal.runtime.outputs import LineWrite, Outputs
 from end_effector_hal.runtime.programs._foresight import Foresight
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.virtual import VirtualTool, _tool
@@ -50,12 +50,12 @@ def story(description: Path, scenario: str, seed: int) -> tuple[object, ...]:
 
 
 @pytest.fixture
-def hastened(monkeypatch: pytest.MonkeyPatch) -> list[Write]:
+def hastened(monkeypatch: pytest.MonkeyPatch) -> list[LineWrite]:
     """Let each program work out what comes; return the writes that it began before their statuses existed."""
-    found: list[Write] = []
+    found: list[LineWrite] = []
     hasten = Outputs.hasten
 
-    def counted(outputs: Outputs, write: Write, at: int) -> None:
+    def counted(outputs: Outputs, write: LineWrite, at: int) -> None:
         found.append(write)
         hasten(outputs, write, at)
 
@@ -70,7 +70,7 @@ def test_it_does_the_same(
     scenario: str, seed: int, request: pytest.FixtureRequest, caplog: pytest.LogCaptureFixture
 ) -> None:
     usual = story(SHIPPED, scenario, seed)
-    hastened: list[Write] = request.getfixturevalue("hastened")
+    hastened: list[LineWrite] = request.getfixturevalue("hastened")
     assert story(SHIPPED, scenario, seed) == usual
     assert len(hastened) >= 3
     assert "foreseen" not in caplog.text
@@ -78,14 +78,14 @@ def test_it_does_the_same(
 
 def test_parts_and_buses(request: pytest.FixtureRequest, caplog: pytest.LogCaptureFixture) -> None:
     usual = story(PARTS, "nominal", 1)
-    hastened: list[Write] = request.getfixturevalue("hastened")
+    hastened: list[LineWrite] = request.getfixturevalue("hastened")
     assert story(PARTS, "nominal", 1) == usual
     assert hastened
     assert "foreseen" not in caplog.text
 
 
 def test_what_was_foreseen_in_another_state_is_not_written(
-    hastened: list[Write], monkeypatch: pytest.MonkeyPatch
+    hastened: list[LineWrite], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tool = VirtualTool(load(SHIPPED), models={})
     tool.run(3.0)
@@ -98,7 +98,7 @@ def test_what_was_foreseen_in_another_state_is_not_written(
 
 
 def test_a_write_that_was_foreseen_wrongly_is_corrected(
-    hastened: list[Write], monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    hastened: list[LineWrite], monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.ERROR)
     tool = VirtualTool(load(SHIPPED), models={})
@@ -106,7 +106,7 @@ def test_a_write_that_was_foreseen_wrongly_is_corrected(
     bottom, cylinder, top = (actuator.line for _, actuator in tool.description.ordered)
     of = Foresight.of
 
-    def wrong(foresight: Foresight, event: Event, at: int) -> Write | None:
+    def wrong(foresight: Foresight, event: Event, at: int) -> LineWrite | None:
         write = of(foresight, event, at)
         return write if write is None or hastened else write._replace(changes={top: True})
 

@@ -2,4 +2,4 @@
 
 from ._maintenance import Maintenance
 from ._output_mapping import OutputMapping
-from ._outputs import DECLARED_DEAD, RESTARTED, RETRY_US, LineWriter, Outputs, Write, unknown
+from ._outputs import DECLARED_DEAD, RESTARTED, RETRY_US, LineWrite, LineWriter, Outputs, unknown

@@ -50,7 +50,7 @@ class LineWriter(Protocol):
         """Close the connection in good order; the will is executed at once."""
 
 
-class Write(NamedTuple):
+class LineWrite(NamedTuple):
     """One write to the line arbiter; see `LineWriter.ask`."""
 
     changes: dict[str, bool]
@@ -96,7 +96,7 @@ class Outputs:
         self._dropped = ""
         self._attempt = 0
         self._asked: _Asked | None = None
-        self._hastened: Write | None = None
+        self._hastened: LineWrite | None = None
         self.lost = False
         self.disagreement = ""
         """A sentence why the lines are not as they were written, after `agree` has returned False."""
@@ -140,7 +140,7 @@ class Outputs:
         self._ask(write, statuses[number].at)
         return statuses[number + 1 :]
 
-    def _first(self, statuses: Sequence[Status]) -> tuple[int, Write | None]:
+    def _first(self, statuses: Sequence[Status]) -> tuple[int, LineWrite | None]:
         """Return the number of the first status that changes something, and its write; None: none does."""
         for number, status in enumerate(statuses):
             if not status.adopted:
@@ -163,7 +163,7 @@ class Outputs:
             ):
                 continue
             part = self.mapping.grips(status, changes)
-            return number, Write({**self._undone, **changes}, will, drop, part)
+            return number, LineWrite({**self._undone, **changes}, will, drop, part)
         return len(statuses) - 1, None
 
     @property
@@ -177,16 +177,16 @@ class Outputs:
         done = self._wanted, self._said, self._undone, self._attempt, self._dropped
         return *done, unheard, objected, self.lost, maintenance
 
-    def foresee(self, statuses: Sequence[Status]) -> Write | None:
+    def foresee(self, statuses: Sequence[Status]) -> LineWrite | None:
         """Return what `begin` would write first after these statuses; None: nothing."""
         return None if self.lost else copy(self)._first(statuses)[1]
 
-    def hasten(self, write: Write, at: int) -> None:
+    def hasten(self, write: LineWrite, at: int) -> None:
         """Begin a write that was foreseen, before its statuses exist; `begin` compares it with what they request."""
         self._ask(write, at)
         self._hastened = write
 
-    def _checked(self, statuses: Sequence[Status], number: int, write: Write | None) -> Sequence[Status]:
+    def _checked(self, statuses: Sequence[Status], number: int, write: LineWrite | None) -> Sequence[Status]:
         """Compare the hastened write with the one that is requested; return the statuses that remain to be written."""
         hastened, self._hastened = self._hastened, None
         if hastened == write:
@@ -229,7 +229,7 @@ class Outputs:
     def retry(self, status: Status, at: int) -> None:
         """Repeat the failed deactivations, and write the last will."""
         part = self.mapping.grips(status, {})
-        self._ask(Write(self._undone, self.mapping.last_will(status), part=part), at)
+        self._ask(LineWrite(self._undone, self.mapping.last_will(status), part=part), at)
         self.finish()
 
     def agree(self, at: int, *, gripping: bool = False) -> bool:
@@ -273,7 +273,7 @@ class Outputs:
         """Deactivate the lines of maintenance; repeated until it succeeds, otherwise the last will does it."""
         self._leased |= set(lines)
         will = (*self.mapping.last_will(status), *maintenance_will(lines))
-        self._ask(Write({**self._undone, **dict.fromkeys(lines, False)}, will), at)
+        self._ask(LineWrite({**self._undone, **dict.fromkeys(lines, False)}, will), at)
         self.finish()
 
     def _changes(self, wanted: Mapping[str, bool]) -> dict[str, bool]:
@@ -288,7 +288,7 @@ class Outputs:
             if each.at == status.at
         )
 
-    def _ask(self, write: Write, at: int) -> None:
+    def _ask(self, write: LineWrite, at: int) -> None:
         changes, will = write.changes, write.will
         if self.lost:
             self._fail(changes)

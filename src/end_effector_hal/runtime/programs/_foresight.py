@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from end_effector_hal.control import Foreseen
 from end_effector_hal.runtime.boundary import AnyController
-from end_effector_hal.runtime.outputs import Outputs, Write
+from end_effector_hal.runtime.outputs import LineWrite, Outputs
 from timed_automata import Event
 
 _log = logging.getLogger("end_effector_hal.runtime")
@@ -27,7 +27,7 @@ class Foresight:
         self._state: object = None
         self._basis: object = None
         self._pieces: Iterator[Foreseen | None] = iter(())
-        self._writes: dict[Key, tuple[int, Write]] = {}
+        self._writes: dict[Key, tuple[int, LineWrite]] = {}
 
     def go_on(self) -> bool:
         """Work out one more event; return whether there are more."""
@@ -44,7 +44,7 @@ class Foresight:
             self._pieces = iter(())
         return False
 
-    def of(self, event: Event, at: int) -> Write | None:
+    def of(self, event: Event, at: int) -> LineWrite | None:
         """Return what an event at ``at`` µs leads to; None: nothing is written, or it is not worked out."""
         until, write = self._writes.get(_key(event), (at, None))
         return write if at < until and self._holds() else None
