@@ -107,11 +107,11 @@ def _aftermath(log: StatesLog, story: Story) -> list[str]:
 def _of_release(release: Release, story: Story) -> str:
     done = "then dropped" if release.cause is ReleaseCause.DROP else "released"
     if release.ended is EndEffectorState.RELEASE_ERROR:
-        return f"{'then ' if release.cause is ReleaseCause.DROP else ''}release failed: RELEASE ERROR"
+        return f"{'then ' if release.cause is ReleaseCause.DROP else ''}release failed: RELEASE_ERROR"
     if release.ended is None:
         return "still releasing at the end"
     if release.ended is EndEffectorState.GRIP_ERROR:  # the rest stays active, as declared
-        return "partly released: GRIP ERROR"
+        return "partly released: GRIP_ERROR"
     if release.in_reverse(story.actuators):
         several = len(release.deactivated) > 1 and release.cause is not ReleaseCause.DROP
         return f"{done} in reverse order" if several else done

@@ -11,16 +11,14 @@ from typing import Self
 
 from end_effector_hal.errors import UsageError
 
-_LABELS = {"STAND_BY": "STAND-BY"}
-
 
 class TableState(IntEnum):
-    """A state of Table II: an integer, its name (``STAND_BY``) and the paper's spelling (``STAND-BY``)."""
+    """A state of Table II: an integer, and its name (``PENDING_ON``)."""
 
     @property
     def label(self) -> str:
-        """The state's name as the paper prints it, for figures and sentences."""
-        return _LABELS.get(self.name, self.name.replace("_", " "))
+        """The state's name for figures and sentences."""
+        return self.name.replace("_", " ")
 
     @classmethod
     def named(cls, name: str) -> Self:
@@ -42,6 +40,11 @@ class EndEffectorState(TableState):
     RELEASING = 4
     RELEASE_ERROR = 5
     STAND_BY = 6
+
+    @property
+    def label(self) -> str:
+        """Its name, as commands, logs and ROS print it."""
+        return self.name
 
 
 class Command(TableState):

@@ -75,7 +75,7 @@ _SHORT = {
     "GRIPPING": ("GRIPP.",),
     "RELEASING": ("REL.",),
     "RELEASE": ("REL.",),
-    "RELEASE ERROR": ("REL. ERROR",),
+    "RELEASE_ERROR": ("REL. ERROR",),
 }
 
 _OF_END_EFFECTOR = {

@@ -47,7 +47,7 @@ def assert_no_fault(page: Any, what: str) -> None:
 def test_the_live_page(chromium: Any, tmp_path: Path, retried: Path) -> None:
     with Live(tmp_path, "nominal", "--recordings", str(retried.parent)) as live:
         page = opened(chromium, live)
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         page.click("#past-jump")
         shows(page, "past-said", "newest first.")
         assert_no_fault(page, "at rest, without the control")
@@ -90,7 +90,7 @@ def test_a_list_of_parts(chromium: Any, tmp_path: Path) -> None:
     (folder := tmp_path / "live").mkdir()
     with Live(folder, "nominal", tool=tool) as live:
         page = opened(chromium, live)
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         page.click("#control-take")
         shows(page, "control-who", "This page has the control.")
         page.select_option("#part", "box")

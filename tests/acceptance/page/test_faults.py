@@ -52,7 +52,7 @@ def posted(page: Any, path: str, content: dict[str, str], *, csrf: bool = True) 
 
 def test_a_grip_fails_by_a_fault_that_was_chosen_here(chromium: Any, nominal: Live) -> None:
     page, other = opened(chromium, nominal), opened(chromium, nominal)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     page.wait_for_selector("#faults:not([hidden])")
     shows(page, "faults-now", "Nothing is wrong.")
     choose(page, "never-confirms", "bottom_vacuum")
@@ -78,7 +78,7 @@ def test_a_grip_fails_by_a_fault_that_was_chosen_here(chromium: Any, nominal: Li
     page.click("#command-grip")
     failed = "Bottom vacuum was not confirmed within 5 s in 3 attempts."
     shows(page, "state-reason", failed, timeout_ms=60_000)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     # what became of the command stands as large as the state, and nothing says that it went well
     shows(page, "goal-word", "Grip failed")
     shows(page, "goal-detail", failed)

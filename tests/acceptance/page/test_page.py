@@ -76,7 +76,7 @@ def press_forbidden(page: Any, word: str) -> None:
 def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     subprocess.run([*EEHAL, "verify", str(nominal.world.description_path)], check=True, capture_output=True)
     page = opened(chromium, nominal, viewport={"width": 1440, "height": 1000})
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     page.locator("#fact-verdict", has_text=re.compile("hold")).wait_for()
     assert page.locator("#part").count() == 0, "the tool names no parts"
     shows(page, "why-grip", "Take control first.")
@@ -105,7 +105,7 @@ def test_a_grip_and_a_drop_by_the_page(chromium: Any, nominal: Live) -> None:
     shows(page, "state-word", "GRIPPED")
     page.click("#command-drop")
     page.click("dialog button[value=yes]")
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     shows(page, "held-word", "NO")
     log = page.inner_text("#log")
     assert "State GRIPPED" in log
@@ -126,18 +126,18 @@ def asked(live: Live, word: str) -> str:
 
 def test_a_forbidden_button_shows_the_sentence_of_the_hal(chromium: Any, nominal: Live) -> None:
     page = opened(chromium, nominal)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     page.click("#control-take")
     shows(page, "control-who", "This page has the control.")
     forbidden = {"drop", "resume", "cancel", "arm", "unlock"}
-    for state, words in (("STAND-BY", forbidden - {"unlock"}), ("GRIPPED", forbidden - {"drop"} | {"grip"})):
+    for state, words in (("STAND_BY", forbidden - {"unlock"}), ("GRIPPED", forbidden - {"drop"} | {"grip"})):
         shows(page, "state-word", state)
         for word in words:
             sentence = asked(nominal, word)
             assert sentence, word
             shows(page, f"why-{word}", sentence)
             assert page.get_attribute(f"#command-{word}", "aria-disabled") == "true"
-        if state == "STAND-BY":
+        if state == "STAND_BY":
             page.click("#command-grip")
             shows(page, "answer", "Grip: accepted.")
     assert page.get_attribute("#command-drop", "aria-disabled") == "false"
@@ -148,7 +148,7 @@ def test_a_forbidden_button_shows_the_sentence_of_the_hal(chromium: Any, nominal
 
 def test_one_actuator_is_driven_in_maintenance(chromium: Any, nominal: Live) -> None:
     page = opened(chromium, nominal)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     assert not page.is_visible("#drive-bottom_vacuum")
     page.click("#maintenance")
     shows(page, "why-drive-bottom_vacuum", "Take control first.")
@@ -225,7 +225,7 @@ def test_two_browsers_and_one_control(chromium: Any, nominal: Live) -> None:
 
 def test_a_hal_that_dies_turns_the_page_grey_and_comes_back(chromium: Any, nominal: Live) -> None:
     page = opened(chromium, nominal)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     nominal.hal.end(signal.SIGKILL)
     page.wait_for_selector("body.stale", timeout=1_200 + 300)
     shows(page, "news", "What you see is old.")
@@ -233,7 +233,7 @@ def test_a_hal_that_dies_turns_the_page_grey_and_comes_back(chromium: Any, nomin
     shot(page, "no-news")
     nominal.hal = nominal.start_hal()
     page.wait_for_selector("body:not(.stale)", timeout=30_000)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     # stopped, not dead: the connection is there, and nothing comes
     nominal.hal.child.send_signal(signal.SIGSTOP)
     page.wait_for_selector("body.stale", timeout=1_200 + 600)
@@ -245,7 +245,7 @@ def test_a_hal_that_dies_turns_the_page_grey_and_comes_back(chromium: Any, nomin
 
 def test_a_stop_has_a_card(chromium: Any, nominal: Live) -> None:
     page = opened(chromium, nominal)
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     assert not page.is_visible("#panel-e-stop"), "there is no input for it"
     page.click("#command-stop")
     shows(page, "e-stop-word", "STOPPED")
@@ -314,7 +314,7 @@ def test_a_phone_in_the_dark(chromium: Any, nominal: Live) -> None:
         has_touch=True,
         device_scale_factor=2,
     )
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390, (
         "nothing stands out to the right"
     )
@@ -354,7 +354,7 @@ def test_a_part_is_chosen_from_the_list(chromium: Any, tmp_path: Path) -> None:
     (folder := tmp_path / "live").mkdir()
     with Live(folder, "nominal", tool=tool) as live:
         page = opened(chromium, live, viewport={"width": 390, "height": 844})
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         assert page.locator("#part option").all_text_contents() == ["panel: 600 × 400 mm, 4 kg", "box"]
         assert page.locator(".unused:visible").count() == 0
         assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
@@ -379,7 +379,7 @@ def test_a_part_is_chosen_from_the_list(chromium: Any, tmp_path: Path) -> None:
         assert "Grip box accepted." in page.inner_text("#log")
         page.click("#command-drop")
         page.click("dialog button[value=yes]")
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         assert page.locator(".unused:visible").count() == 0
         assert page.input_value("#part") == "box", "it stays chosen"
         assert not page.faults
@@ -389,7 +389,7 @@ def test_a_part_is_chosen_from_the_list(chromium: Any, tmp_path: Path) -> None:
 def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
     with Live(tmp_path, "never-confirms:cylinder") as live:
         page = opened(chromium, live)
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         page.click("#control-take")
         page.click("#command-grip")
         page.locator("#cards .attempts:not([hidden])", has_text="attempt 2 of 3").wait_for(timeout=20_000)
@@ -402,7 +402,7 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
         shows(page, "control-who", "No page is in control.")
         shows(page, "why-cancel", "No emergency stop.")
         page.click("#command-cancel")
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         shows(page, "state-reason", "The grip was cancelled.")
         page.context.close()
 
@@ -410,7 +410,7 @@ def test_a_failing_attempt_and_a_cancel(chromium: Any, tmp_path: Path) -> None:
 def test_a_part_that_is_held_with_a_leak(chromium: Any, tmp_path: Path) -> None:
     with Live(tmp_path, "leak-grows:top_vacuum:2") as live:
         page = opened(chromium, live, color_scheme="dark")
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         page.click("#control-take")
         page.click("#command-grip")
         page.locator("#cards .hold.leak", has_text="lost in").wait_for(timeout=40_000)

@@ -120,7 +120,7 @@ def test_a_recording_is_scrubbed_and_stepped(chromium: Any, served: Any, retried
         page.wait_for_function(f"() => document.getElementById('moment').textContent !== '{before:.3f} s'")
         if (word := page.inner_text("#state-word")) != states[-1]:
             states.append(word)
-    assert states[-3:] == ["STAND-BY", "GRIPPING", "GRIPPED"]
+    assert states[-3:] == ["STAND_BY", "GRIPPING", "GRIPPED"]
     shows(page, "event", "guard")
     shows(page, "event", "readings:")
     assert "#e=" in page.url
@@ -130,7 +130,7 @@ def test_a_recording_is_scrubbed_and_stepped(chromium: Any, served: Any, retried
     # the slider
     page.focus("#scrub")
     page.keyboard.press("End")
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     page.fill("#scrub", "5.2")
     shows(page, "state-word", "GRIPPING")
     page.locator("#cards .timer:not([hidden])", has_text="time-out in").wait_for()
@@ -179,7 +179,7 @@ def test_two_recordings_under_each_other(chromium: Any, served: Any, retried: Pa
     page.fill("#scrub", "4")
     shows(page, "other", "retried: GRIPPING · nominal: GRIPPING")
     page.fill("#scrub", "3")
-    shows(page, "other", "retried: GRIPPING · nominal: STAND-BY")
+    shows(page, "other", "retried: GRIPPING · nominal: STAND_BY")
     page.click("#align")
     shows(page, "other", "retried: GRIPPING · nominal: GRIPPED")
     assert float(page.input_value("#shift")) == pytest.approx(-2.0, abs=0.05)
@@ -319,7 +319,7 @@ def test_a_report_is_one_file_that_asks_for_nothing(chromium: Any, report: Path,
     shows(page, "summaries", "Cylinder confirmed on attempt 2: GRIPPED")
     shows(page, "judged", "Replay and monitor: identical decisions")
     page.keyboard.press("End")
-    shows(page, "state-word", "STAND-BY")
+    shows(page, "state-word", "STAND_BY")
     assert page.asked == [f"file://{alone}"]
     page.emulate_media(media="print")
     assert not page.is_visible("#scrub")
@@ -507,6 +507,6 @@ def test_the_live_page_lists_what_was_recorded_and_opens_it(
         assert past.query_selector("#buttons") is None
         # meanwhile the tool is as live as before
         assert page.query_selector("body.stale") is None
-        shows(page, "state-word", "STAND-BY")
+        shows(page, "state-word", "STAND_BY")
         assert not page.faults
         page.context.close()

@@ -38,7 +38,7 @@ async def grip_and_drop(system: Any) -> ToolView:
     unlock = await link.command("unlock")
     assert (unlock.accepted, unlock.reason) == (False, view.refusal("unlock"))
     assert (await link.command("drop")).accepted
-    await until(lambda now: now["state"]["word"] == "STAND-BY")
+    await until(lambda now: now["state"]["word"] == "STAND_BY")
     await asyncio.to_thread(system.wait_for, EndEffectorState.STAND_BY)
     reset = await link.command("reset")
     assert reset.accepted, reset.reason

@@ -194,11 +194,11 @@ def test_an_error_that_is_unwound_at_once_is_said(tmp_path: Path) -> None:
     progress = Progress(Console(file=StringIO()), "[1/1]", states, run_info(load(profile_path())))
     assert progress.news() == []
     states.write_text(BEGUN)
-    assert progress.news() == ["STAND-BY"]
+    assert progress.news() == ["STAND_BY"]
     states.write_text(BEGUN + ABORTED)
     assert progress.news() == [
         "GRIPPING, Bottom vacuum ON, Cylinder PENDING EXTEND",
-        "GRIP ERROR, Bottom vacuum ON",
+        "GRIP_ERROR, Bottom vacuum ON",
         "RELEASING",
     ]
     assert progress.news() == []

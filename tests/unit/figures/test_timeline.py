@@ -87,12 +87,12 @@ def test_lanes_have_the_times_of_the_recording():
 
 def test_an_error_of_no_length_is_a_red_mark_with_its_name():
     figure = timeline(NEVER)
-    ((_, start, end, colour),) = [bar for bar in bars(figure, "end_effector") if bar[0] == "GRIP ERROR"]
+    ((_, start, end, colour),) = [bar for bar in bars(figure, "end_effector") if bar[0] == "GRIP_ERROR"]
     assert start < 18.5 < end
     assert 0.04 < end - start < 0.3
     assert colour[0] > 0.6
     assert max(colour[1:3]) < 0.3
-    assert "GRIP ERROR" in texts(figure, "beside")
+    assert "GRIP_ERROR" in texts(figure, "beside")
 
 
 def test_names_stand_inside_where_they_fit_and_beside_where_they_do_not():
@@ -187,7 +187,7 @@ def test_ten_minutes_with_one_grip_in_the_middle():
         "Cylinder time-out 3/3 – abort",
         "LOCK",
     ]
-    assert "GRIP ERROR" in texts(figure, "beside")
+    assert "GRIP_ERROR" in texts(figure, "beside")
 
 
 @pytest.mark.thinned
@@ -208,7 +208,7 @@ def test_any_number_of_actuators(number):
 
 
 def test_a_single_row_and_a_late_start_are_drawn():
-    assert bars(timeline(log((0, 6, -1, 0, 0, 0))), "end_effector")[0][0] == "STAND-BY"
+    assert bars(timeline(log((0, 6, -1, 0, 0, 0))), "end_effector")[0][0] == "STAND_BY"
     figure = timeline(log((1000, 6, -1, 0, 0, 0), (1001, 1, 2, 1, 0, 0)))
     assert figure.axes[0].get_xlim()[0] == 1000
 

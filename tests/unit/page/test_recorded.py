@@ -106,7 +106,7 @@ def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_
                 if name == "values":
                     expected = [None if each is None else round(each, 1) for each in value]
                 assert shown[f"cards.{number}.{name}"] == expected, (at, number, name)
-    assert words == {"STAND-BY", "GRIPPING", "GRIPPED", "RELEASING"}
+    assert words == {"STAND_BY", "GRIPPING", "GRIPPED", "RELEASING"}
     live_log = [entry for entry in run.view.log.entries if entry["kind"] != "page"]
     recorded = [entry for entry in document["log"] if "begins" not in entry["text"]]
     assert sorted(each["text"] for each in recorded) == sorted(each["text"] for each in live_log)
@@ -118,7 +118,7 @@ def test_each_moment_is_what_the_live_page_showed_then(verdin: Description, tmp_
         verdin.durations.grip_ms / 1000,
     )
     assert goal["why"] == ["Cylinder, attempt 1 of 3: timed out after 5.00 s"]
-    assert (drop["what"], drop["outcome"], drop["ok"]) == ("Drop", "STAND-BY", True)
+    assert (drop["what"], drop["outcome"], drop["ok"]) == ("Drop", "STAND_BY", True)
 
 
 @pytest.fixture(scope="module")

@@ -84,7 +84,7 @@ def test_a_grip_is_shown_as_it_goes(verdin: Description) -> None:
     watched.tool.run(1.5)
     ready = watched.shown()
     assert (ready["state"]["word"], ready["state"]["held"], ready["state"]["changer"]) == (
-        "STAND-BY",
+        "STAND_BY",
         False,
         "LOCKED",
     )
@@ -463,7 +463,7 @@ def test_a_part_is_chosen_named_and_judged_by_its_own_values(tmp_path: Path) -> 
     watched.tool.run(1.5)
     rest = watched.shown()
     assert rest["parts"] == {"panel": "", "box": ""}
-    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND-BY", "panel")
+    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND_BY", "panel")
     assert [card["unused"] for card in rest["cards"]] == [False] * 3
     assert watched.tool.command("grip", part="box").accepted
     watched.tool.run(0.2)
@@ -499,6 +499,6 @@ def test_the_part_stays_on_the_page_until_it_is_released(tmp_path: Path) -> None
     assert watched.tool.command("drop").accepted
     watched.tool.run(4.0)
     rest = watched.shown()
-    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND-BY", "panel")
+    assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND_BY", "panel")
     assert not any(card["unused"] for card in rest["cards"])
     assert rest["cards"][0]["attempt"]["of"] == 2

@@ -119,7 +119,7 @@ def test_the_page_of_a_recording_names_the_parts(
     goals = [goal["what"] for goal in document["summary"]["goals"]]
     assert goals == ["Grip box", "Drop", "Grip panel", "Drop"]
     words = document["tracks"]["state.word"][1]
-    assert {"GRIPPED: box", "GRIPPED: panel", "STAND-BY"} <= set(words)
+    assert {"GRIPPED: box", "GRIPPED: panel", "STAND_BY"} <= set(words)
 
 
 def test_each_part_is_tuned_by_its_own_grips(tool: Description, trace: Path) -> None:

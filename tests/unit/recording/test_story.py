@@ -86,7 +86,7 @@ def test_one_fails_once_and_recovers():
 
 def test_a_recording_without_events_says_so():
     story = read_story(replace(NOMINAL, events=None), INFO)
-    assert story.verdict == "No events were recorded, so grips are not known, ends in STAND-BY"
+    assert story.verdict == "No events were recorded, so grips are not known, ends in STAND_BY"
     assert (story.grips, story.releases, story.moments) == ((), (), ())
 
 
@@ -203,7 +203,7 @@ def test_what_an_ending_leaves_active_ends_the_unwinding_and_a_drop_is_another_o
         (3.2, "RELEASING>GRIP_ERROR KEPT"),
     ]
     story = told(*cancelled, end=2)
-    assert story.verdict == "Grip CANCELLED while Cylinder was pending, partly released: GRIP ERROR"
+    assert story.verdict == "Grip CANCELLED while Cylinder was pending, partly released: GRIP_ERROR"
     dropped = [(5.0, "drop; GRIP_ERROR>RELEASING; off bottom_vacuum"), (6.0, "RELEASING>STAND_BY")]
     assert [(each.cause, each.ended) for each in told(*cancelled, *dropped).releases] == [
         (ReleaseCause.CANCEL, EndEffectorState.GRIP_ERROR),
@@ -238,7 +238,7 @@ def test_a_grip_that_is_lost_says_by_whom():
 def test_what_is_released_because_of_a_loss_is_no_drop():
     lost = "lost cylinder; GRIPPED>GRIP_ERROR LOST cylinder; GRIP_ERROR>RELEASING; off top_vacuum"
     story = told(*GRIPPED, (6.0, lost), (6.5, "off cylinder"), (7.0, "RELEASING>GRIP_ERROR KEPT"), end=2)
-    assert story.verdict == "GRIPPED, then Cylinder LOST, partly released: GRIP ERROR"
+    assert story.verdict == "GRIPPED, then Cylinder LOST, partly released: GRIP_ERROR"
     assert [release.cause for release in story.releases] == [ReleaseCause.LOSS]
 
 
@@ -253,10 +253,10 @@ def test_what_is_released_at_the_start_is_no_drop():
 def test_a_release_that_fails_and_the_drop_that_succeeds():
     failed = [*GRIPPED, *DROP[:3], (13.75, "RELEASING>RELEASE_ERROR STILL_PRESENT")]
     story = told(*failed, end=5)
-    assert story.verdict == "GRIPPED, then release failed: RELEASE ERROR"
+    assert story.verdict == "GRIPPED, then release failed: RELEASE_ERROR"
     assert moments(story)[-1] == (13.75, "release error")
     story = told(*failed, (20.0, "drop; RELEASE_ERROR>RELEASING"), (20.5, "RELEASING>STAND_BY"))
-    assert story.verdict == "GRIPPED, then release failed: RELEASE ERROR, then dropped"
+    assert story.verdict == "GRIPPED, then release failed: RELEASE_ERROR, then dropped"
     assert [release.ended for release in story.releases] == [
         EndEffectorState.RELEASE_ERROR,
         EndEffectorState.STAND_BY,
@@ -298,18 +298,18 @@ def test_several_grips():
     ("rows", "events", "verdict"),
     [
         ([], [], "Nothing was recorded"),
-        ([(0, 6, -1, 0, 0, 0)], [], "No grip, stays in STAND-BY"),
+        ([(0, 6, -1, 0, 0, 0)], [], "No grip, stays in STAND_BY"),
         (
             [(0, 6, 1, 0, 0, 0), (1, 6, -1, 0, 0, 0)],
             [(0, "unlock"), (2, "lock"), (3, "lock")],
-            "UNLOCK, LOCK: no grip, ends in STAND-BY",
+            "UNLOCK, LOCK: no grip, ends in STAND_BY",
         ),
         ([(0, 0, -1, 0, 0, 0), (0, 3, -1, 2, 2, 2)], [(0, "OFF>GRIPPED")], "Adopted as GRIPPED"),
         ([(0, 3, -1, 2, 2, 2)], [], "Adopted as GRIPPED"),
         (
             [(0, 2, -1, 2, 0, 0), (2, 6, -1, 0, 0, 0)],
             [(1, "drop; GRIP_ERROR>RELEASING; off bottom_vacuum"), (2, "RELEASING>STAND_BY")],
-            "Adopted as GRIP ERROR, then dropped",
+            "Adopted as GRIP_ERROR, then dropped",
         ),
         ([(0, 1, 2, 2, 1, 0)], [(0, "began cylinder 2")], "Grip UNFINISHED: Cylinder still pending at the end"),
         ([(0, 1, 2, 2, 1, 0)], [(0, "late cylinder 2"), (1, "GRIPPING>GRIPPED")], "Nominal: GRIPPED"),

@@ -9,7 +9,7 @@ from end_effector_hal.kinds.vacuum import VacuumState
 from end_effector_hal.vocabulary import Command, EndEffectorState, display_name
 
 PAPER = {
-    EndEffectorState: ["OFF", "GRIPPING", "GRIP ERROR", "GRIPPED", "RELEASING", "RELEASE ERROR", "STAND-BY"],
+    EndEffectorState: ["OFF", "GRIPPING", "GRIP_ERROR", "GRIPPED", "RELEASING", "RELEASE_ERROR", "STAND_BY"],
     VacuumState: ["OFF", "PENDING ON", "ON"],
     CylinderState: ["RETRACTED", "PENDING EXTEND", "EXTENDED"],
 }

@@ -222,7 +222,7 @@ function toneOf(word) {
   if (/ERROR|FAULT/.test(word)) return ["--bad-soft", "--bad"];
   if (/RELEASING/.test(word)) return ["--release-soft", "--release"];
   if (/PENDING|GRIPPING|ING$/.test(word)) return ["--busy-soft", "--busy"];
-  if (/^(OFF|STAND-BY|RETRACTED|OPEN|INACTIVE|UNKNOWN)$/.test(word)) return ["--idle-soft", "--muted"];
+  if (/^(OFF|STAND_BY|RETRACTED|OPEN|INACTIVE|UNKNOWN)$/.test(word)) return ["--idle-soft", "--muted"];
   return ["--ok-soft", "--ok"];
 }
 
