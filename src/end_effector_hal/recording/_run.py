@@ -127,6 +127,11 @@ class RunInfo:
     watched: tuple[Watched, ...] = ()
     note: str = field(default="", compare=False)
 
+    @property
+    def is_simulated(self) -> bool:
+        """Whether a testbench supplied the inputs, as far as the run says."""
+        return bool(self.scenario) if self.simulated is None else self.simulated
+
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, completely or not at all; raises OSError."""
         path = Path(folder) / FILE_NAME

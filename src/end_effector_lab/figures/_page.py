@@ -138,7 +138,6 @@ def sources(info: RunInfo) -> list[str]:
     """Return the known facts about the origin of the recording."""
     if info == RunInfo():
         return ["no run.json: source unknown"]
-    simulated = bool(info.scenario) if info.simulated is None else info.simulated
     parts = [
         f"scenario {plain(info.scenario)}" if info.scenario else "",
         "" if info.seed is None else f"seed {info.seed}",
@@ -148,7 +147,7 @@ def sources(info: RunInfo) -> list[str]:
         f"end-effector-hal {plain(info.version, 20)}" if info.version else "",
         f"ROS {info.ros_generation or ''}" if info.ros else "without ROS",
         plain(info.started[:16].replace("T", " ")),
-        "simulated" if simulated else "not simulated",
+        "simulated" if info.is_simulated else "not simulated",
     ]
     return [part.strip() for part in parts if part]
 

@@ -135,8 +135,7 @@ def read_history(
         progress(f"Reading {path}")
         try:
             info = read_run(path) if is_small(path / INFO, MOST_INFO_BYTES) else RunInfo()
-            is_simulated = bool(info.scenario) if info.simulated is None else info.simulated
-            into = simulated if is_simulated else real
+            into = simulated if info.is_simulated else real
             into.grips += [
                 grip for grip in _grips(tool, path, info, into.notes) if not part or grip.part == part
             ]
