@@ -33,16 +33,15 @@ class OnRobotRG2(UnitModel):
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
         self._fingers = fingers_of(devices)
-        self._closes, self._safety = self._fingers.valve.is_open, 0
-        self._written = [0, 0, 0]
+        self._written, self._safety = [0, 0, 0], 0
 
     def power_up(self, at: int) -> None:
         self._written, self._safety = [0, 0, 0], 0
-        self._stop()
+        self._fingers.stop()
 
     def read(self, function: int, address: int, size: int, at: int) -> tuple[int, ...]:
         status = self._safety | BUSY * self._fingers.moves
-        status |= GRIPPED * (self._closes and not self._fingers.moves and self._fingers.bits["part"])
+        status |= GRIPPED * (self._fingers.closes and not self._fingers.moves and self._fingers.bits["part"])
         shown = dict(enumerate(self._written))
         shown |= {WIDTH: round((1.0 - self._fingers.position) * MOST[1]), STATUS: status}
         if not shown.keys() >= set(range(address, address + size)):
@@ -58,21 +57,17 @@ class OnRobotRG2(UnitModel):
         self._written[address:last] = values
         command = self._written[2] if last > 2 else 0
         if command == STOP:
-            self._stop()
+            self._fingers.stop()
         elif command in (MOVE, MOVE_WITH_OFFSET) and not self._safety and not self._fingers.moves:
             to = 1.0 - self._written[1] / MOST[1]
-            self._closes = to > self._fingers.position
-            self._fingers.drive(Leg(to, SPEED), closes=self._closes)
-            self._tell(0, self._closes)
+            closes = to > self._fingers.position
+            self._fingers.drive(Leg(to, SPEED), closes=closes)
+            self._tell(0, closes)
 
     def advance(self, at: int) -> None:
         if self.alarm and not self._safety:
             self._safety = SAFETY
-            self._stop()
+            self._fingers.stop()
 
     def settle(self) -> None:
-        self._fingers.valve.is_open, self._fingers.valve.switches_at = self._closes, None
-        self._fingers.settle(self._closes)
-
-    def _stop(self) -> None:
-        self._fingers.drive(closes=self._closes)
+        self._fingers.settle(self._fingers.closes)

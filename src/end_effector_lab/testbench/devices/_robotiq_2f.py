@@ -37,7 +37,6 @@ class Robotiq2F85(RobotiqUnit):
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
         self._fingers = fingers_of(devices)
-        self._closes = self._fingers.valve.is_open
         self.stop()
 
     def status(self) -> list[int]:
@@ -47,7 +46,7 @@ class Robotiq2F85(RobotiqUnit):
         return [goes << 3 | (self._object() << 6 if goes else 0), 0, 0, 0, position, MOVING_CURRENT * moves]
 
     def stop(self) -> None:
-        self._fingers.drive(closes=self._closes)
+        self._fingers.stop()
 
     def activate(self, at: int) -> None:
         speed = self._speed(128)
@@ -58,7 +57,7 @@ class Robotiq2F85(RobotiqUnit):
             self.stop()
             return
         to = self._target
-        closes = to == 1.0 or (to > 0.0 and (to > self._fingers.position or self._closes))
+        closes = to == 1.0 or (to > 0.0 and (to > self._fingers.position or self._fingers.closes))
         if to < self._fingers.position:
             closes = False
         self._drive(Leg(to, self._speed(self.command[4])), closes=closes)
@@ -72,8 +71,7 @@ class Robotiq2F85(RobotiqUnit):
 
     def settle(self) -> None:
         for _ in range(2):  # the activation, and what was commanded meanwhile
-            self._fingers.valve.is_open, self._fingers.valve.switches_at = self._closes, None
-            self._fingers.settle(self._closes)
+            self._fingers.settle(self._fingers.closes)
             self.advance(self._now)
 
     @property
@@ -93,7 +91,6 @@ class Robotiq2F85(RobotiqUnit):
         return WHILE_CLOSING if self._fingers.position < self._target else WHILE_OPENING
 
     def _drive(self, *legs: Leg, closes: bool) -> None:
-        self._closes = closes
         self._fingers.drive(*legs, closes=closes)
         self._tell(0, closes)
 

@@ -40,7 +40,6 @@ class SchunkEgu(UnitModel):
     def __init__(self, devices: Mapping[int, Device], tell: Tell) -> None:
         super().__init__(devices, tell)
         self._fingers = fingers_of(devices)
-        self._closes = self._fingers.valve.is_open
         self._written = bytearray(2 * SIZE)
         self._error, self._shown, self._command = FAST_STOP, 0, 0
 
@@ -93,8 +92,7 @@ class SchunkEgu(UnitModel):
         self._command = 0
 
     def settle(self) -> None:
-        self._fingers.valve.is_open, self._fingers.valve.switches_at = self._closes, None
-        self._fingers.settle(self._closes)
+        self._fingers.settle(self._fingers.closes)
         self.advance(0)
 
     @property
@@ -112,16 +110,16 @@ class SchunkEgu(UnitModel):
 
     def _fail(self, error: int) -> None:
         self._error, self._command = error, 0
-        self._fingers.drive(closes=self._closes)
+        self._fingers.stop()
 
     def _obey(self, risen: int) -> None:
         self._shown = self._shown & RECEIVED ^ RECEIVED
         if risen & STOP:
             self._command = 0
             self._shown |= SUCCESS | REACHED
-            self._fingers.drive(closes=self._closes)
+            self._fingers.stop()
             return
         self._command = next(each for each in (RELEASE, GRIP, ABSOLUTE) if risen & each)
-        self._closes = self._target > self._fingers.position
-        self._fingers.drive(Leg(self._target, SPEED), closes=self._closes)
-        self._tell(0, self._closes)
+        closes = self._target > self._fingers.position
+        self._fingers.drive(Leg(self._target, SPEED), closes=closes)
+        self._tell(0, closes)

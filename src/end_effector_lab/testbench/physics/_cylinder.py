@@ -72,7 +72,8 @@ class Cylinder(SolvedDevice):
         return still and at_target and self.valve.settled and self._sensor.shows(self._kpa)
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open, self.stale, self._speed = active, True, 0.0
+        self.valve.settle(active)
+        self.stale, self._speed = True, 0.0
         self.position = 1.0 if active else 0.0
         self._kpa = self._sensor.kpa = self._target()
 
@@ -151,7 +152,7 @@ class ToolChanger(Device):
         return self.valve.settled and self.position == (1.0 if self.valve.is_open else 0.0)
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open = active
+        self.valve.settle(active)
         self.position = 1.0 if active else 0.0
 
     def step(self) -> None:

@@ -73,6 +73,11 @@ class Fingers(Device):
         """Whether their motor runs, or is about to."""
         return not self.settled
 
+    @property
+    def closes(self) -> bool:
+        """Whether they are commanded to close, by their motor or by their valve."""
+        return self.valve.is_open if self._legs is None else self._closes
+
     def drive(self, *legs: Leg, closes: bool) -> None:
         """Let a motor move them from now on, one leg after the other; without a leg it holds them where they are.
 
@@ -81,6 +86,10 @@ class Fingers(Device):
             closes: whether they are commanded to close, which a scenario may prevent.
         """
         self._legs, self._closes = legs, closes
+
+    def stop(self) -> None:
+        """Let the motor hold them where they are."""
+        self.drive(closes=self.closes)
 
     def command(self, active: bool, at: int) -> None:
         self._lost = self._lost and active
@@ -94,7 +103,7 @@ class Fingers(Device):
         self._part = part
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open = active
+        self.valve.settle(active)
         self.position = self._end
         while self._legs and self._legs[1:]:
             self._legs = self._legs[1:]
@@ -194,7 +203,7 @@ class HoldingMagnet(Device):
         self._blow_off.command(active, at)
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open = active
+        self.valve.settle(active)
         self.field = self._target
         self._holds = self._part and active
 

@@ -197,6 +197,10 @@ class Valve:
         elif self.switches_at is None:
             self.switches_at = at + self.delay_us
 
+    def settle(self, opens: bool) -> None:
+        """Set the state after a long time: open or closed, with no switching pending."""
+        self.is_open, self.switches_at = opens, None
+
     def advance(self, now: int) -> bool:
         """Switch if it is due, and return whether the valve is open at ``now`` (µs)."""
         if self.switches_at is not None and now >= self.switches_at:

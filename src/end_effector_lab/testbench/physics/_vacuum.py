@@ -176,7 +176,8 @@ class VacuumCircuit(SolvedDevice):
         self._leak_l_min, self._leak_grows, self.stale = litres_min, grows_l_min_s, True
 
     def settle(self, active: bool) -> None:
-        self.valve.is_open, self._stuck, self.stale = active, active and self._sticks, True
+        self.valve.settle(active)
+        self._stuck, self.stale = active and self._sticks, True
         self._absolute = self._ahead(self._leak_l_min).level
         self._sensor.kpa = self.depth_kpa
         self._switch = self.depth_kpa >= PART_KPA

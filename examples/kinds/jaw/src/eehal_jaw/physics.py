@@ -33,7 +33,7 @@ class JawPhysics(Device):
 
     def settle(self, active: bool) -> None:
         """Stand at an end of the way."""
-        self.valve.is_open = active
+        self.valve.settle(active)
         self.position = 1.0 if active else 0.0
 
     def step(self) -> None:
