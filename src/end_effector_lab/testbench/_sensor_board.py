@@ -12,14 +12,15 @@ from end_effector_hal.codecs import Codec, board_inputs, codec_of, is_polled
 from end_effector_hal.description import Channel, Description, Inputs
 from end_effector_hal.errors import WireError
 from end_effector_hal.kinds import kind_of
+from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Frame, Kind, Value
 from end_effector_hal.wires.inputs import find_device, input_lines, pulls_of
 from end_effector_hal.wires.lines import VirtualPins
 
 from ._bench import Bench
 from ._modbus import CommandedRegisters
-from ._strangers import OtherDevice, releases
 from ._units import ModelledUnits, Models
+from .devices import RemoteIo, read_request
 
 
 def carried(
@@ -95,7 +96,7 @@ class SensorBoard:
         self._codec, self._bench, self._description = codec, bench, description
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
-        self._other = OtherDevice()
+        self._other = RemoteIo({}, lambda channel, level: None)  # it has all tables, of 0
         self._outputs = tuple(description.buses[link or ""].values()) if registers else ()
         self._foreign_write_at: int | None = None
 
@@ -162,8 +163,8 @@ class SensorBoard:
         due = self._next_foreign_write
         if due is not None and due <= at:
             self._foreign_write_at = due
-            for request in releases(self._outputs):
-                self._execute(request, at)
+            for output in self._outputs:
+                self._release(output, at)
 
     @property
     def _next_foreign_write(self) -> int | None:
@@ -171,20 +172,28 @@ class SensorBoard:
         at = self._bench.foreign_write_at(self._link) if self._outputs else None
         return None if at == self._foreign_write_at else at
 
-    def _execute(self, request: bytes, at: int) -> None:
-        """Execute a write whose answer nobody here reads."""
-        if self._units and self._units.owns(request):
-            self._units.answer(request, self._carried(self._bench.sample(at)), at)
-        elif self._registers:
-            self._registers.hear(request, at)
-            self._registers.answer(request)
+    def _release(self, output: RegisterOutput, at: int) -> None:
+        """Make an output inactive, as another client does; it writes a bit without its neighbours."""
+        from end_effector_hal.codecs.modbus import RegisterWrite, write_request  # with pymodbus
+
+        coils, multiple = output.register_type == "coil", output.use_write_multiple
+        for address, values in output.writes(level=False):
+            mask = output.bitmask_at(address)
+            request = write_request(RegisterWrite(output.unit, address, values, coils, multiple, mask))
+            if self._units and self._units.owns(request):
+                self._units.answer(request, self._carried(self._bench.sample(at)), at)
+            elif self._registers:
+                self._registers.hear(request, at)
+                self._registers.answer(request)
 
     def answer(self, request: bytes, at: int) -> Sent | None:
         """Return the answer to the bytes of a request at ``at`` (µs), or None if there is none."""
         self.advance(at)
         sample = self._bench.sample(at)
         if self._outputs and self._bench.exchanged(at, self._link):
-            return self._answered(self._other.answer(request, at), sample, at)
+            asked = read_request(request) is not None
+            answer = self._other.answer(request[0], request[1:-2], at) if asked else b""
+            return self._answered(answer, sample, at)
         answers = b""
         if self._units and not self._bench.silent(at, self._link):
             answers = self._units.answer(request, self._carried(sample), at)

@@ -163,7 +163,7 @@ class ModelledUnits:
     def _replay(self, name: str, at: int) -> None:
         output = self._outputs[name]
         model, activation = self.models[output.unit], output.activation
-        rows = [(output.address, output.values(level=True))]
+        rows = [*output.writes(level=True)]
         if activation:
             start = output.address if activation.address is None else activation.address
             rows = [*((start, row) for row in activation.write), *rows]

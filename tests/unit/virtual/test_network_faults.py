@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from end_effector_hal.codecs import load_tool
@@ -26,12 +28,12 @@ NETWORK = {"closed-after", "cut-answers"}
 
 @pytest.fixture(scope="module")
 def tool() -> Description:
-    return load_tool(ROOT / "examples/tools/remote_io/end_effector.yaml")
+    return example("tools/remote_io")
 
 
 def test_only_a_device_at_an_address_has_the_faults_of_a_network(tool: Description) -> None:
     assert {each.name for each in offered_faults(tool)} >= NETWORK
-    wired = load_tool(ROOT / "examples/tools/gripper_2f85/end_effector.yaml")
+    wired = example("tools/gripper_2f85")
     assert NETWORK.isdisjoint(each.name for each in offered_faults(wired))
     with pytest.raises(UsageError) as refused:
         parse_scenario("closed-after:0", wired)
@@ -88,12 +90,26 @@ def test_an_activation_is_given_up_while_the_port_is_closed(tool: Description) -
 BESIDE_US = "was commanded active, but its device reports otherwise: it was restarted, or another program writes to it"
 
 
-def held(name: str, fault: str) -> tuple[VirtualTool, int]:
+def example(name: str) -> Description:
+    return load_tool(ROOT / f"examples/{name}/end_effector.yaml")
+
+
+def with_distant_coils(folder: Path) -> Description:
+    """The lift of the I/O station on a valve with two coils that are no neighbours."""
+    text = (ROOT / "examples/tools/remote_io/end_effector.yaml").read_text(encoding="utf-8")
+    path = folder / "end_effector.yaml"
+    path.write_text(
+        text.replace("command_off: [0], verify: lift_coil", "command_off: [0], opposite: {address: 9}")
+    )
+    return load_tool(path)
+
+
+def held(tool: Description, fault: str) -> tuple[VirtualTool, int]:
     """A tool that holds a part, three seconds after the fault; and how often its outputs had moved before."""
-    played = VirtualTool(load_tool(ROOT / f"examples/{name}/end_effector.yaml"))
+    played = VirtualTool(tool)
     until(played, STAND_BY)
     played.run(1.0)
-    assert played.command("grip", part="crate" if "cells" in name else "").accepted
+    assert played.command("grip", part="crate" if tool.parts else "").accepted
     until(played, GRIPPED)
     moved = len(played.edges)
     played.choose(fault)
@@ -113,13 +129,15 @@ def used_again(played: VirtualTool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "outputs"), [("tools/remote_io", 2), ("tools/gripper_2f85", 1), ("cells/three_parts", 3)]
+    ("name", "outputs"),
+    [("tools/remote_io", 2), ("a pair of coils", 2), ("tools/gripper_2f85", 1), ("cells/three_parts", 3)],
 )
 def test_a_second_client_that_writes_the_outputs_is_an_alarm_where_they_are_read_back(
-    name: str, outputs: int
+    tmp_path: Path, name: str, outputs: int
 ) -> None:
     """What it has released is released; nothing is written by this product before the Drop."""
-    played, moved = held(name, "foreign-write-after:0")
+    tool = with_distant_coils(tmp_path) if name == "a pair of coils" else example(name)
+    played, moved = held(tool, "foreign-write-after:0")
     assert [each.level for each in played.edges[moved:]] == [False] * outputs, "by the other client"
     assert (played.status.ee, played.status.lift_allowed) == (GRIP_ERROR, False)
     assert sum(BESIDE_US in text for text in played.status.alarm_texts) == sum(
@@ -129,13 +147,13 @@ def test_a_second_client_that_writes_the_outputs_is_an_alarm_where_they_are_read
 
 
 def test_a_second_client_that_writes_on_one_link_leaves_the_others() -> None:
-    played, moved = held("cells/three_parts", "foreign-write-after:gripper:0")
+    played, moved = held(example("cells/three_parts"), "foreign-write-after:gripper:0")
     assert [each.line for each in played.edges[moved:]] == [played.description.actuators["fingers"].line]
 
 
 def test_another_device_at_the_address_is_no_proof_of_anything() -> None:
     """Its registers are 0: what was held counts as lost, and stays held."""
-    played, moved = held("tools/remote_io", "other-device-after:0")
+    played, moved = held(example("tools/remote_io"), "other-device-after:0")
     assert (played.status.ee, played.status.lift_allowed) == (GRIP_ERROR, False)
     assert any(BESIDE_US in text for text in played.status.alarm_texts)
     assert played.edges[moved:] == []
@@ -144,7 +162,7 @@ def test_another_device_at_the_address_is_no_proof_of_anything() -> None:
 
 
 def test_another_device_without_these_registers_is_named_and_what_is_held_stays_held() -> None:
-    played, moved = held("tools/gripper_2f85", "other-device-after:0")
+    played, moved = held(example("tools/gripper_2f85"), "other-device-after:0")
     assert (played.status.ee, played.status.lift_allowed) == (GRIPPED, False)
     assert any("No valid reading of Fingers" in text for text in played.status.alarm_texts)
     assert played.edges[moved:] == []
@@ -152,7 +170,7 @@ def test_another_device_without_these_registers_is_named_and_what_is_held_stays_
 
 
 def test_only_a_commanded_bus_has_a_second_client() -> None:
-    tool = load_tool(ROOT / "examples/tools/two_epick/end_effector.yaml")
+    tool = example("tools/two_epick")
     assert "foreign-write-after" not in {each.name for each in offered_faults(tool)}
     with pytest.raises(UsageError) as refused:
         parse_scenario("foreign-write-after:0", tool)

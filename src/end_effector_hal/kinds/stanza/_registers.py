@@ -188,6 +188,12 @@ class RegisterOutput(BaseStanza):
         second = self.opposite
         return output_name(self.unit, second.address, self.link, second.bitmask) if second else ""
 
+    def writes(self, level: bool) -> tuple[tuple[int, tuple[int, ...]], ...]:
+        """Return address and values of each write of a level; of two coils, one is off before the other is on."""
+        if self.opposite is None:
+            return ((self.address, self.values(level)),)
+        return self.coil(first=not level, active=False), self.coil(first=level, active=True)
+
     def values(self, level: bool) -> tuple[int, ...]:
         """Return the values to write for a level; with a bitmask the bits of the register, at their place."""
         return _shifted(self.command_on if level else self.command_off, self.bitmask)

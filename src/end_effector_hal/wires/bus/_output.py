@@ -415,15 +415,12 @@ class BusOutput:
         return self._reports[channel][2] > self._written_at
 
     def _told(self, level: bool) -> list[Row | Awaited]:
-        """Return the steps that command this level; of two coils, one becomes inactive before the other is active."""
-        if self.stanza.opposite is not None:
-            first = self.stanza.address, self._values(level=True)
-            begins = first if level else self.stanza.coil(first=False, active=True)
-            return [Row(*self.stanza.coil(first=not level, active=False)), Row(*begins)]
-        command = Row(self.stanza.address, self._values(level))
+        """Return the steps that command this level, with the handshake around them."""
+        *before, command = (Row(*each) for each in self.stanza.writes(level))
+        command = command._replace(values=self._values(level)) if level else command
         handshake = self.stanza.handshake
-        if handshake is None:
-            return [command]
+        if handshake is None or before:
+            return [*before, command]
         end: list[Row | Awaited] = [
             self._control(handshake.end),
             Awaited(handshake.taken, False, "the device did not end the handshake in time"),
