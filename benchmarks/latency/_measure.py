@@ -10,8 +10,7 @@ from environments import Environment, environment
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
-from end_effector_lab.demo._ros1 import Master, start_nodes
-from end_effector_lab.demo._ros2 import FIVE, ONE, PROGRAM, apart
+from end_effector_lab.demo._ros import FIVE, ONE, PROGRAM, Master, apart, start_nodes
 from end_effector_lab.processes import Children
 
 from ._blocks import Plan, Tail, hold, measure_blocks

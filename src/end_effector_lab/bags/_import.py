@@ -18,8 +18,7 @@ from end_effector_hal.nodes.transport import StateMessage
 from end_effector_hal.recording import Recording, RecordingLimits, RunInfo
 from end_effector_hal.vocabulary import printable
 
-from ._bag import Bag, BagMessage, plain_type
-from ._fields import LineOfTime, command_of, lacking, pressure_of, state_of
+from ._bag import Bag, BagMessage, LineOfTime, command_of, lacking, plain_type, pressure_of, state_of
 
 NO_TRACE = "A bag holds no traces: `eehal replay` cannot judge this run."
 MOST_FRAMES = 100_000

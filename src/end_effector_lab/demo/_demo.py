@@ -16,13 +16,11 @@ from end_effector_hal.recording import run_info
 from end_effector_hal.wires.lines import Edge
 from end_effector_lab.figures import STYLES, RecordedRun
 
-from ._agreement import answered, read_edges, replayed
-from ._drive import Drive
-from ._judge import judge
+from ._judge import answered, judge, read_edges, replayed
 from ._progress import Progress
 from ._report import Report
 from ._scenario import DemoScenario
-from ._world import DESCRIPTION, LINES, World
+from ._world import DESCRIPTION, LINES, Drive, World
 
 
 def run_demo(

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 from end_effector_hal.description import Description
 from end_effector_hal.kinds.stanza import Actuator
 
-from ._attempts import RecordedAttempt, RecordedGrip
-from ._course import GripOutcome, TriedCourse, course_of, outcome_of
+from ._attempts import GripOutcome, RecordedAttempt, RecordedGrip, TriedCourse, course_of, outcome_of
 from ._parameters import TunableKey, not_tried, parameters_of
 
 NARROWINGS = 8

@@ -5,8 +5,7 @@ from ._faults import offered_faults, possible_faults
 from ._modbus import CommandedRegisters
 from ._places import lines_of, open_inputs, open_ports, open_sensors, write_description, write_virtual_copy
 from ._ports import Port
-from ._program import run_testbench
-from ._records import edges_of
+from ._program import edges_of, run_testbench
 from ._scenario import FAULTS, TOOL_CHANGER, Fault, Scenario, parse_scenario, plain_number
 from ._sensor_board import BoardSensors, SensorBoard, Sent, carried
 from ._testbench import Testbench

@@ -13,10 +13,9 @@ from end_effector_hal.owned import owned_folder
 from end_effector_hal.wires.inputs import input_lines, pulls_of
 
 from ._bench import Bench
-from ._ports import Port, PtyPort, SerialPort
+from ._ports import Port, PtyPort, SerialPort, ServedPort
 from ._scenario import TOOL_CHANGER
 from ._sensor_board import BoardSensors
-from ._served_port import ServedPort
 from ._units import chosen_models, text_of
 from .inputs import (
     GpioInputs,

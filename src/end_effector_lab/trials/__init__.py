@@ -4,16 +4,24 @@ A grid plays every fault at every moment with every command; a campaign plays ra
 """
 
 from ._campaign import Campaign, kind_of_failure, never_reached, summary
-from ._case import Case, Happening, case_from_json, case_from_words, read_case
+from ._case import Case, Happening, Outcome, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap
-from ._draw import CaseSource
+from ._draw import CaseSource, shrunk_by
 from ._effects import GRIP, HELD, RELEASE, REST, Effects, FaultWords
 from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
-from ._outcome import Outcome
 from ._play import no_log, play_case
 from ._processes import play_on_processes
 from ._report import figures, fmea, let_go, page, signed_cells
 from ._run_campaign import UNREACHED, campaign_folder, read_failures, run_campaign
-from ._run_grid import FIGURES, FMEA, PAGE, Played, matrix_folder, play, play_all
-from ._shrink import shrunk_by
-from ._timeline import cell_folder, disturbances, record
+from ._run_grid import (
+    FIGURES,
+    FMEA,
+    PAGE,
+    Played,
+    cell_folder,
+    disturbances,
+    matrix_folder,
+    play,
+    play_all,
+    record,
+)

@@ -53,9 +53,8 @@ from end_effector_hal.vocabulary import (
 from end_effector_lab.virtual import Edge, Switching, VirtualTool, switchings
 
 from ._effects import GRIP, HELD, RELEASE, REST
-from ._judged_arbiter import JudgedArbiter
 from ._promises import Promises
-from ._reality import FRAMES_US, Reality
+from ._reality import FRAMES_US, JudgedArbiter, Reality
 
 GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR
 RELEASE_ERROR, STAND_BY = EndEffectorState.RELEASE_ERROR, EndEffectorState.STAND_BY

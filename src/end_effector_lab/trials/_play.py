@@ -16,10 +16,26 @@ from end_effector_lab.testbench import TOOL_CHANGER
 from end_effector_lab.virtual import Monitors, VirtualTool, switchings
 from timed_automata.execute import Observation
 
-from ._case import ALL, ARBITER, COMMANDS, DISK, END, HAL, KILL, NOMINAL, POWER, SCENARIO, START, STORES, Case
+from ._case import (
+    ALL,
+    ARBITER,
+    COMMANDS,
+    DISK,
+    END,
+    HAL,
+    KILL,
+    NOMINAL,
+    POWER,
+    SCENARIO,
+    START,
+    STORES,
+    Case,
+    CaseEnd,
+    Outcome,
+    Story,
+)
 from ._coverage import CoverageMap, Coverer, Reached
 from ._judge import Judge
-from ._outcome import CaseEnd, Outcome, Story
 
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
 LONGEST_US = 600_000_000

@@ -22,8 +22,7 @@ from end_effector_lab.demo import World
 from end_effector_lab.processes import EEHAL, Child
 from end_effector_lab.virtual import Edge, switchings
 
-from ._case import ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, Case
-from ._outcome import CaseEnd
+from ._case import ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, Case, CaseEnd
 from ._play import AT_REST, processes
 
 START_S, POLL_S, AGAIN_S, STILL_S = 60.0, 0.05, 0.3, 1.0

@@ -14,10 +14,9 @@ from end_effector_hal.description import Description
 from end_effector_hal.vocabulary import display_name
 from end_effector_lab.testbench import FAULTS
 
-from ._case import NOMINAL
+from ._case import NOMINAL, Outcome
 from ._effects import GRIP, HELD, PHASES, RELEASE, REST, Effects
 from ._grid import COMMANDS, NOTHING, Cell
-from ._outcome import Outcome
 from ._run_grid import Played
 
 MOST_SHOWN = 500

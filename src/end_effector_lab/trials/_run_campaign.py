@@ -20,9 +20,8 @@ from end_effector_lab.workers import ShippedAutomata, Workers
 from ._campaign import KEPT_RUN, MOST_MOMENTS, Campaign, KeptRun, kind_of_failure
 from ._case import LARGEST_BYTES, Case, case_from_json
 from ._coverage import CoverageMap, Reached
-from ._draw import CaseSource
+from ._draw import CaseSource, shrunk
 from ._play import no_log, play_case
-from ._shrink import shrunk
 
 FAILURES, UNREACHED = "failures", "unreached.json"
 LAYOUT = ResultsLayout(

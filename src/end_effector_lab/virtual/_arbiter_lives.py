@@ -1,4 +1,4 @@
-"""The successive line arbiters of a virtual tool: how each begins, ends or dies."""
+"""The successive line arbiters of a virtual tool, how each begins, ends or dies, and the commanded buses."""
 
 from __future__ import annotations
 
@@ -8,13 +8,91 @@ from typing import TYPE_CHECKING
 from end_effector_hal.arbiter import PredicatePublisher, arbiter_policy
 from end_effector_hal.description import Description
 from end_effector_hal.wires.lines import ComposedLines
+from end_effector_lab.testbench import Bench, Models, SensorBoard
 
 from ._arbiter import Memories, VirtualArbiter
-from ._buses import VirtualBuses
 from ._outputs import VirtualOutputs
 
 if TYPE_CHECKING:
     from ._bus import VirtualBus
+
+
+class VirtualBuses:
+    """All commanded buses of a tool.
+
+    Args:
+        description: the description of the tool.
+        bench: provides the measured values.
+        obey: called with the name and level of a commanded output.
+        clock: returns the time, µs.
+        active: outputs that are active at the start.
+        models: units that have a model.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        bench: Bench,
+        obey: Callable[[str, bool], None],
+        clock: Callable[[], int],
+        active: Mapping[str, bool],
+        models: Models,
+    ) -> None:
+        self._description, self._clock, self._obey = description, clock, obey
+        self.devices = {
+            name: SensorBoard.on_bus(description, name, bench, 0, obey, models) for name in description.buses
+        }
+        """All units of each bus, by their links; they outlive the arbiter."""
+        for each in self.devices.values():
+            each.begin(active, clock())
+        self.masters: list[VirtualBus] = []
+        """Bus masters of the living, starting or ending arbiter."""
+
+    def open(self) -> dict[str, VirtualBus]:
+        """Open the ports for a new arbiter; return the bus of each output."""
+        if not self.devices:
+            return {}
+        from ._bus import VirtualBus  # with pymodbus
+
+        found: dict[str, VirtualBus] = {}
+        for name, devices in self.devices.items():
+            master = VirtualBus(self._description, name, devices, self._clock)
+            self.masters.append(master)
+            found |= dict.fromkeys(self._description.buses[name], master)
+        return found
+
+    @property
+    def adopted(self) -> bool:
+        """Whether an arbiter no longer waits for the devices' reports."""
+        return all(each.adopted for each in self.masters)
+
+    @property
+    def news(self) -> bool:
+        """Whether a device has changed since the last query."""
+        return any(each.news for each in self.masters)
+
+    def end(self) -> None:
+        """Begin the proper end of the arbiter."""
+        for each in self.masters:
+            each.end()
+        self.forget_ended()
+
+    def forget_ended(self) -> None:
+        """Remove the masters that have released their port."""
+        self.masters = [each for each in self.masters if not each.over]
+
+    def kill(self) -> None:
+        """Remove all masters, since the arbiter dies; no request reaches the devices any more."""
+        self.masters = []
+
+    def lose_power(self) -> None:
+        """Cut the power of the devices as well: no output is active any more but those that keep without power."""
+        self.kill()
+        kept = {each.line for _, each in self._description.ordered if each.on_power_loss in ("hold", "keep")}
+        for name, board in self.devices.items():
+            board.lose_power(self._clock())
+            for output in self._description.buses[name].keys() - kept:
+                self._obey(output, False)
 
 
 class ArbiterLives:

@@ -1,4 +1,4 @@
-"""A commanded bus in virtual time: its devices and its master."""
+"""The master of a commanded bus in virtual time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from end_effector_hal.description import Description, has_line, network_address
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import to_us
 from end_effector_hal.wires.bus import BusOutputs, BusTraffic, fresh_for_us
-from end_effector_lab.testbench import Bench, Models, SensorBoard, Sent
+from end_effector_lab.testbench import SensorBoard
 
 ADOPT_US, FLUSH_US = 1_000_000, 1_000_000
 """Longest wait of a start for the devices' reports, and of an end for pending writes, µs."""
@@ -22,74 +22,18 @@ TURN_US = 100
 NEVER = 2**62
 
 
-class BusDevices:
-    """The devices of a bus; they outlive the arbiter.
-
-    Args:
-        description: the description of the tool.
-        name: name of the link.
-        bench: provides the measured values.
-        obey: called with the name and level of a commanded output.
-        models: units that have a model.
-    """
-
-    def __init__(
-        self,
-        description: Description,
-        name: str,
-        bench: Bench,
-        obey: Callable[[str, bool], None],
-        models: Models,
-    ) -> None:
-        self._outputs = description.buses[name]
-        self._kept = {
-            actuator.line
-            for _, actuator in description.ordered
-            if actuator.line in self._outputs and actuator.on_power_loss in ("hold", "keep")
-        }
-        self._board = SensorBoard.on_bus(description, name, bench, 0, obey, models)
-        self._obey = obey
-
-    def start(self, active: Mapping[str, bool], at: int) -> None:
-        """Set the outputs that are active at the start."""
-        self._board.begin(active, at)
-
-    @property
-    def due(self) -> int | None:
-        """Time at which `advance` must be called, µs; None: nothing happens by itself."""
-        return self._board.due
-
-    def advance(self, at: int) -> None:
-        """Process what the devices do without communication."""
-        self._board.advance(at)
-
-    def lose_power(self, at: int) -> None:
-        """Cut the power: no output is active any more, except those that their devices keep without power."""
-        self._board.lose_power(at)
-        for name in self._outputs.keys() - self._kept:
-            self._obey(name, False)
-
-    def answer(self, request: bytes, at: int) -> Sent | None:
-        """Return the answer of the devices; None: none."""
-        return self._board.answer(request, at)
-
-    def closed(self, at: int) -> bool:
-        """Return whether they refuse connections."""
-        return self._board.closed(at)
-
-
 class VirtualBus:
     """A `LineBackend` and `RemoteLines` of registers for one life of the arbiter, as `BusLines` on a real port.
 
     Args:
         description: the description of the tool.
         name: name of the link.
-        devices: the devices of the bus.
+        devices: all units of the bus.
         clock: returns the time, µs.
     """
 
     def __init__(
-        self, description: Description, name: str, devices: BusDevices, clock: Callable[[], int]
+        self, description: Description, name: str, devices: SensorBoard, clock: Callable[[], int]
     ) -> None:
         outputs, link = description.buses[name], description.links[name]
         self._codec = codec = cast(BusCodec, codec_of(description, name))

@@ -20,12 +20,10 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
 from end_effector_lab.testbench import Bench, Models, chosen_models
 
-from ._arbiter_lives import ArbiterLives
-from ._buses import VirtualBuses
+from ._arbiter_lives import ArbiterLives, VirtualBuses
 from ._connection import VirtualConnection
-from ._leap import Leap
 from ._outputs import Edge, VirtualOutputs
-from ._sources import Source, StreamedLink, arbiter_source, sources_of_bench
+from ._sources import Leap, Source, StreamedLink, arbiter_source, sources_of_bench
 from ._watching import Watch, Watching
 
 if TYPE_CHECKING:

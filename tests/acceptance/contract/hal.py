@@ -15,8 +15,7 @@ from typing import TypeVar
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import RosError
-from end_effector_lab.demo._ros1 import Master
-from end_effector_lab.demo._ros2 import PROGRAM, apart
+from end_effector_lab.demo._ros import PROGRAM, Master, apart
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import Child
 from tests.acceptance.contract.differences import Difference

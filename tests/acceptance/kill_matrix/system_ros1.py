@@ -8,7 +8,7 @@ from pathlib import Path
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
-from end_effector_lab.demo._ros1 import Master
+from end_effector_lab.demo._ros import Master
 from end_effector_lab.processes import Child
 from tests.acceptance.kill_matrix.cells import NODES
 from tests.acceptance.kill_matrix.system import START_S, System, lives

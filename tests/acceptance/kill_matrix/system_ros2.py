@@ -7,7 +7,7 @@ from pathlib import Path
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import RosError
-from end_effector_lab.demo._ros2 import PROGRAM, apart
+from end_effector_lab.demo._ros import PROGRAM, apart
 from end_effector_lab.processes import Child
 from tests.acceptance.kill_matrix.system_restarted import RestartedSystem
 

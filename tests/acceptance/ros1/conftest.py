@@ -18,7 +18,7 @@ import pytest
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import RosError
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.demo._ros1 import Master, free_port
+from end_effector_lab.demo._ros import Master, free_port
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import Child
 from tests.support.patience import PATIENCE_S, wait_until

@@ -21,7 +21,7 @@ import pytest
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import RosError
 from end_effector_hal.vocabulary import EndEffectorState
-from end_effector_lab.demo._ros2 import FIVE, ONE, PROGRAM, apart
+from end_effector_lab.demo._ros import FIVE, ONE, PROGRAM, apart
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import Child
 from tests.support.patience import PATIENCE_S, wait_until

@@ -11,8 +11,7 @@ import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RosError
-from end_effector_lab.demo._ros1 import RUN, Master
-from end_effector_lab.demo._ros2 import ONE
+from end_effector_lab.demo._ros import ONE, RUN, Master
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL, Child
 from tests.acceptance.ros2.conftest import System, without_wheels

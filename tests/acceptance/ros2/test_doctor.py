@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_lab.demo._ros2 import apart
+from end_effector_lab.demo._ros import apart
 from end_effector_lab.processes import EEHAL
 from tests.acceptance.ros2.conftest import without_wheels
 from tests.support.patience import PATIENCE_S

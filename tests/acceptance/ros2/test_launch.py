@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_lab.demo._ros2 import apart
+from end_effector_lab.demo._ros import apart
 from tests.support.places import ROOT
 
 PACKAGE = ROOT / "ros" / "end_effector_hal"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from end_effector_hal.description import load, profile_path
-from end_effector_lab.demo._ros2 import ONE
+from end_effector_lab.demo._ros import ONE
 from end_effector_lab.demo._world import World
 from tests.acceptance.ros2.conftest import System
 

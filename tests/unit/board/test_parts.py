@@ -14,7 +14,7 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RosError, UsageError
 from end_effector_lab.testbench import edges_of
-from end_effector_lab.testbench._records import Events
+from end_effector_lab.testbench._program import Events
 from tools.board import BoardError, board_parts, need_its_wires
 from tools.board import _parts as module
 from tools.board.__main__ import command

@@ -12,7 +12,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import StatesWriter, run_info
 from end_effector_lab.demo import scenarios
-from end_effector_lab.testbench._records import Events
+from end_effector_lab.testbench._program import Events
 from tools.board import BoardError, Ended, play_on_board
 from tools.board import _play as module
 

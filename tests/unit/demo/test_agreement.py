@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.description import Description
 from end_effector_hal.recording import StatesLog
 from end_effector_hal.wires.lines import Edge
-from end_effector_lab.demo._agreement import answered, on_the_wires, read_edges, replayed
+from end_effector_lab.demo._judge import answered, on_the_wires, read_edges, replayed
 from tests.support.recorded_tool import RecordedTool, recorded
 
 LINES = {"bottom_vacuum": "SODIMM_208", "cylinder": "SODIMM_210", "top_vacuum": "SODIMM_212"}

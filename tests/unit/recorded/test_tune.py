@@ -18,7 +18,7 @@ from end_effector_hal.page.recorded import RecordingFiles
 from end_effector_hal.recording import Recording
 from end_effector_lab.recorded import GripCollector, Tuning, tune
 from end_effector_lab.recorded import _attempts as attempts_module
-from end_effector_lab.recorded._course import course_of
+from end_effector_lab.recorded._attempts import course_of
 from end_effector_lab.recorded._parameters import TunableKey, not_tried, parameters_of
 from tests.support.recorded_tool import RecordedTool, recorded
 from tests.support.virtual_tool import VirtualTool

@@ -18,8 +18,7 @@ from end_effector_hal.wires import inputs as board
 from end_effector_hal.wires.lines import VirtualLines, read_chip
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import open_inputs, write_virtual_copy
-from end_effector_lab.testbench._program import Commands, Mail, Voice
-from end_effector_lab.testbench._records import Events, Record
+from end_effector_lab.testbench._program import Commands, Events, Mail, Record, Voice
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.places import ROOT
 

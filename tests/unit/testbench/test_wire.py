@@ -12,7 +12,7 @@ import pytest
 from end_effector_hal.errors import UsageError
 from end_effector_lab.testbench import Scenario
 from end_effector_lab.testbench._noise import LONGEST_BURST, Noise, disturbed
-from end_effector_lab.testbench._records import Events, Record
+from end_effector_lab.testbench._program import Events, Record
 
 DATA = bytes(10_000)
 

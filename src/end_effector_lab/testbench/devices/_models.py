@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from ._onrobot_rg import OnRobotRG2
-from ._onrobot_vg import OnRobotVG10
+from ._onrobot import OnRobotRG2, OnRobotVG10
 from ._remote_io import Adam4056, RemoteIo, Wago750
-from ._robotiq_2f import Robotiq2F85, Robotiq2F140, RobotiqHandE
+from ._robotiq import Robotiq2F85, Robotiq2F140, RobotiqHandE
 from ._robotiq_epick import RobotiqEPick
 from ._schunk_egu import SchunkEgu
 from ._unit import UnitModel
