@@ -19,7 +19,7 @@ from distributed import Client
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_lab.processes import Child, Children
 from end_effector_lab.trials import Cell, cells_of, matrix_folder, moments, play_all, thinned
-from end_effector_lab.workers import cluster_workers, local_workers
+from end_effector_lab.workers import open_workers
 
 DASK = (sys.executable, "-m", "dask")
 HOST = ("--host", "127.0.0.1", "--no-dashboard")
@@ -37,7 +37,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, Children() as children:
         folder = Path(name)
         begun = time.process_time()
-        with local_workers(1) as here, matrix_folder(description, folder / "here") as results:
+        with open_workers(None, 1) as here, matrix_folder(description, folder / "here") as results:
             play_all(description, cells, results, workers=here)
         found: dict[str, object] = {"cells": len(cells), "here_s": time.process_time() - begun}
         scheduler, address = _scheduler(children, folder)
@@ -71,7 +71,7 @@ def _scheduler(children: Children, folder: Path) -> tuple[Child, str]:
 
 
 def _play(description: Description, cells: list[Cell], folder: Path, address: str) -> None:
-    with cluster_workers(address) as workers, matrix_folder(description, folder) as results:
+    with open_workers(address, None) as workers, matrix_folder(description, folder) as results:
         play_all(description, cells, results, workers=workers)
 
 
@@ -95,7 +95,7 @@ def _measured(
 def _of_nothing(client: Client, scheduler: Child, address: str) -> dict[str, float]:
     """Measure items that cost nothing, so that all of the time is the overhead of the distribution."""
     before = _cpu_s(scheduler.pid), time.process_time()
-    with cluster_workers(address) as workers:
+    with open_workers(address, None) as workers:
         tasks = sum(1 for _ in workers.each(max, 0, range(1, NOTHING + 1)))
     after = _cpu_s(scheduler.pid), time.process_time()
     assert tasks == NOTHING

@@ -16,7 +16,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cache
@@ -35,6 +35,7 @@ from end_effector_hal.recording import append_whole, lock, product_version
 from end_effector_hal.vocabulary import printable
 
 T = TypeVar("T")
+K = TypeVar("K")
 
 PACKAGES = ("timed_automata", "end_effector_hal", "end_effector_lab")
 MOST_LINE, MOST_MARK = 4_000_000, 100_000
@@ -153,6 +154,19 @@ class ResultsFolder:
                 raise self.misfit(f"It has more than {MOST_LINE} bytes.", f"{path}:{number}")
             if line:
                 os.ftruncate(self._fd, end)
+
+    def by_key(self, shape: TypeAdapter[T], key: Callable[[T, str], K], noun: str) -> dict[K, T]:
+        """Return the results by their keys, which ``key`` gives from a result and its place; a key is there once.
+
+        Raises:
+            UsageError: see `lines`; or the ``noun`` of a line is in an earlier one, too.
+        """
+        done: dict[K, T] = {}
+        for where, result in self.lines(shape):
+            if (found := key(result, where)) in done:
+                raise self.misfit(f"its {noun} is in an earlier line, too.", where)
+            done[found] = result
+        return done
 
     def misfit(self, what: str, where: str) -> UsageError:
         """Return the error about a line that does not fit."""

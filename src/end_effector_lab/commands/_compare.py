@@ -60,17 +60,28 @@ def read_tables(folder: Path) -> RunTables:
     """
     from end_effector_hal.recording import RunTables
 
-    states = folder / "states.csv" if folder.is_dir() else folder
-    if not states.exists():
-        raise UsageError(
-            "This folder contains no recording.",
-            where=str(folder),
-            todo="Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote.",
-        )
+    states = states_in(folder)
     tables = RunTables.read(states)
     if not tables.log.rows:
         raise UsageError("This recording holds no row.", where=str(states))
     return tables
+
+
+def states_in(path: Path) -> Path:
+    """Return the table of states that a path names, or of its folder; raises UsageError if the folder has none."""
+    states = path / "states.csv" if path.is_dir() else path
+    if path.is_dir() and not states.exists():
+        if any(path.glob("*.mcap")):
+            raise UsageError(
+                "There is no states.csv here, only traces.",
+                where=str(path),
+                todo="`eehal page`, `eehal report` and `eehal replay` show and judge traces.",
+            )
+        todo = (
+            "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
+        )
+        raise UsageError("This folder contains no recording.", where=str(path), todo=todo)
+    return states
 
 
 def _sources(first: RunInfo, second: RunInfo) -> dict[str, list[object]]:

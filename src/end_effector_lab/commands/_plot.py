@@ -11,6 +11,8 @@ import click
 from end_effector_hal.cli import PathName, Progress, figures, print_document
 from end_effector_hal.errors import UsageError, os_errors
 
+from ._compare import states_in
+
 if TYPE_CHECKING:
     from end_effector_lab.figures import RecordedRun
 
@@ -35,18 +37,7 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
     from end_effector_lab.figures import RecordedRun
 
     drawing = figures()  # without what draws them nothing is read or written
-    states = recording / "states.csv" if recording.is_dir() else recording
-    if recording.is_dir() and not states.exists():
-        if any(recording.glob("*.mcap")):
-            raise UsageError(
-                "There is no states.csv here, only traces.",
-                where=str(recording),
-                todo="`eehal page`, `eehal report` and `eehal replay` show and judge traces.",
-            )
-        todo = (
-            "Name a folder that `eehal run --record`, `eehal demo` or the launch file's log_directory wrote."
-        )
-        raise UsageError("This folder contains no recording.", where=str(recording), todo=todo)
+    states = states_in(recording)
     styles = STYLES if style == "both" else (style,)
     files: list[Path] = []
     with Progress(f"Reading {states}", shown=not as_json) as progress:

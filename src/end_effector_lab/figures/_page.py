@@ -155,33 +155,12 @@ def sources(info: RunInfo) -> list[str]:
 def draw_heading(figure: Figure, heading: Heading, left: float) -> None:
     """Draw title, reason, subtitle and legend, ``left`` inches from the edge."""
     width, height = figure.get_size_inches()
-    x = left / width
-    figure.text(
-        x,
-        1 - EDGE_IN / height,
-        "\n".join(heading.title),
-        va="top",
-        fontsize=TITLE,
-        fontweight="bold",
-        linespacing=1.25,
-    )
-    figure.text(
-        x,
-        1 - heading.because_at / height,
-        "\n".join(heading.because),
-        va="top",
-        fontsize=BECAUSE,
-        linespacing=1.25,
-    )
-    figure.text(
-        x,
-        1 - heading.subtitle_at / height,
-        "\n".join(heading.subtitle),
-        va="top",
-        fontsize=SUBTITLE,
-        color=MUTED,
-        linespacing=1.25,
-    )
+    for lines, at, style in (
+        (heading.title, EDGE_IN, {"fontsize": TITLE, "fontweight": "bold"}),
+        (heading.because, heading.because_at, {"fontsize": BECAUSE}),
+        (heading.subtitle, heading.subtitle_at, {"fontsize": SUBTITLE, "color": MUTED}),
+    ):
+        figure.text(left / width, 1 - at / height, "\n".join(lines), va="top", linespacing=1.25, **style)
     y = heading.legend_at
     for name, colour in FILLS.items():
         box = Rectangle(

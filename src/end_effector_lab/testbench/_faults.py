@@ -9,7 +9,6 @@ from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.faults import (
     LONGEST,
-    FaultNumber,
     FaultOffer,
     FaultRequest,
     TestbenchHeader,
@@ -20,7 +19,7 @@ from end_effector_hal.recording import content_hash
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits, Reply, Server, record_line
 
-from ._scenario import FAULTS, Fault, Number, links_with, traits_of
+from ._scenario import FAULTS, Fault, links_with, traits_of
 from ._testbench import Testbench
 from ._units import Models, chosen_models, played_units, shown_by_models
 from .physics import PRESSURE
@@ -65,12 +64,7 @@ def offered_faults(description: Description, models: Models | None = None) -> It
 
 
 def _offer(fault: Fault, places: tuple[str, ...] = (), *, anywhere: bool = True) -> FaultOffer:
-    number = _number(fault.number) if fault.number else None
-    return FaultOffer(fault.name, fault.meaning, fault.usage, places, anywhere, number)
-
-
-def _number(number: Number) -> FaultNumber:
-    return FaultNumber(number.name, number.low, number.high, number.default, number.whole)
+    return FaultOffer(fault.name, fault.meaning, fault.usage, places, anywhere, fault.number)
 
 
 _log = logging.getLogger("end_effector_lab.testbench")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from typing import Any, Literal
@@ -12,6 +12,7 @@ from typing import Any, Literal
 from end_effector_hal.codecs import codec_of, is_polled
 from end_effector_hal.description import Description, network_address
 from end_effector_hal.errors import UsageError
+from end_effector_hal.faults import FaultNumber
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator, named
 from end_effector_hal.signals import Kind
@@ -105,17 +106,7 @@ class Scenario(LinkEffect):
 
 
 ANY = ACTUATOR, CHANGER
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number in a fault's text, with its limits; ``default``: it may be left out; ``whole``: an integer."""
-
-    name: str
-    low: float
-    high: float
-    default: float | None = None
-    whole: bool = False
+_MICROS = {"seconds": 1_000_000, "ms": 1_000}
 
 
 @dataclass(frozen=True)
@@ -125,22 +116,35 @@ class Fault:
     Args:
         name: its name in a scenario, ``name[:actuator][:number]``.
         meaning: a phrase for people.
-        changes: returns fields of :class:`Effect` (or of :class:`Scenario`) with values, from the number.
+        sets: the field of :class:`Effect`, or of :class:`Scenario`, that it sets; empty: none.
         on: traits of devices; the fault needs a device with one of them; empty: it concerns the whole bench.
         number: the number that must be given.
         link: a sensor link can have it ("also"), only a link can ("only"), only a polled link ("polled"),
             only one that asks Modbus registers ("modbus"), only one with outputs ("commanded"), or only one that asks
             a device at an address ("network").
         channel: it concerns a channel that is an alarm.
+        value: the value of the field, where no number gives it.
     """
 
     name: str
     meaning: str
-    changes: Callable[[float], Mapping[str, object]]
+    sets: str
     on: tuple[str, ...] = ()
-    number: Number | None = None
+    number: FaultNumber | None = None
     link: Literal["", "also", "only", "polled", "modbus", "commanded", "network"] = ""
     channel: bool = False
+    value: object = True
+
+    def changes(self, number: float) -> Iterator[tuple[str, object]]:
+        """Yield the field that it sets, with its value; ``number``: of its text. Times become µs, a bit a bool."""
+        value, of = self.value, self.number
+        if of is BIT:
+            value = bool(number)
+        elif of is not None:
+            found = number * _MICROS.get(of.name, 1)
+            value = round(found) if of.whole or of.name in _MICROS else found
+        if self.sets:
+            yield self.sets, value
 
     @property
     def usage(self) -> str:
@@ -157,80 +161,62 @@ class Fault:
 
 ASKING = {"polled": "polled", "modbus": "Modbus", "commanded": "commanded", "network": "network"}
 """Links that ask, in words."""
-RATE = Number("rate", 0, 1)
-BIT = Number("bit", 0, 1, whole=True)
-
-
-def _micros(seconds: float) -> int:
-    return round(seconds * 1e6)
-
+RATE = FaultNumber("rate", 0, 1)
+BIT = FaultNumber("bit", 0, 1, whole=True)
+SECONDS = FaultNumber("seconds", 0, 86400)
 
 FAULTS: tuple[Fault, ...] = (
-    Fault("nominal", "nothing is wrong", lambda _: {}),
-    Fault("fails-once", "its first activation has no effect", lambda _: {"dead_activations": 1}, ANY),
-    Fault("fails", "its first activations have no effect", lambda n: {"dead_activations": int(n)}, ANY,
-          Number("times", 1, 1000, whole=True)),
-    Fault("never-confirms", "no activation has any effect", lambda _: {"dead_activations": NEVER}, ANY),
-    Fault("stuck-release", "its feedback stays after the deactivation", lambda _: {"stuck": True}, ANY),
-    Fault("leak", "it leaks: confirmed, but never secure", lambda q: {"leak_l_min": q}, (LEAKS,),
-          Number("l_min", 0.1, 2000, default=4.0)),
-    Fault("leak-grows", "its leak grows by this much per second: first weak, then lost",
-          lambda q: {"leak_grows_l_min_s": q}, (LEAKS,), Number("l_min_s", 0.01, 100, default=1.0)),
-    Fault("lost-after", "its part is lost this long after the activation",
-          lambda s: {"lost_after_us": _micros(s)}, (ACTUATOR,), Number("seconds", 0.001, 86400)),
-    Fault("no-part", "there is nothing for it to grip", lambda _: {"no_part": True}, (PARTS,)),
-    Fault("sticks", "its part sticks to it until it is blown off", lambda _: {"sticks": True},
-          (STICKS,)),
-    Fault("invalid", "its pressure is marked as invalid", lambda _: {"invalid": True}, (PRESSURE,)),
-    Fault("shows", "its sensor shows this gauge pressure, in any case", lambda p: {"shows_kpa": p}, (PRESSURE,),
-          Number("kpa", -110, 800)),
-    Fault("frozen-after", "its sensor keeps its value from then on",
-          lambda s: {"frozen_after_us": _micros(s)}, (PRESSURE,), Number("seconds", 0, 86400)),
-    Fault("swapped", "its sensor is exchanged with the next actuator's", lambda _: {"swapped": True}, (PRESSURE,)),
-    Fault("locked-shows", "its sensor of locked always shows this bit",
-          lambda b: {"locked_shows": bool(b)}, (CHANGER,), BIT),
-    Fault("unlocked-shows", "its sensor of unlocked always shows this bit",
-          lambda b: {"unlocked_shows": bool(b)}, (CHANGER,), BIT),
-    Fault("stand-shows", "the sensor of the tool's stand shows this bit in any case",
-          lambda b: {"stand_shows": bool(b)}, (CHANGER,), BIT),
-    Fault("supply", "the air supply has this gauge pressure", lambda p: {"supply_kpa": p},
-          number=Number("kpa", 0, 2000)),
-    Fault("silent-after", "the link falls silent, or the inputs of the board do",
-          lambda s: {"silent_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="also"),
-    Fault("babble-after", "the link carries random bytes only", lambda s: {"babble_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400), link="only"),
-    Fault("reboot-after", "the device that sends restarts", lambda s: {"reboot_after_us": _micros(s)},
-          number=Number("seconds", 0, 86400), link="only"),
-    Fault("noise", "this share of the bytes on the link is changed", lambda r: {"noise": r}, number=RATE, link="only"),
-    Fault("flips", "this share of the bits on the link is turned over", lambda r: {"flips": r},
-          number=RATE, link="only"),
-    Fault("bursts", "of this share of the frames some bytes in a row are changed", lambda r: {"bursts": r},
-          number=RATE, link="only"),
-    Fault("lost-bytes", "this share of the bytes on the link is lost", lambda r: {"dropped": r},
-          number=RATE, link="only"),
-    Fault("doubled-bytes", "this share of the bytes on the link comes twice", lambda r: {"doubled": r},
-          number=RATE, link="only"),
-    Fault("late-answers", "a polled device answers this much later", lambda n: {"late_us": int(n) * 1000},
-          number=Number("ms", 1, 60_000, whole=True), link="polled"),
-    Fault("no-answers", "a polled device does not answer this share of the requests", lambda r: {"unanswered": r},
-          number=RATE, link="polled"),
-    Fault("twice-answers", "this share of the answers of a polled device comes twice", lambda r: {"twice": r},
-          number=RATE, link="polled"),
-    Fault("wrong-answers", "this share of the answers of a polled device comes from another one, undamaged",
-          lambda r: {"another": r}, number=RATE, link="modbus"),
-    Fault("closed-after", "the device at an address refuses connections, and has reset those it had",
-          lambda s: {"closed_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="network"),
-    Fault("cut-answers", "this share of the answers ends in the middle, with a reset of the connection",
-          lambda r: {"cut": r}, number=RATE, link="network"),
+    Fault("nominal", "nothing is wrong", ""),
+    Fault("fails-once", "its first activation has no effect", "dead_activations", ANY, value=1),
+    Fault("fails", "its first activations have no effect", "dead_activations", ANY,
+          FaultNumber("times", 1, 1000, whole=True)),
+    Fault("never-confirms", "no activation has any effect", "dead_activations", ANY, value=NEVER),
+    Fault("stuck-release", "its feedback stays after the deactivation", "stuck", ANY),
+    Fault("leak", "it leaks: confirmed, but never secure", "leak_l_min", (LEAKS,),
+          FaultNumber("l_min", 0.1, 2000, default=4.0)),
+    Fault("leak-grows", "its leak grows by this much per second: first weak, then lost", "leak_grows_l_min_s", (LEAKS,),
+          FaultNumber("l_min_s", 0.01, 100, default=1.0)),
+    Fault("lost-after", "its part is lost this long after the activation", "lost_after_us", (ACTUATOR,),
+          FaultNumber("seconds", 0.001, 86400)),
+    Fault("no-part", "there is nothing for it to grip", "no_part", (PARTS,)),
+    Fault("sticks", "its part sticks to it until it is blown off", "sticks", (STICKS,)),
+    Fault("invalid", "its pressure is marked as invalid", "invalid", (PRESSURE,)),
+    Fault("shows", "its sensor shows this gauge pressure, in any case", "shows_kpa", (PRESSURE,),
+          FaultNumber("kpa", -110, 800)),
+    Fault("frozen-after", "its sensor keeps its value from then on", "frozen_after_us", (PRESSURE,), SECONDS),
+    Fault("swapped", "its sensor is exchanged with the next actuator's", "swapped", (PRESSURE,)),
+    Fault("locked-shows", "its sensor of locked always shows this bit", "locked_shows", (CHANGER,), BIT),
+    Fault("unlocked-shows", "its sensor of unlocked always shows this bit", "unlocked_shows", (CHANGER,), BIT),
+    Fault("stand-shows", "the sensor of the tool's stand shows this bit in any case", "stand_shows", (CHANGER,), BIT),
+    Fault("supply", "the air supply has this gauge pressure", "supply_kpa", number=FaultNumber("kpa", 0, 2000)),
+    Fault("silent-after", "the link falls silent, or the inputs of the board do", "silent_after_us",
+          (), SECONDS, "also"),
+    Fault("babble-after", "the link carries random bytes only", "babble_after_us", (), SECONDS, "only"),
+    Fault("reboot-after", "the device that sends restarts", "reboot_after_us", (), SECONDS, "only"),
+    Fault("noise", "this share of the bytes on the link is changed", "noise", (), RATE, "only"),
+    Fault("flips", "this share of the bits on the link is turned over", "flips", (), RATE, "only"),
+    Fault("bursts", "of this share of the frames some bytes in a row are changed", "bursts", (), RATE, "only"),
+    Fault("lost-bytes", "this share of the bytes on the link is lost", "dropped", (), RATE, "only"),
+    Fault("doubled-bytes", "this share of the bytes on the link comes twice", "doubled", (), RATE, "only"),
+    Fault("late-answers", "a polled device answers this much later", "late_us", (),
+          FaultNumber("ms", 1, 60_000, whole=True), "polled"),
+    Fault("no-answers", "a polled device does not answer this share of the requests", "unanswered", (), RATE, "polled"),
+    Fault("twice-answers", "this share of the answers of a polled device comes twice", "twice", (), RATE, "polled"),
+    Fault("wrong-answers", "this share of the answers of a polled device comes from another one, undamaged", "another",
+          (), RATE, "modbus"),
+    Fault("closed-after", "the device at an address refuses connections, and has reset those it had", "closed_after_us",
+          (), SECONDS, "network"),
+    Fault("cut-answers", "this share of the answers ends in the middle, with a reset of the connection", "cut",
+          (), RATE, "network"),
     Fault("foreign-write-after", "another client makes all outputs on the link inactive, once",
-          lambda s: {"foreign_write_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="commanded"),
+          "foreign_write_after_us", (), SECONDS, "commanded"),
     Fault("other-device-after", "another device answers there: its registers are 0, and its outputs move nothing",
-          lambda s: {"other_device_after_us": _micros(s)}, number=Number("seconds", 0, 86400), link="commanded"),
-    Fault("no-tool", "no tool is present", lambda _: {"tool_present": False}),
-    Fault("not-in-stand", "the tool is away from its stand", lambda _: {"in_stand": False}),
-    Fault("estop-open", "the emergency stop is open", lambda _: {"estop_ok": False}),
-    Fault("alarm", "an alarm channel shows an alarm, or this code", lambda n: {"shows": int(n)},
-          number=Number("code", -(2**31), 2**31 - 1, default=1, whole=True), channel=True),
+          "other_device_after_us", (), SECONDS, "commanded"),
+    Fault("no-tool", "no tool is present", "tool_present", value=False),
+    Fault("not-in-stand", "the tool is away from its stand", "in_stand", value=False),
+    Fault("estop-open", "the emergency stop is open", "estop_ok", value=False),
+    Fault("alarm", "an alarm channel shows an alarm, or this code", "shows",
+          number=FaultNumber("code", -(2**31), 2**31 - 1, default=1, whole=True), channel=True),
 )  # fmt: skip
 
 
@@ -289,7 +275,7 @@ def parse_scenario(text: str, description: Description) -> Scenario:
             )
         named = links if fault.link else alarms if fault.channel else devices
         changed = named.setdefault(name, {}) if name else whole
-        for key, value in fault.changes(number).items():
+        for key, value in fault.changes(number):
             if changed.get(key, value) != value:
                 other = by[id(changed), key]
                 raise UsageError(
@@ -360,7 +346,7 @@ def _read(
     return fault, device, number
 
 
-def _number(part: str, values: list[str], number: Number) -> float:
+def _number(part: str, values: list[str], number: FaultNumber) -> float:
     if not values and number.default is not None:
         return number.default
     kind = "a whole number" if number.whole else "a number"

@@ -3,7 +3,16 @@
 A grid plays every fault at every moment with every command; a campaign plays random sequences.
 """
 
-from ._campaign import Campaign, kind_of_failure, never_reached, summary
+from ._campaign import (
+    UNREACHED,
+    Campaign,
+    campaign_folder,
+    kind_of_failure,
+    never_reached,
+    read_failures,
+    run_campaign,
+    summary,
+)
 from ._case import Case, Happening, Outcome, case_from_json, case_from_words, read_case
 from ._coverage import CoverageMap
 from ._draw import CaseSource, shrunk_by
@@ -12,7 +21,6 @@ from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
 from ._play import no_log, play_case
 from ._processes import play_on_processes
 from ._report import figures, fmea, let_go, page, signed_cells
-from ._run_campaign import UNREACHED, campaign_folder, read_failures, run_campaign
 from ._run_grid import (
     FIGURES,
     FMEA,

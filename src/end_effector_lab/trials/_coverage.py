@@ -1,18 +1,22 @@
-"""Coverage of the executed automata: locations, edges, and each edge in combination with each fault."""
+"""What is watched of the executed automata: their requirements, and the coverage of locations, edges and faults."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, field_serializer
 
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
 from end_effector_lab.testbench import offered_faults
 from timed_automata.execute import Observation, Step
 from timed_automata.explore.properties import Coverage
+from timed_automata.monitor import Monitor
 from timed_automata.network import Edge, Process
 
 NONE = "nominal"
+Count = Annotated[int, Field(ge=0, lt=2**53)]
 
 
 class CoverageMap:
@@ -79,33 +83,35 @@ def _name(process: Process, edge: Edge) -> str:
     )
 
 
-@dataclass
-class Reached:
-    """The reached edges, locations and pairs, as numbers of a `CoverageMap`."""
+class Reached(BaseModel):
+    """The reached edges, locations and pairs, as numbers of a `CoverageMap`; in a file they are sorted."""
 
-    edges: set[int] = field(default_factory=set)
-    locations: set[int] = field(default_factory=set)
-    pairs: set[int] = field(default_factory=set)
+    model_config = ConfigDict(extra="forbid")
 
-    def add(self, other: Reached) -> Reached:
-        """Add another result; return the part of it that is new."""
-        new = Reached(other.edges - self.edges, other.locations - self.locations, other.pairs - self.pairs)
+    edges: set[Count] = Field(default_factory=set)
+    locations: set[Count] = Field(default_factory=set)
+    pairs: set[Count] = Field(default_factory=set)
+
+    def beyond(self, other: Reached) -> Reached:
+        """Return the part that another result has not reached."""
+        return Reached(
+            edges=self.edges - other.edges,
+            locations=self.locations - other.locations,
+            pairs=self.pairs - other.pairs,
+        )
+
+    def add(self, other: Reached) -> None:
+        """Add another result."""
         self.edges |= other.edges
         self.locations |= other.locations
         self.pairs |= other.pairs
-        return new
 
     def __bool__(self) -> bool:
         return bool(self.edges or self.locations or self.pairs)
 
-    def as_json(self) -> dict[str, list[int]]:
-        """Return the numbers in the form of the file."""
-        return {name: sorted(getattr(self, name)) for name in ("edges", "locations", "pairs")}
-
-    @classmethod
-    def from_json(cls, found: dict[str, list[int]]) -> Reached:
-        """Return the numbers from the form of the file."""
-        return cls(*(set(found[name]) for name in ("edges", "locations", "pairs")))
+    @field_serializer("*")
+    def _sorted(self, numbers: set[int]) -> list[int]:
+        return sorted(numbers)
 
 
 class Coverer:
@@ -134,3 +140,23 @@ class Coverer:
                 self.reached.pairs.update(self._map.pair(edge, fault) for fault in self.faults)
             if (place := self._map.location(taken.process, taken.target)) is not None:
                 self.reached.locations.add(place)
+
+
+class Monitors:
+    """Creates a monitor for each new controller, with the requirements of the automata."""
+
+    def __init__(self, description: Description) -> None:
+        self._automata, self._network = description.automata, network_of(description)
+        self._monitors: list[Monitor] = []
+
+    def watch(self) -> Callable[[Observation], None]:
+        """Create a monitor for a controller; return the function that receives its observations."""
+        automata = self._automata
+        monitor = Monitor(self._network, automata.executed, automata.interface, requirements=True)
+        self._monitors.append(monitor)
+        return monitor.observe
+
+    @property
+    def objections(self) -> list[str]:
+        """The objections of all monitors, as sentences."""
+        return [each.what for monitor in self._monitors for each in monitor.objections]

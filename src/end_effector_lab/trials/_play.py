@@ -13,7 +13,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState
 from end_effector_lab.testbench import TOOL_CHANGER
-from end_effector_lab.virtual import Monitors, VirtualTool, switchings
+from end_effector_lab.virtual import VirtualTool, switchings
 from timed_automata.execute import Observation
 
 from ._case import (
@@ -34,7 +34,7 @@ from ._case import (
     Outcome,
     Story,
 )
-from ._coverage import CoverageMap, Coverer, Reached
+from ._coverage import CoverageMap, Coverer, Monitors, Reached
 from ._judge import Judge
 
 REST_S, STILL_US, DARK_S, MARGIN_US = 0.5, 500_000, 1.0, 30_000_000
@@ -57,17 +57,7 @@ def play_case(
     enough: Callable[[Mapping[str, str]], bool] = lambda _: False,
     on_frame: Callable[[Frame], None] | None = None,
 ) -> Trial:
-    """Play a case and judge it.
-
-    Args:
-        case: the events.
-        known: everything that can be reached; None: the coverage is not recorded.
-        enough: returns whether these failures end the case early.
-        on_frame: see `VirtualTool`.
-
-    Raises:
-        UsageError: the tool cannot be played in virtual time, or does not come to rest.
-    """
+    """Play a case once and judge it, see `Trial`; ``enough`` returns whether these failures end it early."""
     trial = Trial(description, case, known, on_frame)
     trial.play(enough)
     return trial
@@ -128,7 +118,7 @@ class Trial:
         self.ended = self._mark()
         self._crash = ""
 
-    def play(self, enough: Callable[[Mapping[str, str]], bool] = lambda _: False) -> None:
+    def play(self, enough: Callable[[Mapping[str, str]], bool]) -> None:
         """Play the case once; ``enough`` returns whether these failures end it early."""
         try:
             self._happen()

@@ -129,7 +129,7 @@ def play_all(
         UsageError: a stored line does not fit, or a result cannot be stored.
         WorkersError: the workers cannot be reached or do not fit, or some cells were not played.
     """
-    done = _kept(results)
+    done = results.by_key(_SHAPE, lambda each, _: each.id, "cell")
     todo = [cell for cell in cells if cell.id not in done]
     on_progress(len(cells) - len(todo), len(cells))
     shared = description, ShippedAutomata.read(description)
@@ -144,16 +144,6 @@ def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> Played:
     description, automata = shared
     with no_log():
         return play(automata.of(description), cell)
-
-
-def _kept(results: ResultsFolder) -> dict[str, Played]:
-    """Return the stored results by the id of their cell."""
-    done: dict[str, Played] = {}
-    for where, played in results.lines(_SHAPE):
-        if played.id in done:
-            raise results.misfit("its cell is in an earlier line, too.", where)
-        done[played.id] = played
-    return done
 
 
 TIMELINE = "timeline.png"

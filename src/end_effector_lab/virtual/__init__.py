@@ -10,5 +10,4 @@ True
 """
 
 from ._outputs import Edge, Switching, switchings
-from ._tool import VirtualTool
-from ._watching import Monitors, Watch
+from ._tool import VirtualTool, Watch

@@ -1,4 +1,4 @@
-"""The successive line arbiters of a virtual tool, how each begins, ends or dies, and the commanded buses."""
+"""The successive line arbiters of a virtual tool: how each begins, ends or dies, with its masters of the buses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from end_effector_hal.arbiter import PredicatePublisher, arbiter_policy
 from end_effector_hal.description import Description
 from end_effector_hal.wires.lines import ComposedLines
-from end_effector_lab.testbench import Bench, Models, SensorBoard
+from end_effector_lab.testbench import SensorBoard
 
 from ._arbiter import Memories, VirtualArbiter
 from ._outputs import VirtualOutputs
@@ -17,91 +17,14 @@ if TYPE_CHECKING:
     from ._bus import VirtualBus
 
 
-class VirtualBuses:
-    """All commanded buses of a tool.
-
-    Args:
-        description: the description of the tool.
-        bench: provides the measured values.
-        obey: called with the name and level of a commanded output.
-        clock: returns the time, µs.
-        active: outputs that are active at the start.
-        models: units that have a model.
-    """
-
-    def __init__(
-        self,
-        description: Description,
-        bench: Bench,
-        obey: Callable[[str, bool], None],
-        clock: Callable[[], int],
-        active: Mapping[str, bool],
-        models: Models,
-    ) -> None:
-        self._description, self._clock, self._obey = description, clock, obey
-        self.devices = {
-            name: SensorBoard.on_bus(description, name, bench, 0, obey, models) for name in description.buses
-        }
-        """All units of each bus, by their links; they outlive the arbiter."""
-        for each in self.devices.values():
-            each.begin(active, clock())
-        self.masters: list[VirtualBus] = []
-        """Bus masters of the living, starting or ending arbiter."""
-
-    def open(self) -> dict[str, VirtualBus]:
-        """Open the ports for a new arbiter; return the bus of each output."""
-        if not self.devices:
-            return {}
-        from ._bus import VirtualBus  # with pymodbus
-
-        found: dict[str, VirtualBus] = {}
-        for name, devices in self.devices.items():
-            master = VirtualBus(self._description, name, devices, self._clock)
-            self.masters.append(master)
-            found |= dict.fromkeys(self._description.buses[name], master)
-        return found
-
-    @property
-    def adopted(self) -> bool:
-        """Whether an arbiter no longer waits for the devices' reports."""
-        return all(each.adopted for each in self.masters)
-
-    @property
-    def news(self) -> bool:
-        """Whether a device has changed since the last query."""
-        return any(each.news for each in self.masters)
-
-    def end(self) -> None:
-        """Begin the proper end of the arbiter."""
-        for each in self.masters:
-            each.end()
-        self.forget_ended()
-
-    def forget_ended(self) -> None:
-        """Remove the masters that have released their port."""
-        self.masters = [each for each in self.masters if not each.over]
-
-    def kill(self) -> None:
-        """Remove all masters, since the arbiter dies; no request reaches the devices any more."""
-        self.masters = []
-
-    def lose_power(self) -> None:
-        """Cut the power of the devices as well: no output is active any more but those that keep without power."""
-        self.kill()
-        kept = {each.line for _, each in self._description.ordered if each.on_power_loss in ("hold", "keep")}
-        for name, board in self.devices.items():
-            board.lose_power(self._clock())
-            for output in self._description.buses[name].keys() - kept:
-                self._obey(output, False)
-
-
 class ArbiterLives:
     """Manages the line arbiters; at most one lives at a time, and the next one reads the records of the previous one.
 
     Args:
         description: the description of the tool.
         outputs: its lines.
-        buses: the buses whose master the arbiter is.
+        boards: all units of each commanded bus, by its link; they outlive the arbiter.
+        obey: called with the name and level of an output of a bus.
         clock: returns the time, µs.
         reads: whether the arbiter reads inputs of its own.
 
@@ -109,6 +32,7 @@ class ArbiterLives:
         now: the living arbiter; None: there is none.
         begun: number of arbiters started so far.
         memories: the stores that outlive an arbiter.
+        masters: the masters of the buses, of the living, starting or ending arbiter.
         publisher: publishes the predicates of its own inputs; None: it reads none.
     """
 
@@ -116,16 +40,18 @@ class ArbiterLives:
         self,
         description: Description,
         outputs: VirtualOutputs,
-        buses: VirtualBuses,
+        boards: Mapping[str, SensorBoard],
+        obey: Callable[[str, bool], None],
         clock: Callable[[], int],
         *,
         reads: bool,
     ) -> None:
-        self._description, self._outputs, self._buses, self._clock = description, outputs, buses, clock
-        self._policy, self._reads = arbiter_policy(description), reads
+        self._description, self._outputs, self._obey, self._clock = description, outputs, obey, clock
+        self._policy, self._reads, self._boards = arbiter_policy(description), reads, boards
         self.memories = Memories()
         self.now: VirtualArbiter | None = None
         self.begun = 0
+        self.masters: list[VirtualBus] = []
         self.publisher: PredicatePublisher | None = None
         self._starts = False
         self._opened: Mapping[str, VirtualBus] | None = None  # by one that starts
@@ -153,25 +79,31 @@ class ArbiterLives:
             self._close(self.now)
 
     def kill(self) -> None:
-        """Kill the arbiter, or cancel its start."""
+        """Kill the arbiter, or cancel its start; no request reaches the buses any more."""
         self.now = self.publisher = self._opened = None
-        self._starts = False
-        self._buses.kill()
+        self._starts, self.masters = False, []
 
     def lose_power(self) -> None:
-        """Kill the arbiter and cut the power of its buses; data that was not synced to the disk is lost."""
+        """Kill the arbiter and cut the power of its buses; data that was not synced to the disk is lost.
+
+        No output is active any more, except those that their devices keep without power.
+        """
         self.kill()
-        self._buses.lose_power()
+        kept = {each.line for _, each in self._description.ordered if each.on_power_loss in ("hold", "keep")}
+        for name, board in self._boards.items():
+            board.lose_power(self._clock())
+            for output in self._description.buses[name].keys() - kept:
+                self._obey(output, False)
         self.memories.lose_power(f"boot {self._clock()}")
         self._outputs.set(dict.fromkeys(self._outputs.levels(), False))
 
     def heard(self) -> None:
         """Process news from a bus: a living arbiter reacts, a starting one may begin."""
         if self.now is None:
-            self._buses.forget_ended()
+            self._forget_ended()
             if self._starts:
                 self._begin()
-        elif self._buses.news:
+        elif any(each.news for each in self.masters):
             self.now.step()
 
     def sender(self, *, own: bool) -> ToArbiter:
@@ -181,10 +113,10 @@ class ArbiterLives:
     def _begin(self) -> None:
         """Begin as soon as the ports of the buses are free and their devices have reported their state."""
         if self._opened is None:
-            if self._buses.masters:
+            if self.masters:
                 return
-            self._opened = self._buses.open()
-        if not self._buses.adopted:
+            self._opened = self._open()
+        if not all(each.adopted for each in self.masters):
             return
         lines = ComposedLines(self._outputs, self._opened) if self._opened else self._outputs
         self._starts, self._opened = False, None
@@ -195,12 +127,31 @@ class ArbiterLives:
                 self._description, clock=self._clock, sender=self.sender(own=True)
             )
 
+    def _open(self) -> dict[str, VirtualBus]:
+        """Open the ports for a new arbiter; return the bus of each output."""
+        if not self._boards:
+            return {}
+        from ._bus import VirtualBus  # with pymodbus
+
+        found: dict[str, VirtualBus] = {}
+        for name, board in self._boards.items():
+            master = VirtualBus(self._description, name, board, self._clock)
+            self.masters.append(master)
+            found |= dict.fromkeys(self._description.buses[name], master)
+        return found
+
     def _close(self, arbiter: VirtualArbiter) -> None:
         arbiter.close()
         self.now = self.publisher = None
-        self._buses.end()
+        for each in self.masters:
+            each.end()
+        self._forget_ended()
         if self._starts:
             self._begin()
+
+    def _forget_ended(self) -> None:
+        """Remove the masters that have released their port."""
+        self.masters = [each for each in self.masters if not each.over]
 
 
 class ToArbiter:

@@ -10,31 +10,46 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from end_effector_hal.arbiter import HAL, PredicatePublisher, client_lines
-from end_effector_hal.control import Answer, Status, unknown_now
+from end_effector_hal.control import Answer, Controller, Status, unknown_now
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, WireError
 from end_effector_hal.runtime import InlineWorker, Program, longest_release_s, release_is_decided
-from end_effector_hal.runtime.boundary import NULL_RECORDER
+from end_effector_hal.runtime.boundary import NULL_RECORDER, Recorder
 from end_effector_hal.sensing import stays
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Evidence
-from end_effector_lab.testbench import Bench, Models, chosen_models
+from end_effector_lab.testbench import Bench, Models, SensorBoard, chosen_models
+from timed_automata import Network
+from timed_automata.execute import Observation
 
-from ._arbiter_lives import ArbiterLives, VirtualBuses
+from ._arbiter_lives import ArbiterLives
 from ._connection import VirtualConnection
 from ._outputs import Edge, VirtualOutputs
 from ._sources import Leap, Source, StreamedLink, arbiter_source, sources_of_bench
-from ._watching import Watch, Watching
 
 if TYPE_CHECKING:
     from ._bus import VirtualBus
 
 ARBITER = "arbiter"
 PROCESSES = (ARBITER, HAL)
+Watch = Callable[[], Callable[[Observation], None]]
+"""Called for each new controller; returns a receiver of its observations."""
 _TRIES_US = 200_000
 STARTED_US = 5_000_000
 LONGEST_LOOK_US = 250_000
 """Longest time between two looks at the tool, µs, even without frames."""
+
+
+class Watching(Recorder):
+    """A recorder that stores nothing, and passes the observations of every controller to a `Watch`."""
+
+    def __init__(self, watch: Watch) -> None:
+        super().__init__()
+        self._watch = watch
+
+    def controller(self, description: Description, network: Network) -> Controller:
+        """Return a controller that is observed from its start."""
+        return Controller(description, network, observe=self._watch())
 
 
 class VirtualTool:
@@ -89,11 +104,18 @@ class VirtualTool:
         self._outputs = VirtualOutputs(description.wired_lines, levels or {}, self._now, self._edge)
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
         chosen = chosen_models(None, description) if models is None else models
-        self._buses = VirtualBuses(description, self.bench, self._obey, self._now, self._on_bus, chosen)
+        self._boards = {
+            name: SensorBoard.on_bus(description, name, self.bench, 0, self._obey, chosen)
+            for name in description.buses
+        }
+        for board in self._boards.values():
+            board.begin(self._on_bus, 0)
         self._sources = list(sources_of_bench(description, self.bench, 0))
         self._own = arbiter_source(description, self.bench, 0)
         reads = self._own is not None
-        self._arbiters = ArbiterLives(description, self._outputs, self._buses, self._now, reads=reads)
+        self._arbiters = ArbiterLives(
+            description, self._outputs, self._boards, self._obey, self._now, reads=reads
+        )
         self.memories = self._arbiters.memories
         self._leap = self._leap_of(self._sources) if on_frame is None else None
         self._program: Program | None = None
@@ -275,10 +297,10 @@ class VirtualTool:
         """Return the events other than readings with their times (µs), in their order at one instant."""
         waits: list[tuple[int, Callable[[], object]]] = [
             (silent, partial(devices.advance, silent))
-            for devices in self._buses.devices.values()
+            for devices in self._boards.values()
             if (silent := devices.due) is not None
         ]
-        waits += [(master.due, partial(self._hear, master)) for master in self._buses.masters]
+        waits += [(master.due, partial(self._hear, master)) for master in self._arbiters.masters]
         if self._program is not None and (due := self._program.due) is not None:
             waits.append((due, self._program.work))
         if self._connection is not None:
@@ -301,7 +323,7 @@ class VirtualTool:
 
     def _leap_of(self, sources: Sequence[Source]) -> Leap | None:
         """Return the leap; None if there are several sources of readings, or a polled one."""
-        if len(sources) != 1 or self._own or self._buses.devices or not isinstance(sources[0], StreamedLink):
+        if len(sources) != 1 or self._own or self._boards or not isinstance(sources[0], StreamedLink):
             return None
         return Leap(self.description, sources[0], self._stays)
 

@@ -1,3 +1,3 @@
 """Apply a function to many items on the processors of this machine or a cluster of dask.distributed."""
 
-from ._workers import ShippedAutomata, Workers, cluster_workers, local_workers, open_workers
+from ._workers import LocalWorkers, ShippedAutomata, Workers, open_workers

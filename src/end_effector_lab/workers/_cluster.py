@@ -82,7 +82,14 @@ def _do(name: str, items: Sequence[Any]) -> tuple[float, list[Any]]:
 
 
 class ClusterWorkers(Workers):
-    """See `cluster_workers`."""
+    """The workers of a cluster.
+
+    Entering the context raises WorkersError if the scheduler cannot be reached or has no worker, or if a worker does
+    not fit.
+
+    Args:
+        address: address of the scheduler, such as ``tcp://10.0.0.1:8786``.
+    """
 
     def __init__(self, address: str) -> None:
         super().__init__()

@@ -153,7 +153,9 @@ def results_of(
     return time.perf_counter() - begun, results
 
 
-class _LocalWorkers(Workers):
+class LocalWorkers(Workers):
+    """Workers that are ``jobs`` processes of this machine; with one job, this process computes."""
+
     def __init__(self, jobs: int) -> None:
         super().__init__()
         self._jobs = jobs
@@ -216,40 +218,21 @@ def _do(items: list[Any]) -> tuple[float, list[Any]]:
     return results_of(_here["function"], _here["shared"], items)
 
 
-def local_workers(jobs: int) -> Workers:
-    """Return workers with ``jobs`` processes of this machine; with one job, this process computes."""
-    return _LocalWorkers(jobs)
-
-
-def cluster_workers(address: str) -> Workers:
-    """Return the workers of a cluster of dask.distributed.
-
-    Entering the context raises WorkersError if the scheduler cannot be reached or has no worker, or if a worker does
-    not fit.
-
-    Args:
-        address: address of the scheduler, such as ``tcp://10.0.0.1:8786``.
-
-    Raises:
-        ModuleNotFoundError: dask.distributed, the extra `cluster`, is not installed.
-    """
-    from ._cluster import ClusterWorkers
-
-    return ClusterWorkers(address)
-
-
 def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
     """Return workers of a scheduler's cluster or of this machine; without ``jobs``, one process per processor.
 
     Raises:
         UsageError: both arguments are given, or the number of jobs is too large.
+        ModuleNotFoundError: dask.distributed, the extra `cluster`, is not installed.
     """
     if scheduler and jobs:
         raise UsageError(
             "--scheduler and --jobs exclude each other.", todo="Leave --jobs out, or --scheduler."
         )
     if scheduler:
-        return cluster_workers(scheduler)
+        from ._cluster import ClusterWorkers
+
+        return ClusterWorkers(scheduler)
     here = len(os.sched_getaffinity(0))
     most = max(MOST_JOBS, MOST_EACH * here)
     if jobs is not None and jobs > most:
@@ -257,7 +240,7 @@ def open_workers(scheduler: str | None, jobs: int | None) -> Workers:
             f"{jobs} processes are too many for this machine.", where="--jobs",
             todo=f"At most {most}; without --jobs it is one for each of its processors.",
         )  # fmt: skip
-    return local_workers(jobs or here)
+    return LocalWorkers(jobs or here)
 
 
 @dataclass(frozen=True)

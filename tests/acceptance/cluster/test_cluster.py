@@ -18,7 +18,7 @@ from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import WorkersError
 from end_effector_lab.processes import EEHAL
 from end_effector_lab.trials import Campaign, cells_of, matrix_folder, moments, play_all, run_campaign
-from end_effector_lab.workers import Workers, _cluster, cluster_workers, local_workers
+from end_effector_lab.workers import LocalWorkers, Workers, _cluster
 from tests.support.nightly import NIGHTLY
 from tests.support.patience import wait_until
 from tests.support.places import ROOT
@@ -35,7 +35,7 @@ SHIPPED = load(profile_path())
 def workers(cluster: Cluster) -> Iterator[Workers]:
     with Client(cluster.address, set_as_default=False) as client:
         client.wait_for_workers(3, timeout=60)
-    with cluster_workers(cluster.address) as opened:
+    with _cluster.ClusterWorkers(cluster.address) as opened:
         yield opened
 
 
@@ -66,7 +66,7 @@ def test_the_cells_of_a_worker_that_is_killed_are_played_by_others(
     assert killed
     lines = (tmp_path / "cluster" / "cells.jsonl").read_text().splitlines()
     assert sorted(json.loads(line)["id"] for line in lines) == sorted(cell.id for cell in cells)
-    with local_workers(2) as local, matrix_folder(SHIPPED, tmp_path / "local") as results:
+    with LocalWorkers(2) as local, matrix_folder(SHIPPED, tmp_path / "local") as results:
         here = play_all(SHIPPED, cells, results, workers=local)
     assert found == here
 
@@ -78,7 +78,7 @@ def test_a_campaign_is_the_same_on_any_workers(workers: Workers, tmp_path: Path)
             run < 24
         )  # more than are under way at once: later runs are drawn from what the first ones reached
 
-    with local_workers(1) as local:
+    with LocalWorkers(1) as local:
         here = run_campaign(SHIPPED, tmp_path / "local", local, seed=4, go_on=go_on)
     there = run_campaign(SHIPPED, tmp_path / "cluster", workers, seed=4, go_on=go_on)
     assert there.runs == here.runs == 24
@@ -149,7 +149,7 @@ def test_a_worker_of_another_version_is_named(
     seen: list[int] = []
     monkeypatch.setattr(_cluster, "_versions", lambda found: [here(found), seen.append(1)][0])
     with pytest.raises(WorkersError, match="a-package-of-this-side is missing there, 2 here"):
-        cluster_workers(cluster.address).__enter__()
+        _cluster.ClusterWorkers(cluster.address).__enter__()
 
 
 def test_what_a_worker_cannot_read_is_no_traceback(workers: Workers) -> None:
@@ -167,7 +167,10 @@ def test_a_scheduler_that_dies_leaves_what_was_done(bare: Cluster, tmp_path: Pat
             if len(found) == 1:
                 bare.scheduler.end(signal_number=signal.SIGKILL)
 
-    with cluster_workers(bare.address) as opened, pytest.raises(WorkersError, match="The scheduler has gone"):
+    with (
+        _cluster.ClusterWorkers(bare.address) as opened,
+        pytest.raises(WorkersError, match="The scheduler has gone"),
+    ):
         collect(opened)
     assert found
     assert len(list(tmp_path.iterdir())) < 1000  # few were in front of the worker
@@ -179,11 +182,14 @@ def test_what_is_no_worker_is_not_waited_for(
 ) -> None:
     monkeypatch.setattr(_cluster, "JOIN_S", 0.5)
     with pytest.raises(WorkersError, match="has no worker"):
-        cluster_workers(bare.address).__enter__()
+        _cluster.ClusterWorkers(bare.address).__enter__()
     monkeypatch.setattr(_cluster, "JOIN_S", 30)
     monkeypatch.setattr(_cluster, "GONE_S", 0.5)
     worker = bare.worker("--nthreads", "2", "--no-nanny")
-    with cluster_workers(bare.address) as opened, pytest.raises(WorkersError, match="it has 2 threads"):
+    with (
+        _cluster.ClusterWorkers(bare.address) as opened,
+        pytest.raises(WorkersError, match="it has 2 threads"),
+    ):
         list(opened.each(functions.add, 1, [1]))
     worker.end()
     worker = bare.worker("--nthreads", "1", "--no-nanny")
@@ -192,7 +198,10 @@ def test_what_is_no_worker_is_not_waited_for(
         for _ in workers.each(functions.slow, tmp_path, range(10_000)):
             worker.end(signal_number=signal.SIGKILL)
 
-    with cluster_workers(bare.address) as opened, pytest.raises(WorkersError, match="All workers have gone"):
+    with (
+        _cluster.ClusterWorkers(bare.address) as opened,
+        pytest.raises(WorkersError, match="All workers have gone"),
+    ):
         collect(opened)
 
 

@@ -148,7 +148,7 @@ def test_the_command_lists_the_differences(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["{one}", "{here}/nothing"], "This folder contains no recording."),
+        (["{one}", "{here}/nothing"], "Cannot be read: No such file or directory."),
         (["{one}", "{here}/empty"], "This recording holds no row."),
     ],
 )

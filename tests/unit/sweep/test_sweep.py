@@ -17,7 +17,7 @@ from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import prove_tool
 from end_effector_lab.sweep import Axis, combinations, read_axis, sweep
-from end_effector_lab.workers import local_workers
+from end_effector_lab.workers import LocalWorkers
 
 TOOL = Path("examples/tools/diy_text/end_effector.yaml")
 ACTUATOR = load_tool(TOOL).sequence[0]
@@ -70,7 +70,7 @@ def test_combinations_are_bounded_and_each_key_stands_once() -> None:
 
 def test_a_combination_has_the_verdict_of_a_file_that_says_the_same(tmp_path: Path) -> None:
     axes = [read_axis(f"{TIMEOUT}=2,0"), read_axis(f"{GRIP}=5,100")]
-    with local_workers(1) as workers:
+    with LocalWorkers(1) as workers:
         found = sweep(TOOL, axes, workers)
     assert [tuple(each.values.values()) for each in found] == [
         (timeout, grip) for timeout in ("2", "0") for grip in ("5", "100")
@@ -105,7 +105,7 @@ def test_a_combination_has_the_verdict_of_a_file_that_says_the_same(tmp_path: Pa
 def test_what_is_no_key_is_refused_before_anything_is_proven(
     axis: str, error: type[ReportedError], said: str
 ) -> None:
-    with local_workers(1) as workers, pytest.raises(error) as caught:
+    with LocalWorkers(1) as workers, pytest.raises(error) as caught:
         sweep(TOOL, [read_axis(axis)], workers)
     assert said in str(caught.value)
 

@@ -26,7 +26,7 @@ from end_effector_lab.trials import (
     read_failures,
     run_campaign,
 )
-from end_effector_lab.workers import local_workers
+from end_effector_lab.workers import LocalWorkers
 from tests.support.places import ROOT
 from tests.unit.trials.mutants import MUTANTS
 
@@ -238,9 +238,9 @@ def test_a_file_of_failures_that_is_none_is_refused(tmp_path: Path) -> None:
 
 
 def _campaign_over(folder: Path, line: str) -> None:
-    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
+    run_campaign(SHIPPED, folder, LocalWorkers(1), seed=0, go_on=lambda *_: False)
     (folder / "runs.jsonl").write_text(line + "\n")
-    run_campaign(SHIPPED, folder, local_workers(1), seed=0, go_on=lambda *_: False)
+    run_campaign(SHIPPED, folder, LocalWorkers(1), seed=0, go_on=lambda *_: False)
 
 
 def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

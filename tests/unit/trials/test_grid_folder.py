@@ -34,7 +34,7 @@ from end_effector_lab.trials import (
     record,
     signed_cells,
 )
-from end_effector_lab.workers import local_workers, open_workers
+from end_effector_lab.workers import LocalWorkers, open_workers
 
 SHIPPED = load(profile_path())
 REST = Moment("rest", 2_000_000, "rest", ())
@@ -55,7 +55,7 @@ def kept(folder: Path, *lines: dict[str, Any]) -> dict[str, Played]:
         pass
     (folder / "cells.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     with matrix_folder(SHIPPED, folder) as results:
-        return play_all(SHIPPED, CELLS, results, workers=local_workers(1))
+        return play_all(SHIPPED, CELLS, results, workers=LocalWorkers(1))
 
 
 def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from end_effector_lab.trials import (
     read_failures,
     run_campaign,
 )
-from end_effector_lab.workers import local_workers
+from end_effector_lab.workers import LocalWorkers
 from tests.support.nightly import NIGHTLY, first_of
 from tests.unit.trials.mutants import ARBITER, CONTROLLER, MUTANTS
 from tests.unit.trials.mutants.by_chance import recorded
@@ -92,7 +92,7 @@ def test_a_campaign_finds_a_mutant_and_shrinks_it(
     campaign = run_campaign(
         SHIPPED,
         tmp_path,
-        local_workers(1),
+        LocalWorkers(1),
         seed=0,
         go_on=lambda so_far, run: run < most and not so_far.failures,
     )

@@ -20,7 +20,7 @@ import pytest
 from end_effector_hal.cli import write_whole
 from end_effector_hal.description import load, profile_path
 from end_effector_lab.trials import Campaign, run_campaign
-from end_effector_lab.workers import local_workers
+from end_effector_lab.workers import LocalWorkers
 
 from .arbiter import ARBITER
 from .controller import CONTROLLER
@@ -70,7 +70,7 @@ def first_failure(mutant: WrongProduct, seed: int, runs: int, seconds: float) ->
             run_campaign(
                 load(profile_path()),
                 Path(folder) / "campaign",
-                local_workers(1),
+                LocalWorkers(1),
                 seed=seed,
                 go_on=lambda _, run: run < runs and time.process_time() < until,
                 on_progress=look,
