@@ -13,7 +13,7 @@ import uuid
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Self
+from typing import Self, TypedDict, Unpack
 
 from end_effector_hal.errors import ReportedError
 
@@ -24,6 +24,16 @@ _TICK_S = 0.02
 _LAST_LINES = 8
 
 
+class ChildOptions(TypedDict, total=False):
+    """Optional arguments of a `Child`."""
+
+    failed: type[ReportedError]
+    end_by: int
+    patience_s: float
+    outlives_us: bool
+    commands: bool
+
+
 class Child:
     """A process in a session of its own, with its output in a log file.
 
@@ -32,8 +42,10 @@ class Child:
         command: program and arguments.
         log: receives standard output and standard error.
         env: its whole environment.
-        dies_by: signal that the kernel sends it when this process is killed, so that no orphan keeps a port or a
-            socket; None: it keeps running.
+        end_by: signal that ends it; the kernel sends it, too, when this process is killed, so that no orphan keeps a
+            port or a socket.
+        patience_s: time after that signal, then it is killed, s.
+        outlives_us: whether it keeps running when this process is killed: a line arbiter has last wills to execute.
         commands: whether it reads commands from standard input, see `tell`; else standard input is empty.
         failed: the type of the errors that are raised.
 
@@ -49,10 +61,14 @@ class Child:
         log: Path,
         env: Mapping[str, str],
         failed: type[ReportedError] = ReportedError,
-        dies_by: int | None = signal.SIGTERM,
+        end_by: int = signal.SIGTERM,
+        patience_s: float = 5.0,
+        outlives_us: bool = False,
         commands: bool = False,
     ) -> None:
         self.name, self.log, self._failed = name, log, failed
+        self._end_by, self._patience_s = end_by, patience_s
+        dies_by = None if outlives_us else end_by
         try:
             with log.open("ab") as output:
                 self._process = subprocess.Popen(
@@ -120,12 +136,12 @@ class Child:
             what, todo=f"Its log, {self.log}, ends with:{said}" if said else f"Its log is empty: {self.log}"
         )
 
-    def end(self, *, signal_number: int = signal.SIGTERM, patience_s: float = 5.0) -> None:
-        """End the process properly, then by force; may be called again."""
+    def end(self, *, signal_number: int | None = None, patience_s: float | None = None) -> None:
+        """End the process properly, then by force; may be called again. Default: as it was started."""
         if self.code is None:
-            _send(self.pid, signal_number)
+            _send(self.pid, signal_number or self._end_by)
             with suppress(subprocess.TimeoutExpired):
-                self._process.wait(patience_s)
+                self._process.wait(self._patience_s if patience_s is None else patience_s)
         # the rest of its session
         _send(self.pid, signal.SIGKILL)
         self._process.wait()
@@ -174,7 +190,7 @@ class Children:
     def __init__(self, env: Mapping[str, str] | None = None) -> None:
         self._mark = uuid.uuid4().hex
         self.env = {**os.environ, **(env or {}), _MARK: self._mark}
-        self._children: list[tuple[Child, int, float]] = []
+        self._children: list[Child] = []
 
     def start(
         self,
@@ -182,33 +198,17 @@ class Children:
         command: Sequence[str],
         *,
         log: Path,
-        failed: type[ReportedError] = ReportedError,
         env: Mapping[str, str] | None = None,
-        end_by: int = signal.SIGTERM,
-        patience_s: float = 5.0,
-        outlives_us: bool = False,
-        commands: bool = False,
+        **more: Unpack[ChildOptions],
     ) -> Child:
-        """Start a process; see `Child`. ``end_by`` is the signal that ends it; after ``patience_s`` it is killed.
-
-        If this process is killed, the kernel sends the signal, unless ``outlives_us``: a line arbiter has last wills
-        to execute.
-        """
-        child = Child(
-            name,
-            command,
-            log=log,
-            env={**self.env, **(env or {})},
-            failed=failed,
-            dies_by=None if outlives_us else end_by,
-            commands=commands,
-        )
-        self._children.append((child, end_by, patience_s))
+        """Start a process; see `Child`. ``env`` is added to the environment of all."""
+        child = Child(name, command, log=log, env={**self.env, **(env or {})}, **more)
+        self._children.append(child)
         return child
 
     def end_since(self, first: Child) -> None:
         """End this process and those that were started after it."""
-        while any(child is first for child, _, _ in self._children):
+        while any(child is first for child in self._children):
             self._end_last()
 
     def end(self) -> None:
@@ -223,8 +223,7 @@ class Children:
             time.sleep(0.01)
 
     def _end_last(self) -> None:
-        child, end_by, patience_s = self._children[-1]
-        child.end(signal_number=end_by, patience_s=patience_s)
+        self._children[-1].end()
         self._children.pop()
 
     def left(self) -> list[int]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from decimal import Decimal, DecimalException
+from functools import partial
 from io import StringIO
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from pydantic import ConfigDict, TypeAdapter
 from ruamel.yaml import YAML
@@ -115,10 +115,6 @@ class Proven:
     states: int = 0
     seconds: float = 0.0
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the fields as they are written to the file."""
-        return asdict(self)
-
 
 _SHAPE = TypeAdapter(Proven)
 
@@ -140,7 +136,7 @@ def sweep_folder(path: Path, axes: Sequence[Axis], folder: Path) -> ResultsFolde
     Raises:
         DescriptionError: the unchanged description is not valid.
     """
-    mark = mark_of(_described(path).description, keys=[axis.key for axis in axes])
+    mark = mark_of(_described(path)[0], keys=[axis.key for axis in axes])
     return ResultsFolder(folder, LAYOUT, mark)
 
 
@@ -165,50 +161,40 @@ def sweep(
         UsageError: too many combinations; a kept line does not fit, or a result cannot be written.
         WorkersError: the workers cannot be reached or do not fit, or some combinations were not proven.
     """
-    described = _described(path)
-    load_automata(described.description)
+    description, text = _described(path)
+    load_automata(description)
     wanted = [*combinations(axes)]
     for axis in axes:  # a key that is unknown is so in each combination
-        _changed(described.text, path, {axis.key: axis.values[0]})
-    kept = _kept(results, [axis.key for axis in axes]) if results else {}
+        _changed(text, path, {axis.key: axis.values[0]})
+    kept = results.by_key(_SHAPE, partial(_checked, results, axes), "combination") if results else {}
     found = {key: kept[key] for values in wanted if (key := tuple(values.values())) in kept}
     todo = [values for values in wanted if tuple(values.values()) not in found]
     on_progress(len(found), len(wanted))
-    shared = ShippedAutomata.read(described.description)
-    items = (_changed(described.text, path, values) for values in todo)
+    shared = ShippedAutomata.read(description)
+    items = (_changed(text, path, values) for values in todo)
     for combination, proven in workers.each(_prove, shared, items):
         found[tuple(combination.values.values())] = proven
         if results:
-            results.append(proven.as_json())
+            results.append(asdict(proven))
         on_progress(len(found), len(wanted))
     return [found[tuple(values.values())] for values in wanted]
 
 
-class _Described(NamedTuple):
-    description: Description
-    text: str
-
-
-def _described(path: Path) -> _Described:
-    """Return the unchanged description; raises DescriptionError if it is not valid."""
+def _described(path: Path) -> tuple[Description, str]:
+    """Return the unchanged description and its text; raises DescriptionError if it is not valid."""
     examination = examine(path)
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
-    return _Described(examination.description, examination.text)
+    return examination.description, examination.text
 
 
-def _kept(results: ResultsFolder, keys: list[str]) -> dict[tuple[str, ...], Proven]:
-    """Return the combinations that were proven earlier, by the values of these keys."""
-    done: dict[tuple[str, ...], Proven] = {}
-    for where, proven in results.lines(_SHAPE):
-        if [*proven.values] != keys:
-            raise results.misfit("its values are those of other keys.", where)
-        if proven.holds and (proven.refused or proven.fails or proven.open):
-            raise results.misfit("it holds, and something speaks against it.", where)
-        if (values := tuple(proven.values.values())) in done:
-            raise results.misfit("its combination is in an earlier line, too.", where)
-        done[values] = proven
-    return done
+def _checked(results: ResultsFolder, axes: Sequence[Axis], proven: Proven, where: str) -> tuple[str, ...]:
+    """Return the values of a combination that was proven earlier; raises UsageError if it is none of this sweep."""
+    if [*proven.values] != [axis.key for axis in axes]:
+        raise results.misfit("its values are those of other keys.", where)
+    if proven.holds and (proven.refused or proven.fails or proven.open):
+        raise results.misfit("it holds, and something speaks against it.", where)
+    return tuple(proven.values.values())
 
 
 def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:

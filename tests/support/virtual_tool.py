@@ -33,7 +33,7 @@ class VirtualTool:
         self.at = 0
         self.levels = dict(levels or {})
         self.bench = Bench(description, scenario, seed, levels=self.levels)
-        self.board = SensorBoard(self.codec, self.bench, description, 0)
+        self.board = SensorBoard(description, self.bench, 0)
         self.decoder = self.codec.decoder()
         self.statuses: list[Status] = []
         self.edges: list[tuple[int, str, bool]] = []

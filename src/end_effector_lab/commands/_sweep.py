@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,7 +76,7 @@ def _document(axes: Sequence[Axis], found: Sequence[Proven]) -> dict[str, Any]:
     return {
         "axes": {axis.key: list(axis.values) for axis in axes},
         "hold": sum(each.holds for each in found),
-        "combinations": [each.as_json() for each in found],
+        "combinations": [asdict(each) for each in found],
     }
 
 

@@ -43,9 +43,7 @@ class Station:
         self.due: int | None = None  # µs, when what is held will be lost
         self._activations = 0
         self._works = active
-        device.leak(self.effect.leak_l_min, self.effect.leak_grows_l_min_s)
-        device.meet(not self.effect.no_part)
-        device.stick(self.effect.sticks)
+        self._have(self.effect)
         device.settle(active)
         self._expect_loss(device.now)
 
@@ -65,9 +63,7 @@ class Station:
         if self.active and not self._works:
             self._activations = 1
             self._works = effect.dead_activations < 1
-        self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
-        self.device.meet(not effect.no_part)
-        self.device.stick(effect.sticks)
+        self._have(effect)
         self._drive(at)
 
     def lose(self) -> None:
@@ -75,6 +71,12 @@ class Station:
         if self.due is not None:
             self.device.lose(self.due)
             self.due = None
+
+    def _have(self, effect: Effect) -> None:
+        """Let the device have the faults that do not depend on its line."""
+        self.device.leak(effect.leak_l_min, effect.leak_grows_l_min_s)
+        self.device.meet(not effect.no_part)
+        self.device.stick(effect.sticks)
 
     def _drive(self, at: int) -> None:
         if self.active:

@@ -6,9 +6,10 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
-from end_effector_hal.codecs import Codec, board_inputs, codec_of, is_polled
+from end_effector_hal.codecs import board_inputs, codec_of, is_polled
 from end_effector_hal.description import Channel, Description, Inputs
 from end_effector_hal.errors import WireError
 from end_effector_hal.kinds import kind_of
@@ -73,58 +74,45 @@ class Sent(NamedTuple):
 class SensorBoard:
     """Sends the readings of a bench over one link, in the format of its codec.
 
+    On a bus that is commanded it is all units; `begin` switches them on.
+
     Args:
-        codec: streamed (call `frame`) or polled (call `answer`).
+        description: the tool; the codec of the link is streamed (call `frame`) or polled (call `answer`).
         bench: source of the readings, and of the faults of the link.
         start: time at which the device was switched on, µs.
-        link: name of the link; None: it is the only one.
-        registers: registers that are commanded over the link, if there are any.
-        units: units of the link that have a model, if there are any.
+        link: name of the link; empty: it is the only one.
+        obey: called with the name and level of an output that was commanded.
+        models: the units that have a model; the others are played from the description.
     """
 
     def __init__(
         self,
-        codec: Codec,
-        bench: Bench,
         description: Description,
+        bench: Bench,
         start: int,
-        link: str | None = None,
-        registers: CommandedRegisters | None = None,
-        units: ModelledUnits | None = None,
+        link: str = "",
+        obey: Callable[[str, bool], None] = lambda _, __: None,
+        models: Models = MappingProxyType({}),
     ) -> None:
-        self._link, self._registers, self._units = link, registers, units
-        self._codec, self._bench, self._description = codec, bench, description
+        self._codec = codec = codec_of(description, link)
+        self._bench, self._description, self._link = bench, description, link or None
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
         self._other = RemoteIo({}, lambda channel, level: None)  # it has all tables, of 0
-        self._outputs = tuple(description.buses[link or ""].values()) if registers else ()
         self._foreign_write_at: int | None = None
-
-    @classmethod
-    def on_bus(
-        cls,
-        description: Description,
-        link: str,
-        bench: Bench,
-        start: int,
-        obey: Callable[[str, bool], None],
-        models: Models,
-    ) -> SensorBoard:
-        """Return all units of a bus that is commanded; `begin` switches them on.
-
-        Args:
-            obey: called with the name and level of an output that was commanded.
-            models: the units that have a model; the others are played from the description.
-        """
-        own, outputs = models.get(link, {}), description.buses[link]
-        parts = [each.buses[link] for each in description.per_part]
-        registers = CommandedRegisters(
-            {name: each for name, each in outputs.items() if each.unit not in own},
-            obey,
-            {name: [each[name].values(level=True) for each in parts] for name in outputs},
-        )
-        units = ModelledUnits(description, link, own, bench, obey) if own else None
-        return cls(codec_of(description, link), bench, description, start, link or None, registers, units)
+        self._registers: CommandedRegisters | None = None
+        self._units: ModelledUnits | None = None
+        outputs, own = description.buses.get(link, {}), models.get(link, {})
+        self._outputs = tuple(outputs.values())
+        if outputs:
+            parts = [each.buses[link] for each in description.per_part]
+            self._registers = CommandedRegisters(
+                {name: each for name, each in outputs.items() if each.unit not in own},
+                obey,
+                {name: [each[name].values(level=True) for each in parts] for name in outputs},
+            )
+        if own:
+            self._units = ModelledUnits(description, link, own, bench, obey)
 
     def begin(self, levels: Mapping[str, bool], at: int) -> None:
         """Switch the commanded units on at ``at`` (µs), with the outputs that are active."""

@@ -107,13 +107,8 @@ class Testbench:
             raise
         for name, port in self._ports.items():
             codec = self.codecs[name]
-            if name in self._description.buses:
-                board = SensorBoard.on_bus(
-                    self._description, name, self._bench, self._start, self._obey, self.models
-                )
-                board.begin(levels, self._start)
-            else:
-                board = SensorBoard(codec, self._bench, self._description, self._start, name or None)
+            board = SensorBoard(self._description, self._bench, self._start, name, self._obey, self.models)
+            board.begin(levels, self._start)
             if is_polled(codec):
                 self._begin("frames", self._answer, board, port)
             else:

@@ -12,7 +12,7 @@ from end_effector_hal.kinds.stanza import RegisterOutput
 from end_effector_hal.signals import Value
 
 from ._bench import Bench
-from ._scenario import TOOL_CHANGER, did_you_mean
+from ._scenario import did_you_mean
 from .devices import MODELS, FrameReader, UnitModel, model_for
 
 if TYPE_CHECKING:
@@ -121,9 +121,7 @@ class ModelledUnits:
             for name, each in self._outputs.items()
             if (address := _second_coil(each)) is not None
         }
-        changer = description.tool_changer
-        devices = {actuator.line: name for name, actuator in description.ordered}
-        devices |= {changer.line: TOOL_CHANGER} if changer else {}
+        devices = {line: name for name, line in bench.lines.items()}
         self.models: dict[int, UnitModel] = {}
         """The models by unit."""
         for unit, name in models.items():

@@ -39,7 +39,7 @@ class StreamedLink:
         self._codec = codec_of(description, name)
         self._bench, self._description, self._name = bench, description, name or None
         self.period_us = self._codec.period_us
-        self._board = SensorBoard(self._codec, bench, description, start, name or None)
+        self._board = SensorBoard(description, bench, start, name)
         self.decoder = self._codec.decoder()
         self._is_exact = carries_exactly(self._codec)
         self.due = start
@@ -112,7 +112,7 @@ class PolledLink:
         assert is_polled(codec)
         self._codec: PolledCodec = codec
         self._byte_us = 10 * 1_000_000 // line_of(description.links[name], codec)[0]
-        self._board = SensorBoard(codec, bench, description, start, name or None)
+        self._board = SensorBoard(description, bench, start, name)
         self.decoder = codec.decoder()
         assert asks(self.decoder)
         self._coming: deque[tuple[int, bytes]] = deque()

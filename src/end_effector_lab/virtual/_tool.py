@@ -105,7 +105,7 @@ class VirtualTool:
         self._on_bus = {name: (levels or {}).get(name, False) for name in description.register_outputs}
         chosen = chosen_models(None, description) if models is None else models
         self._boards = {
-            name: SensorBoard.on_bus(description, name, self.bench, 0, self._obey, chosen)
+            name: SensorBoard(description, self.bench, 0, name, self._obey, chosen)
             for name in description.buses
         }
         for board in self._boards.values():

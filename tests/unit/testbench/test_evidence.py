@@ -197,7 +197,7 @@ def test_what_nothing_uses_has_a_value_of_its_range() -> None:
     description = examine_text(TOOL, "tool.yaml").description
     assert description
     codec = codec_of(description)
-    board = SensorBoard(codec, Bench(description), description, 0)
+    board = SensorBoard(description, Bench(description), 0)
     (frame,) = codec.decoder().feed(board.frame(20_000).data, 20_000)
     assert (frame.values["tank"], frame.values["door"]) == (100_000, False)
 

@@ -29,7 +29,7 @@ class Bus:
     def __init__(self, tool: Description, scenario: str) -> None:
         self.codec = codec_of(tool, "cups")
         self.bench = Bench(tool, scenario, levels={"GPIO5": True})
-        self.board = SensorBoard(self.codec, self.bench, tool, 0, "cups")
+        self.board = SensorBoard(tool, self.bench, 0, "cups")
         decoder = self.codec.decoder()
         assert asks(decoder)
         self.decoder: PolledDecoder = decoder

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.codecs import Decoder, asks, codec_names, get_codec
+from end_effector_hal.codecs import Decoder, asks, codec_names, codec_of
 from end_effector_hal.description import Description, examine_text, load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame
@@ -34,9 +34,11 @@ class Link:
     """A board and a decoder on one wire."""
 
     def __init__(self, description: Description, scenario: str, codec: str = "ees1-ascii") -> None:
-        self.codec = get_codec(codec)
+        link = description.link.model_copy(update={"codec": codec})
+        description = description.model_copy(update={"link": link})
+        self.codec = codec_of(description)
         self.bench = Bench(description, scenario)
-        self.board = SensorBoard(self.codec, self.bench, description, 0)
+        self.board = SensorBoard(description, self.bench, 0)
         self.decoder: Decoder = self.codec.decoder()
         self.at = 0
 

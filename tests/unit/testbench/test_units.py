@@ -34,7 +34,7 @@ def board(
 ) -> SensorBoard:
     bench = Bench(tool, scenario, levels=levels)
     chosen = chosen_models(models, tool)
-    made = SensorBoard.on_bus(tool, "", bench, 0, lambda name, level: bench.line(name, level, 0), chosen)
+    made = SensorBoard(tool, bench, 0, "", lambda name, level: bench.line(name, level, 0), chosen)
     made.begin(levels or {}, 0)
     return made
 

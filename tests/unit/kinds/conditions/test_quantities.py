@@ -87,7 +87,7 @@ def test_no_part_is_empty_by_a_distance(tool: Description) -> None:
 
 
 def test_the_testbench_sends_what_its_conditions_ask_for(tool: Description) -> None:
-    board = SensorBoard(codec_of(tool), Bench(tool), tool, 0)
+    board = SensorBoard(tool, Bench(tool), 0)
     (frame,) = codec_of(tool).decoder().feed(board.frame(20_000).data, 20_000)
     assert 50_000 < (frame.values["gap"] or 0) <= 60_000
 
