@@ -13,7 +13,7 @@ from end_effector_hal.cli import PathName, Progress, json_text, print_document
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
-from ._options import TimeLeft, playing_options
+from ._options import counted, playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -103,10 +103,13 @@ def _all(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.trials import figures, matrix_folder
+    from end_effector_lab.trials import figures, matrix_folder, play_all
 
     with matrix_folder(description, output) as results:
-        played = _played(description, cells, results, workers, shown=not as_json)
+        with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
+            played = play_all(
+                description, cells, results, workers=workers, on_progress=counted(progress, "cells")
+            )
         found = figures(cells, played.values(), left_out)
         kept = _write(description, cells, played, found, results)
     if as_json:
@@ -116,20 +119,6 @@ def _all(
     for path in kept:
         click.echo(f"not lost: what somebody had written there is {path}", err=True)
     return 4 if found["dropped"] or found["unexplained"] else 0
-
-
-def _played(
-    description: Description, cells: list[Cell], results: ResultsFolder, workers: Workers, *, shown: bool
-) -> dict[str, Played]:
-    from end_effector_lab.trials import play_all
-
-    left = TimeLeft()
-    with Progress(f"{len(cells)} cells", shown=shown) as progress:
-
-        def on_progress(done: int, of: int) -> None:
-            progress(f"{done} of {of} cells, {left(done, of) / 60:.0f} min left")
-
-        return play_all(description, cells, results, workers=workers, on_progress=on_progress)
 
 
 def _write(

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
-from end_effector_hal.cli import PathName
+from end_effector_hal.cli import PathName, Progress
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -28,6 +28,12 @@ class TimeLeft:
         """Return the time left, s; 0: it is not known yet."""
         self._first = done if self._first < 0 else self._first
         return (of - done) * self.passed_s / (done - self._first) if done > self._first else 0.0
+
+
+def counted(progress: Progress, noun: str) -> Callable[[int, int], None]:
+    """Return a function that shows how many items are done, of how many, and the time left."""
+    left = TimeLeft()
+    return lambda done, of: progress(f"{done} of {of} {noun}, {left(done, of) / 60:.0f} min left")
 
 
 def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:

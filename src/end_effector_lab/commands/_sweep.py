@@ -15,7 +15,7 @@ import click
 from end_effector_hal.cli import Progress, is_figure, print_document
 from end_effector_hal.errors import UsageError
 
-from ._options import TimeLeft
+from ._options import counted
 
 if TYPE_CHECKING:
     from end_effector_lab.results import ResultsFolder
@@ -57,12 +57,7 @@ def run(
         ExitStack() as stack,
     ):
         results = stack.enter_context(sweep_folder(path, axes, output)) if output else None
-        left = TimeLeft()
-
-        def on_progress(done: int, of: int) -> None:
-            progress(f"{done} of {of} combinations proven, {left(done, of) / 60:.0f} min left")
-
-        found = sweep(path, axes, workers, on_progress, results)
+        found = sweep(path, axes, workers, counted(progress, "combinations proven"), results)
         if output and results:
             files = _write(axes, found, results, output)
     if as_json:

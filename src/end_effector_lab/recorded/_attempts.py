@@ -101,16 +101,14 @@ class GripCollector:
     """
 
     def __init__(self, description: Description) -> None:
-        self._description, self._carrier = description, carrier_of(description)
-        self._names = description.sequence
-        self._readings = 0
+        self._description, self._readings = description, 0
         self.grips: list[RecordedGrip] = []
         self.full = False
 
     def collect(self, entries: Iterable[Entry], recording: int) -> int:
         """Read the records of one recording, up to the limit; return the number of grips that were added."""
         before = len(self.grips)
-        one = _OneRecording(self._description, self._carrier.channels, recording)
+        one = _OneRecording(self._description, recording)
         for entry in entries:
             if entry.record is None:
                 continue
@@ -134,9 +132,8 @@ class GripCollector:
 class _OneRecording:
     """Follows one run: its sensors, and its active actuators."""
 
-    def __init__(self, description: Description, carried: Mapping[str, Kind], recording: int) -> None:
-        self._description, self._recording, self._carried = description, recording, carried
-        self._carrier = carrier_of(description)
+    def __init__(self, description: Description, recording: int) -> None:
+        self._description, self._recording, self._carrier = description, recording, carrier_of(description)
         self._names = description.sequence
         self._open: dict[str, RecordedAttempt] = {}
         self._grip: RecordedGrip | None = None
@@ -214,7 +211,7 @@ class _OneRecording:
             del self._open[name]
         if not self._open:
             return 0
-        readings, carried = self._sensors.readings, self._carried
+        readings, carried = self._sensors.readings, self._carrier.channels
         values: dict[str, Any] = {}
         for channel in carried:
             value = readings.get(channel, at)

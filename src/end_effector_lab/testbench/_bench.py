@@ -220,7 +220,7 @@ class Bench:
         self._advance(at)
         self._booted = {link: self.booted(at, link) for link in self._booted}
         self.scenario, self._chosen_at, self._frozen = parsed, at, {}
-        self._plant.supply.regulated_kpa = self._supply_kpa()
+        self._plant.supply.regulate(self._supply_kpa())
         for name, station in self._stations.items():
             station.suffer(parsed.effect(name), at)
 

@@ -70,7 +70,9 @@ def open_inputs(
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
-        return GpioInputs(_renamed(rest, lines) if rest else {line: line for line in lines}, text)
+        wrong = f"--lines {text} does not name each line once."
+        named = _pairs(rest, lines, wrong, "gpiod:", "NAME") if rest else {line: line for line in lines}
+        return GpioInputs(named, text)
     if text == "gpio-sim":
         return GpioSimInputs(lines)
     if text == "rpi3":
@@ -136,11 +138,7 @@ def _port_texts(text: str | None, links: list[str]) -> dict[str, str]:
         return {}
     if len(links) == 1:
         return {links[0]: text}
-    pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
-    if set(pairs) != set(links) or not all(pairs.values()):
-        expected = ",".join(f"{name}=PORT" for name in links)
-        raise UsageError(f"--port {text} does not name each link once.", todo=f"Expected: {expected}.")
-    return pairs
+    return _pairs(text, links, f"--port {text} does not name each link once.", "", "PORT")
 
 
 def _port(text: str | None, description: Description, name: str, lines: str | None) -> Port:
@@ -168,13 +166,12 @@ def lines_of(description: Description) -> list[str]:
     return [line for line in lines if line not in description.register_outputs]
 
 
-def _renamed(text: str, lines: list[str]) -> dict[str, str]:
+def _pairs(text: str, names: list[str], what: str, prefix: str, wanted: str) -> dict[str, str]:
+    """Return what ``NAME=VALUE,...`` gives to each of the names; raises UsageError."""
     pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
-    if set(pairs) != set(lines) or not all(pairs.values()):
-        raise UsageError(
-            f"--lines gpiod:{text} does not name each line once.",
-            todo=f"Expected: gpiod:{','.join(f'{line}=NAME' for line in lines)}.",
-        )
+    if set(pairs) != set(names) or not all(pairs.values()):
+        expected = ",".join(f"{name}={wanted}" for name in names)
+        raise UsageError(what, todo=f"Expected: {prefix}{expected}.")
     return pairs
 
 

@@ -177,7 +177,6 @@ class ServedPort:
         self._asking: ServedClient | None = None
 
     def open(self) -> None:
-        """Listen; raises LinkError."""
         where = self._address.host, self._address.port
         try:
             family, *_, found = socket.getaddrinfo(*where, type=socket.SOCK_STREAM)[0]
@@ -205,7 +204,6 @@ class ServedPort:
         return 0
 
     def cut(self, data: bytes) -> None:
-        """Send the first half of an answer, and reset the connection."""
         if (client := self._asking) is None:
             return
         sent = b"".join(_framed(client.transaction, data)) if self._tcp else data
@@ -214,7 +212,6 @@ class ServedPort:
         self._reset(client)
 
     def refuse(self, *, refuses: bool) -> None:
-        """Refuse connections from now on, and reset those there are; or accept them again."""
         if refuses is (self._server is None):
             return
         if not refuses:
@@ -250,7 +247,6 @@ class ServedPort:
         return b""
 
     def close(self) -> None:
-        """Close all connections."""
         for client in list(self._clients):
             self._drop(client)
         if self._server is not None:

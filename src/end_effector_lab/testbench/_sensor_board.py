@@ -94,7 +94,7 @@ class SensorBoard:
         obey: Callable[[str, bool], None] = lambda _, __: None,
         models: Models = MappingProxyType({}),
     ) -> None:
-        self._codec = codec = codec_of(description, link)
+        self.codec = codec = codec_of(description, link)
         self._bench, self._description, self._link = bench, description, link or None
         self._booted, self._seq = start, 0
         self._device = codec.device() if is_polled(codec) else None
@@ -139,7 +139,7 @@ class SensorBoard:
         """Return the frame that is due at ``at`` (µs)."""
         sample, seq = self._bench.sample(at), self.count(at)
         age_ms = max(0, at - self._booted) // 1000
-        return self._sent(self._codec.encode(Frame(0, seq, age_ms, self._carried(sample))), seq, sample, at)
+        return self._sent(self.codec.encode(Frame(0, seq, age_ms, self.carried(sample))), seq, sample, at)
 
     def advance(self, at: int) -> None:
         """Advance the outputs in time while there is no request; call it now and then."""
@@ -169,7 +169,7 @@ class SensorBoard:
             mask = output.bitmask_at(address)
             request = write_request(RegisterWrite(output.unit, address, values, coils, multiple, mask))
             if self._units and self._units.owns(request):
-                self._units.answer(request, self._carried(self._bench.sample(at)), at)
+                self._units.answer(request, self.carried(self._bench.sample(at)), at)
             elif self._registers:
                 self._registers.hear(request, at)
                 self._registers.answer(request)
@@ -184,7 +184,7 @@ class SensorBoard:
             return self._answered(answer, sample, at)
         answers = b""
         if self._units and not self._bench.silent(at, self._link):
-            answers = self._units.answer(request, self._carried(sample), at)
+            answers = self._units.answer(request, self.carried(sample), at)
         if self._units and self._units.owns(request):
             return self._answered(answers, sample, at)
         if self._registers:
@@ -194,7 +194,7 @@ class SensorBoard:
             if done := self._registers.answer(request):
                 return self._answered(done, sample, at)
             sample |= self._registers.values
-        answers += self._device.answer(request, self._carried(sample)) if self._device else b""
+        answers += self._device.answer(request, self.carried(sample)) if self._device else b""
         return self._answered(answers, sample, at)
 
     def _answered(self, answers: bytes, sample: Mapping[str, Value], at: int) -> Sent | None:
@@ -223,8 +223,9 @@ class SensorBoard:
         data = b"" if silent else self._bench.corrupt(clean, at, self._link)
         return Sent(data, seq, sample, clean)
 
-    def _carried(self, sample: Mapping[str, Value]) -> dict[str, Value]:
-        return carried(sample, self._codec.channels, self._description)
+    def carried(self, sample: Mapping[str, Value]) -> dict[str, Value]:
+        """Return the part of a sample that its codec carries."""
+        return carried(sample, self.codec.channels, self._description)
 
 
 SCALE_MV = 0.0625

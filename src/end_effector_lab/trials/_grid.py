@@ -9,6 +9,7 @@ from math import ceil, gcd, sqrt
 
 from end_effector_hal.description import Description, network_address
 from end_effector_hal.errors import UsageError
+from end_effector_hal.faults import FaultOffer
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.testbench import offered_faults
@@ -28,6 +29,10 @@ GRIP_US, HOLD_US, DEAD_US, NEAR_US = 1_500_000, 1_000_000, 1_000_000, 1_000
 GRIP_AFTER_US = 700_000
 """Time of the grip after a fault at rest, µs: two contradicting sensors are a fault after 0.5 s (IL-04)."""
 GRIPPED = EndEffectorState.GRIPPED
+
+
+_USUAL = {"seconds": ("0",), "bit": ("0", "1"), "rate": ("0.2", "1")}
+"""Numbers of a fault by their name."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,7 @@ def faults_of(description: Description) -> tuple[str, ...]:
     for offer in offered_faults(description):
         places = [*([""] if offer.anywhere else []), *offer.places]
         for place in places:
-            numbers = _numbers(description, offer.name, place)
+            numbers = _numbers(description, offer, place)
             found += [":".join(filter(None, (offer.name, place, number))) for number in numbers]
     return tuple(dict.fromkeys(found))
 
@@ -138,10 +143,10 @@ def thinned(cells: Sequence[Cell], every: int) -> list[Cell]:
     return [cells[at] for at in sorted(islice(spread, ceil(len(cells) / every)))]
 
 
-def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...]:
+def _numbers(description: Description, offer: FaultOffer, place: str) -> tuple[str, ...]:
     """Return representative numbers: values on both sides of the description's limit."""
-    actuator = description.actuators.get(place)
-    match fault:
+    actuator, supply = description.actuators.get(place), description.supply
+    match offer.name:
         case "fails":
             attempts = actuator.attempts if actuator else 3
             return (str(attempts - 1), str(attempts)) if attempts > 1 else (str(attempts),)
@@ -152,33 +157,20 @@ def _numbers(description: Description, fault: str, place: str) -> tuple[str, ...
         case "lost-after":
             return ("0.1", "1")
         case "shows":
-            limits = kind_of(actuator).limits(actuator, description.supply) if actuator else {}
-            there = limits.get("confirmed_kpa", description.supply.nominal_kpa) * 1.2
+            limits = kind_of(actuator).limits(actuator, supply) if actuator else {}
+            there = limits.get("confirmed_kpa", supply.nominal_kpa) * 1.2
             below = actuator is not None and kind_of(actuator).below_ambient
             return ("0", f"{-min(there, 100.0) if below else there:g}")
-        case (
-            "frozen-after"
-            | "silent-after"
-            | "babble-after"
-            | "reboot-after"
-            | "closed-after"
-            | "foreign-write-after"
-        ):
-            return ("0",)
         case "other-device-after":
             return ()  # it acknowledges releases in the place of the device: no rule can hold
-        case "locked-shows" | "unlocked-shows" | "stand-shows":
-            return ("0", "1")
         case "supply":
-            return ("0", f"{description.supply.refuse_kpa - 50:g}", f"{description.supply.warn_kpa - 20:g}")
+            return ("0", f"{supply.refuse_kpa - 50:g}", f"{supply.warn_kpa - 20:g}")
         case "noise" | "flips" | "bursts" | "lost-bytes" | "doubled-bytes":
             return ("0.001", "0.2")
         case "late-answers":
             slow = any(network_address(link.port) for link in description.links.values())
             return ("50", "500", "5000") if slow else ("50",)
-        case "no-answers" | "twice-answers" | "wrong-answers" | "cut-answers":
-            return ("0.2", "1")
-    return ("",)
+    return _USUAL.get(offer.number.name if offer.number else "", ("",))
 
 
 def moments(description: Description) -> tuple[Moment, ...]:

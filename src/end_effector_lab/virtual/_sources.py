@@ -36,11 +36,10 @@ class StreamedLink:
     """A device that sends by itself; a frame arrives at the instant of its measurement."""
 
     def __init__(self, description: Description, name: str, bench: Bench, start: int) -> None:
-        self._codec = codec_of(description, name)
-        self._bench, self._description, self._name = bench, description, name or None
-        self.period_us = self._codec.period_us
+        self._bench, self._name = bench, name or None
         self._board = SensorBoard(description, bench, start, name)
-        self.decoder = self._codec.decoder()
+        self._codec = self._board.codec
+        self.period_us, self.decoder = self._codec.period_us, self._codec.decoder()
         self._is_exact = carries_exactly(self._codec)
         self.due = start
 
@@ -54,7 +53,7 @@ class StreamedLink:
         """Return the content of the frame at ``at`` (µs), which `quiet_until` predicted and which changes nothing."""
         self.due = at + self.period_us
         sample = self._bench.sample(at)
-        return self._carried(sample) if self._is_exact else self._as_it_comes(sample)
+        return self._board.carried(sample) if self._is_exact else self._as_it_comes(sample)
 
     def pass_by(self, to: int, *, unheard: bool) -> None:
         """Skip the frames until ``to`` (µs) that nobody receives: ``unheard``, or while the link is silent."""
@@ -72,7 +71,7 @@ class StreamedLink:
         if found is None:
             return None
         if self._is_exact:
-            return self._carried(found[0]), self._carried(found[1])
+            return self._board.carried(found[0]), self._board.carried(found[1])
         try:
             low, high = map(self._as_it_comes, found)
         except (UsageError, ValueError):  # the format cannot carry what is so near to its end
@@ -80,11 +79,10 @@ class StreamedLink:
         return low, high
 
     def _as_it_comes(self, values: Mapping[str, Value]) -> Mapping[str, Value]:
-        (frame,) = self._codec.decoder().feed(self._codec.encode(Frame(0, 0, 0, self._carried(values))), 0)
+        (frame,) = self._codec.decoder().feed(
+            self._codec.encode(Frame(0, 0, 0, self._board.carried(values))), 0
+        )
         return frame.values
-
-    def _carried(self, values: Mapping[str, Value]) -> Mapping[str, Value]:
-        return carried(values, self._codec.channels, self._description)
 
 
 def carries_exactly(codec: Codec) -> bool:

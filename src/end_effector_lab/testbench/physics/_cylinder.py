@@ -140,10 +140,6 @@ class ToolChanger(Device):
         self.position = 0.0  # 0 locked, 1 unlocked
 
     @property
-    def pressure_kpa(self) -> None:
-        return None
-
-    @property
     def bits(self) -> Mapping[str, bool]:
         return {"locked": self.position <= _SWITCH, "unlocked": self.position >= 1 - _SWITCH}
 

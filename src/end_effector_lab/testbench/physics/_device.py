@@ -79,9 +79,9 @@ class Device(Model):
         """Set the state that the device has after being active, or inactive, for a long time."""
 
     @property
-    @abstractmethod
     def pressure_kpa(self) -> float | None:
         """Gauge pressure at its sensor, kPa (vacuum negative); None: it has no pressure sensor."""
+        return None
 
     @property
     def grips(self) -> bool:
@@ -204,7 +204,7 @@ class Plant(Model):
                 model.begin()
         draw_kpa = sum([device.draw_kpa for device in self.devices.values()])
         if draw_kpa != self.supply.draw_kpa:
-            self.supply.draw_kpa = draw_kpa
+            self.supply.load(draw_kpa)
         if self.supply.stale:
             self.supply.begin()
             for model in self._solved:

@@ -48,10 +48,6 @@ class Fingers(Device):
         self._closes = False
 
     @property
-    def pressure_kpa(self) -> None:
-        return None
-
-    @property
     def bits(self) -> Mapping[str, bool]:
         return {
             "open": self.position <= _SWITCH,
@@ -165,10 +161,6 @@ class HoldingMagnet(Device):
         self.field = 0.0
         self._part, self._lost, self._holds, self._sticks = True, False, False, False
         self._blow_off = Valve(self.valve.delay_us)
-
-    @property
-    def pressure_kpa(self) -> None:
-        return None
 
     @property
     def bits(self) -> Mapping[str, bool]:

@@ -237,26 +237,17 @@ class Supply(SolvedModel):
     def __init__(self, regulated_kpa: float = 600.0, *, start: int = 0) -> None:
         super().__init__(start)
         self._regulated_kpa = self.kpa = regulated_kpa
-        self._draw_kpa = 0.0
+        self.draw_kpa = 0.0
+        """Pressure drop due to all devices together, kPa; see `load`."""
         self._course = Course(regulated_kpa)
 
-    @property
-    def regulated_kpa(self) -> float:
-        """Gauge pressure without load, kPa."""
-        return self._regulated_kpa
-
-    @regulated_kpa.setter
-    def regulated_kpa(self, kpa: float) -> None:
+    def regulate(self, kpa: float) -> None:
+        """Set the gauge pressure without load, kPa."""
         self._regulated_kpa, self.stale = kpa, True
 
-    @property
-    def draw_kpa(self) -> float:
-        """Pressure drop due to all devices together, kPa."""
-        return self._draw_kpa
-
-    @draw_kpa.setter
-    def draw_kpa(self, kpa: float) -> None:
-        self._draw_kpa, self.stale = kpa, True
+    def load(self, draw_kpa: float) -> None:
+        """Set the pressure drop due to all devices together, kPa."""
+        self.draw_kpa, self.stale = draw_kpa, True
 
     @property
     def settled(self) -> bool:
@@ -274,4 +265,4 @@ class Supply(SolvedModel):
         self.kpa = self._course.at(seconds)
 
     def _target(self) -> float:
-        return max(self._regulated_kpa - self._draw_kpa, 0.0)
+        return max(self._regulated_kpa - self.draw_kpa, 0.0)
