@@ -52,8 +52,7 @@ from end_effector_hal.vocabulary import (
 )
 from end_effector_lab.virtual import Edge, Switching, VirtualTool, switchings
 
-from ._effects import GRIP, HELD, RELEASE, REST
-from ._promises import Promises
+from ._effects import GRIP, HELD, RELEASE, REST, Promises
 from ._reality import FRAMES_US, JudgedArbiter, Reality
 
 GRIPPED, GRIP_ERROR = EndEffectorState.GRIPPED, EndEffectorState.GRIP_ERROR

@@ -9,5 +9,5 @@ True
 True
 """
 
-from ._outputs import Edge, Switching, switchings
+from ._arbiter import Edge, Switching, switchings
 from ._tool import VirtualTool, Watch

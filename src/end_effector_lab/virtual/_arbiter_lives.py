@@ -10,8 +10,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.wires.lines import ComposedLines
 from end_effector_lab.testbench import SensorBoard
 
-from ._arbiter import Memories, VirtualArbiter
-from ._outputs import VirtualOutputs
+from ._arbiter import Memories, VirtualArbiter, VirtualOutputs
 
 if TYPE_CHECKING:
     from ._bus import VirtualBus

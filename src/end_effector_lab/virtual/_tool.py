@@ -22,9 +22,9 @@ from end_effector_lab.testbench import Bench, Models, SensorBoard, chosen_models
 from timed_automata import Network
 from timed_automata.execute import Observation
 
+from ._arbiter import Edge, VirtualOutputs
 from ._arbiter_lives import ArbiterLives
 from ._connection import VirtualConnection
-from ._outputs import Edge, VirtualOutputs
 from ._sources import Leap, Source, StreamedLink, arbiter_source, sources_of_bench
 
 if TYPE_CHECKING:
