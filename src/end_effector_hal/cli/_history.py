@@ -39,11 +39,11 @@ MOST_NOTES = 20
 def command(description: Path, recordings: Path, part: str, as_json: bool) -> None:
     """Show how the grips of a tool change over time, so that wear is seen before a grip fails.
 
-    Reads the recordings of the tool of DESCRIPTION (`eehal run --record`, `eehal serve --record`, the nodes'
-    log_directory): a table of the grips and their outcomes by day, and two plots for each actuator: the time from the
-    activation to the confirmation, and the margin at the end of the hold. The margin is the distance of the pressure
-    from the threshold that matters to the kind: of a vacuum, from that of a loss. A seal that wears takes longer and
-    keeps less margin.
+    Reads the recordings of the tool of DESCRIPTION (`eehal run --record`, `eehal serve --record`, `eehal record`, the
+    nodes' log_directory): a table of the grips and their outcomes by day, and two plots for each actuator: the time
+    from the activation to the confirmation, and the margin at the end of the hold. The margin is the distance of the
+    pressure from the threshold that matters to the kind: of a vacuum, from that of a loss. A seal that wears takes
+    longer and keeps less margin.
 
     First attempt: the share of the grips that succeeded with each actuator confirmed at once, of those that
     succeeded or were aborted. A recording that is damaged, or of another tool, is named and left out. Simulated

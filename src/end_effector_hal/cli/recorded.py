@@ -9,6 +9,7 @@ import shutil
 from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
+from stat import S_IROTH, S_ISREG
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -154,9 +155,17 @@ LEAST_SECRET, MOST_SECRET = 16, 200
 
 
 def _secret(path: Path) -> str:
-    """Return the secret in a file; raises UsageError if it is no word of a sufficient length."""
-    with os_errors("The secret cannot be read", path), path.open("rb") as file:
-        text = file.read(MOST_SECRET + 2).decode("ascii", errors="replace").strip()
+    """Return the secret in a file, which others should not read; raises UsageError if it is no word of a sufficient
+    length.
+    """
+    with os_errors("The secret cannot be read", path):
+        found = path.stat()
+        if not S_ISREG(found.st_mode):  # reading a pipe or a device may never end
+            raise UsageError("This is no regular file.", where=str(path), todo="Name a file with the secret.")
+        with path.open("rb") as file:
+            text = file.read(MOST_SECRET + 2).decode("ascii", errors="replace").strip()
+    if found.st_mode & S_IROTH:
+        click.echo(f"Note: every user of this machine can read the secret: chmod o-r {path}.", err=True)
     if not (LEAST_SECRET <= len(text) <= MOST_SECRET and re.fullmatch(r"[\x21-\x7e]+", text)):
         what = f"This file must hold one word of {LEAST_SECRET} to {MOST_SECRET} ASCII characters."
         raise UsageError(what, where=str(path), todo="Make one: openssl rand -hex 24.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,6 +110,25 @@ def test_a_secret_is_one_word_of_a_sufficient_length(content: bytes, whole: Whol
     code, _, err = whole("page", profile_path(), "--metrics-token", tmp_path / "none")
     assert code == 2
     assert "cannot be read" in err
+
+
+@pytest.mark.parametrize(("mode", "warned"), [(0o666, True), (0o604, True), (0o640, False), (0o600, False)])
+def test_a_secret_that_every_user_can_read_is_mentioned(
+    mode: int, warned: bool, whole: Whole, tmp_path: Path
+) -> None:
+    secret = tmp_path / "secret"
+    secret.write_bytes(b"short")
+    secret.chmod(mode)
+    _, _, err = whole("page", profile_path(), "--metrics-token", secret)
+    assert ("every user of this machine can read the secret" in err) is warned
+
+
+def test_a_secret_in_a_pipe_or_a_folder_is_refused(whole: Whole, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", tmp_path):
+        code, _, err = whole("page", profile_path(), "--metrics-token", path)
+        assert code == 2
+        assert "This is no regular file." in err
 
 
 def test_an_empty_secret_lets_nobody_in() -> None:

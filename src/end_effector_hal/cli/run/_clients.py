@@ -128,6 +128,6 @@ def record(description: Path, folder: Path, segment_mb: float, keep_mb: float) -
     with Recording(own := own_folder(folder), tool.description, limits=limits) as recording:
         record_into(tool, recording)
         tool.start()
-        click.echo(f"{tool.description.name} is recorded into {own}.")
+        click.echo(f"{tool.description.name} is recorded into {own}.", err=True)
         ended.wait()
         tool.close()  # its last states are recorded

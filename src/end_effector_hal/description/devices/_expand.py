@@ -159,11 +159,7 @@ class _Use:
         about, written, actuates = self._device.about, stanza.get("modbus"), _is_actuator(self._at)
         if not actuates and not about.outputs:
             what = f"{self._device.name} is no board with outputs that a tool changer, a blow-off or a lamp could use"
-            expected = "a device with outputs, or modbus: with the registers"
-            self.faults.append(
-                Fault.at(self._places.value(*self._at, "device"), "EE-230", what, expected=expected)
-            )
-            return False
+            return self._refuse(what, "a device with outputs, or modbus: with the registers")
         output = written if isinstance(written, dict) else {}
         bus = self._bus(unit=self._beside(stanza, output, "unit"), link=self._beside(stanza, output, "link"))
         parts: list[tuple[Keys, Tree, Tree]] = [((), about.channels, about.actuator)]
@@ -179,10 +175,9 @@ class _Use:
         for source, channels, actuator in parts:
             for channel, fragment in channels.items():
                 self._channel(self._names[channel], (*source, "channels", channel), fragment, bus)
-            for key, value in actuator.items():
-                if "line" in stanza if key == "modbus" else not actuates:
-                    continue  # a line drives it instead, or it is a key of an actuator
-                given = renamed(value, self._names, (*self._at, key), kind)
+            left_out = () if "line" not in stanza else ("modbus",)  # a line drives it instead
+            for key in (key for key in actuator if key not in left_out and (actuates or key == "modbus")):
+                given = renamed(actuator[key], self._names, (*self._at, key), kind)
                 self._put(stanza, (*self._at, key), (*source, "actuator", key), given)
         if "line" not in stanza and isinstance(stanza.get("modbus"), dict):
             self._address(stanza["modbus"], (*self._at, "modbus"), bus)
@@ -213,9 +208,7 @@ class _Use:
         about, named = self._device.about, len(self._at) > 1
         if about.actuator or about.outputs or not about.channels:
             what = f"{self._device.name} is no sensor with a link of its own"
-            place, expected = self._places.value(*self._at, "device"), "device under actuators or channels"
-            self.faults.append(Fault.at(place, "EE-230", what, expected=expected))
-            return False
+            return self._refuse(what, "device under actuators or channels")
         place = self._places.key(*self._at)
         bus = self._bus(unit=self._beside(stanza, {}, "unit"), link=(self._name, place) if named else None)
         unit = str(bus.get("unit", (1,))[0])
@@ -310,23 +303,19 @@ class _Use:
         path: Keys = ("links", str(chosen)) if links else ("link",)
         link = links.get(chosen) if links else self._tree.get("link")
         if (links or written is not None) and chosen not in links:
-            what = (
-                f"{self._device.name} needs the name of a link"
-                if written is None
-                else "there is no such link"
-            )
+            missing = f"{self._device.name} needs the name of a link"
+            what = missing if written is None else "there is no such link"
             expected = f"link: {' or '.join(links)}" if links else "no name: there is one link"
-            return self._refuse(bus["link"][1] if "link" in bus else None, what, expected)
+            return self._refuse(what, expected, bus.get("link"))
         if not isinstance(link, dict):
             return False  # another fault says so
         first, outputs = self._links.placed.setdefault(
             (path, str(bus.get("unit", (1,))[0])), (self._device.name, [])
         )
         if first != self._device.name or (drives and output in outputs):
-            what = f"this unit of the link has {first} already" + (
-                f", {output}" if output in outputs and output else ""
-            )
-            return self._refuse(bus["unit"][1] if "unit" in bus else None, what, "another unit beside device")
+            what = f"this unit of the link has {first} already"
+            what += f", {output}" if output in outputs and output else ""
+            return self._refuse(what, "another unit beside device", bus.get("unit"))
         known = bool(outputs)
         outputs.append(output if drives else SELF)
         frame = link.get("frame", {})
@@ -335,10 +324,11 @@ class _Use:
         self._add_keys(link, path)
         return True
 
-    def _refuse(self, place: Place | None, what: str, expected: str) -> bool:
-        """Report a fault at a place of the description; without one, or with one of the device, where it is used."""
-        at = place if place is not None and not place.file else self._places.value(*self._at, "device")
-        self.faults.append(Fault.at(at, "EE-230", what, expected=expected))
+    def _refuse(self, what: str, expected: str, written: tuple[Any, Place] | None = None) -> bool:
+        """Report a fault where a value is written; if it is not, or in the device's file, where that is used."""
+        place = self._places.value(*self._at, "device")
+        place = place if written is None or written[1].file else written[1]
+        self.faults.append(Fault.at(place, "EE-230", what, expected=expected))
         return False
 
     def _put(self, target: Tree, where: Keys, source: Keys, value: Any) -> None:

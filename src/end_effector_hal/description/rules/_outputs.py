@@ -351,17 +351,22 @@ def _shared(
     address, row = facts.get(*path, "address"), facts.get(*path, "command_on")
     if None in (unit, table, address) or not row or facts.broken_within(*path):
         return
-    link, bitmask = facts.get(*path, "link"), facts.get(*path, "bitmask") or 0xFFFF
     registers = [address + index for index in range(len(row))]
     if (request := facts.get(*path, "handshake", "request")) and not facts.broken_within(*path, "handshake"):
         own = facts.get(*path, "handshake", "address")
         registers += [(address if own is None else own) + index for index in range(len(request))]
-    bits = [bit for bit in range(16) if bitmask >> bit & 1]
-    mine = {(link, unit, table, each, bit): None for each in registers for bit in bits}
+    written = [(registers, facts.get(*path, "bitmask"))]
     if (second := facts.get(*path, "opposite", "address")) is not None:
-        bitmask = facts.get(*path, "opposite", "bitmask") or 0xFFFF
-        bits = [bit for bit in range(16) if bitmask >> bit & 1]
-        mine |= {(link, unit, table, second + index, bit): None for index in range(len(row)) for bit in bits}
+        written.append(
+            ([second + index for index in range(len(row))], facts.get(*path, "opposite", "bitmask"))
+        )
+    mine = [
+        (facts.get(*path, "link"), unit, table, register, bit)
+        for rows, mask in written
+        for register in rows
+        for bit in range(16)
+        if (mask or 0xFFFF) >> bit & 1
+    ]
     if owner := next((taken[each] for each in mine if each in taken), None):
         place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"
