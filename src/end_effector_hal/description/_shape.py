@@ -15,7 +15,7 @@ from end_effector_hal.description.model._stanzas import GrippedPart, Link, Plain
 from end_effector_hal.kinds import get_kind, usable_kinds
 from end_effector_hal.kinds.stanza import Actuator, BaseStanza, Condition
 
-from ._fault import Keys, Places
+from ._fault import Fault, Keys, Places
 
 MAPPINGS: dict[str, type[BaseStanza]] = {
     "channels": Channel,
@@ -129,6 +129,33 @@ class Facts:
     tree: dict[str, Any]
     places: Places
     broken: set[Keys] = field(default_factory=set)
+
+    def fault(
+        self,
+        path: Keys,
+        code: str,
+        what: str,
+        expected: str = "",
+        *,
+        hint: str = "",
+        found: str | None = None,
+    ) -> Fault:
+        """Return a fault at a value; the offending text is that of the value unless ``found`` is given."""
+        return Fault.at(self.places.value(*path), code, what, expected=expected, hint=hint, found=found)
+
+    def key_fault(
+        self,
+        path: Keys,
+        code: str,
+        what: str,
+        expected: str = "",
+        *,
+        hint: str = "",
+        found: str | None = None,
+    ) -> Fault:
+        """Return a fault at a key, whatever its value is; the offending text is the key unless ``found`` is given."""
+        found = str(path[-1]) if found is None else found
+        return Fault.at(self.places.key(*path), code, what, expected=expected, hint=hint, found=found)
 
     def written(self, *path: str | int) -> bool:
         """Return whether the key is written in the file."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from end_effector_hal.description._fault import Fault, Keys, did_you_mean
 from end_effector_hal.description._numbers import number
@@ -38,34 +39,43 @@ def output_faults(facts: Facts) -> Iterator[Fault]:
 
 
 def _one_output(facts: Facts, output: Keys) -> Iterator[Fault]:
-    for key in ("line", "opposite"):
-        path = (*output, key)
-        if facts.written(*path) and facts.get(*path) is not None:
-            place, what = facts.places.key(*path), f"{key!r} and 'modbus' exclude each other"
-            expected = "one output: a line, or registers"
-            expected = "modbus: {opposite: {address: …}}" if key == "opposite" else expected
-            yield Fault.at(place, CODE, what, found=key, expected=expected)
+    for key, expected in (
+        ("line", "one output: a line, or registers"),
+        ("opposite", "modbus: {opposite: {address: …}}"),
+    ):
+        yield from _excluded(facts, output, (key,), "modbus", expected)
     if any(path[:1] in (("link",), ("links",)) for path in facts.broken):
         return
-    buses = _buses(facts)
-    place = facts.places.key(*output, "modbus")
+    buses, path = _buses(facts), (*output, "modbus", "link")
     if not buses:
-        what, expected = "registers need a Modbus link", "link: {port: …, frame: {modbus: {}}}"
-        yield Fault.at(place, CODE, what, found="modbus", expected=expected)
+        expected = "link: {port: …, frame: {modbus: {}}}"
+        yield facts.key_fault(path[:-1], CODE, "registers need a Modbus link", expected)
         return
-    link, known = facts.get(*output, "modbus", "link"), [str(each[-1]) for each in buses]
-    if (*output, "modbus", "link") in facts.broken:
+    link, known = facts.get(*path), [str(each[-1]) for each in buses]
+    if path in facts.broken:
         return
     if link is None and len(buses) > 1:
-        what, expected = "the bus is missing", f"link: {' or '.join(known)}"
-        yield Fault.at(place, "EE-206", what, found="", expected=expected)
+        expected = f"link: {' or '.join(known)}"
+        yield facts.key_fault(path[:-1], "EE-206", "the bus is missing", expected, found="")
+    elif link is not None and buses == [("link",)]:
+        yield facts.fault(path, CODE, "there is one link, and it has no name", "no link")
     elif link is not None and ("links", link) not in buses:
-        place = facts.places.value(*output, "modbus", "link")
-        one = buses == [("link",)]
-        what = "there is one link, and it has no name" if one else "there is no such Modbus link"
-        expected = "no link" if one else f"one of {', '.join(known)}"
-        hint = "" if one else did_you_mean(str(link), known)
-        yield Fault.at(place, CODE, what, expected=expected, hint=hint)
+        expected, hint = f"one of {', '.join(known)}", did_you_mean(str(link), known)
+        yield facts.fault(path, CODE, "there is no such Modbus link", expected, hint=hint)
+
+
+def _excluded(
+    facts: Facts, path: Keys, keys: tuple[str, ...], by: str, expected: str, found: str = ""
+) -> Iterator[Fault]:
+    """Yield a fault for each written key that another key of the output excludes; ``found``: the other one's."""
+    for key in keys:
+        if facts.written(*path, key) and facts.get(*path, key) is not None:
+            what = (
+                f"{by!r} and {key!r} exclude each other"
+                if found
+                else f"{key!r} and {by!r} exclude each other"
+            )
+            yield facts.key_fault((*path, found or key), CODE, what, expected)
 
 
 def _buses(facts: Facts) -> list[Keys]:
@@ -81,60 +91,57 @@ def _bus_of(facts: Facts, output: Keys) -> Keys | None:
     return named[0] if len(named) == 1 else None
 
 
+def _registers(
+    facts: Facts, path: Keys, row: Sequence[int], start: int | None, *, coils: bool
+) -> Iterator[Fault]:
+    """Check values that are written to registers from ``start`` on, or to coils."""
+    if coils and set(row) - {0, 1}:
+        yield facts.fault(path, "EE-208", "a coil is 0 or 1", "[0] or [1]")
+    if start is not None and start + len(row) > 0x10000:
+        what = "the last of these registers does not exist"
+        yield facts.fault(path, "EE-208", what, "less than 65536 with address")
+
+
 def _commands(facts: Facts, path: Keys) -> Iterator[Fault]:
     on, off = facts.get(*path, "command_on"), facts.get(*path, "command_off")
     coils = facts.get(*path, "register_type") == "coil"
     rows: list[tuple[Keys, list[int]]] = [
         ((*path, key), row) for key, row in (("command_on", on), ("command_off", off)) if row
     ]
-    rows += [
-        ((*path, "activation", "write", index), row)
-        for index, row in enumerate(facts.get(*path, "activation", "write") or ())
-    ]
-    rows += [
-        ((*path, "acknowledge", index), row)
-        for index, row in enumerate(facts.get(*path, "acknowledge") or ())
-    ]
+    for several in ((*path, "activation", "write"), (*path, "acknowledge")):
+        rows += [((*several, index), row) for index, row in enumerate(facts.get(*several) or ())]
     address, activated = facts.get(*path, "address"), facts.get(*path, "activation", "address")
     for key in ("command_on", "command_off", "activation", "acknowledge"):
         where = (*path, key, *(("write",) if key == "activation" else ()))
         given = facts.get(*where)
         if given is not None and (len(given) == 0 or [] in [*given]):
-            what = f"{where[-1]!r} is empty"
-            yield Fault.at(facts.places.value(*where), "EE-211", what, expected="at least one register")
+            yield facts.fault(where, "EE-211", f"{where[-1]!r} is empty", "at least one register")
     for where, row in rows:
         if facts.broken_within(*where):
             continue
-        if coils and set(row) - {0, 1}:
-            yield Fault.at(facts.places.value(*where), "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
         start = activated if "activation" in where and activated is not None else address
-        if start is not None and start + len(row) > 0x10000:
-            what, expected = "the last of these registers does not exist", "less than 65536 with address"
-            yield Fault.at(facts.places.value(*where), "EE-208", what, expected=expected)
+        yield from _registers(facts, where, row, start, coils=coils)
         if "acknowledge" in where and on and row[: len(on)] == on:
-            what, expected = "a reset would make it grip", "rows that begin otherwise than 'command_on'"
-            yield Fault.at(facts.places.value(*where), CODE, what, expected=expected)
+            what = "a reset would make it grip"
+            yield facts.fault(where, CODE, what, "rows that begin otherwise than 'command_on'")
     yield from _handshake(facts, path, coils=coils)
-    if (
-        path[0] == "tool_changer"
-        and not facts.says(*path, "verify")
-        and not facts.get("tool_changer", "latching")
-    ):
-        place, what = (
-            facts.places.key(*path),
-            "the line arbiter cannot see whether the unlock output is active",
-        )
+    seen = facts.says(*path, "verify") or facts.get("tool_changer", "latching")
+    if path[0] == "tool_changer" and not seen:
+        what = "the line arbiter cannot see whether the unlock output is active"
         expected = "verify: a channel that reads it back (IL-03), or latching: true"
-        yield Fault.at(place, "EE-206", what, found="", expected=expected)
-    if not on or not off or any(facts.broken_within(*each) for each, _ in rows):
-        return
-    place = facts.places.value(*path, "command_off")
-    if len(on) != len(off):
-        what = "'command_off' does not write what 'command_on' writes"
-        yield Fault.at(place, CODE, what, expected=f"{len(on)} values")
-    elif on == off:
-        what = "'command_on' and 'command_off' are the same"
-        yield Fault.at(place, CODE, what, expected="what makes it release")
+        yield facts.key_fault(path, "EE-206", what, expected, found="")
+    if on and off and not any(facts.broken_within(*each) for each, _ in rows):
+        yield from _differ(facts, path, "command_on", "command_off", "what makes it release")
+
+
+def _differ(facts: Facts, path: Keys, first: str, second: str, expected: str) -> Iterator[Fault]:
+    """Check that two rows are different values of the same registers."""
+    row, other = facts.get(*path, first), facts.get(*path, second)
+    if len(row) != len(other):
+        what = f"{second!r} does not write what {first!r} writes"
+        yield facts.fault((*path, second), CODE, what, f"{len(row)} values")
+    elif row == other:
+        yield facts.fault((*path, second), CODE, f"{first!r} and {second!r} are the same", expected)
 
 
 def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
@@ -142,32 +149,22 @@ def _handshake(facts: Facts, path: Keys, *, coils: bool) -> Iterator[Fault]:
     keys = (*path, "handshake")
     if not facts.written(*keys) or facts.broken_within(*keys):
         return
-    request, end = facts.get(*keys, "request"), facts.get(*keys, "end")
-    own = facts.get(*keys, "address")
-    address = facts.get(*path, "address") if own is None else own
-    for key, row in (("request", request), ("end", end)):
-        place = facts.places.value(*keys, key)
-        if not row:
-            yield Fault.at(place, "EE-211", f"{key!r} is empty", expected="at least one register")
-        elif coils and set(row) - {0, 1}:
-            yield Fault.at(place, "EE-208", "a coil is 0 or 1", expected="[0] or [1]")
-        elif address is not None and address + len(row) > 0x10000:
-            what, expected = "the last of these registers does not exist", "less than 65536 with address"
-            yield Fault.at(place, "EE-208", what, expected=expected)
-    place = facts.places.value(*keys, "end")
-    if request and end and len(request) != len(end):
-        what = "'end' does not write what 'request' writes"
-        yield Fault.at(place, CODE, what, expected=f"{len(request)} values")
-    elif request and request == end:
-        what = "'request' and 'end' are the same"
-        yield Fault.at(place, CODE, what, expected="what ends the handshake")
+    request, end, own = (facts.get(*keys, key) for key in ("request", "end", "address"))
     command, on = facts.get(*path, "address"), facts.get(*path, "command_on")
+    address = command if own is None else own
+    for key, row in (("request", request), ("end", end)):
+        if row:
+            yield from islice(_registers(facts, (*keys, key), row, address, coils=coils), 1)
+        else:
+            yield facts.fault((*keys, key), "EE-211", f"{key!r} is empty", "at least one register")
+    if request and end:
+        yield from _differ(facts, keys, "request", "end", "what ends the handshake")
     if facts.get(*keys, "order") == "after" and request and on and None not in (address, command):
         apart = address + len(request) <= command or command + len(on) <= address
         if not apart and not (address == command and len(request) >= len(on)):
             what = "the handshake overwrites a part of the command"
             expected = "an address of its own, or the whole command with it"
-            yield Fault.at(facts.places.value(*keys, "request"), CODE, what, expected=expected)
+            yield facts.fault((*keys, "request"), CODE, what, expected)
 
 
 LIMITS = {"actuators": ("timeout_s", "release_s"), "tool_changer": ("prove_s", "prove_s")}
@@ -182,28 +179,21 @@ def _activation(facts: Facts, output: Keys) -> Iterator[Fault]:
     path, shakes = (*output, "modbus", "activation"), (*output, "modbus", "handshake", "within_s")
     limit_s, whole_s = facts.get(*path, "ready_within_s"), facts.get(*output, on)
     if facts.written(*path) and limit_s is not None and whole_s is not None and limit_s >= whole_s:
-        place = facts.places.value(*path, "ready_within_s")
         what = "the attempt is over before the device is activated"
         expected = f"less than {on} of {name} = {number(whole_s)}"
-        yield Fault.at(place, "EE-222", what, expected=expected)
+        yield facts.fault((*path, "ready_within_s"), "EE-222", what, expected)
         return
     shake_s = facts.get(*shakes) if facts.written(*shakes[:-1]) and shakes not in facts.broken else None
     if shake_s is None:
         return
     activated_s = limit_s if facts.written(*path) and limit_s is not None else 0
-    for key, most_s in (
-        (on, activated_s + shake_s * (2 if activated_s else 1)),
-        (off, shake_s),
-    ):
+    for key, most_s in ((on, activated_s + shake_s * (2 if activated_s else 1)), (off, shake_s)):
         whole_s = facts.get(*output, key)
         if whole_s is not None and most_s >= whole_s:
-            what, expected = (
-                "the handshake may last too long",
-                f"less than {key} of {name} = {number(whole_s)}",
-            )
+            expected = f"less than {key} of {name} = {number(whole_s)}"
             if most_s != shake_s:
                 expected += f": twice, and ready_within_s = {number(activated_s)}"
-            yield Fault.at(facts.places.value(*shakes), "EE-222", what, expected=expected)
+            yield facts.fault(shakes, "EE-222", "the handshake may last too long", expected)
             return
 
 
@@ -211,8 +201,8 @@ def _told_twice(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check that `ready` and `verify` differ: an active, open device has `ready` on and `verify` off."""
     ready, verify = (*path, "activation", "ready"), facts.get(*path, "verify")
     if facts.written(*ready) and verify is not None and facts.get(*ready) == verify:
-        what, expected = "'ready' and 'verify' are the same", "the bit of an active device, open or closed"
-        yield Fault.at(facts.places.value(*ready), CODE, what, expected=expected)
+        expected = "the bit of an active device, open or closed"
+        yield facts.fault(ready, CODE, "'ready' and 'verify' are the same", expected)
 
 
 def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -221,9 +211,8 @@ def _keeps_alive(facts: Facts, path: Keys) -> Iterator[Fault]:
     over = [name for name in facts.names("channels") if bus is None or link_of(facts, name) == bus]
     read = [facts.get("channels", name, "modbus", "unit") for name in over]
     if facts.get(*path, "keep_alive_ms") is not None and unit is not None and unit not in read:
-        place, what = facts.places.value(*path, "keep_alive_ms"), f"nothing is read from unit {unit}"
         expected = f"a channel: {{modbus: {{unit: {unit}, address: …}}}}"
-        yield Fault.at(place, CODE, what, expected=expected)
+        yield facts.fault((*path, "keep_alive_ms"), CODE, f"nothing is read from unit {unit}", expected)
 
 
 def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -240,107 +229,81 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
         and (bus is None or link_of(facts, name) == bus)
     ]
     if channel not in channels:
-        place, expected = facts.places.value(*path), f"one of {', '.join(channels)}"
-        yield Fault.at(
-            place,
-            CODE,
-            f"{path[-1]!r} names no bit that is read over the bus",
-            expected=expected if channels else "a channel: {modbus: …} without unit",
-            hint=did_you_mean(channel, channels),
-        )
+        expected = f"one of {', '.join(channels)}" if channels else "a channel: {modbus: …} without unit"
+        what, hint = f"{path[-1]!r} names no bit that is read over the bus", did_you_mean(channel, channels)
+        yield facts.fault(path, CODE, what, expected, hint=hint)
+
+
+STEPS = ("activation", "handshake", "acknowledge")
+"""Keys of commands with several steps."""
 
 
 def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check an output that is a part of a register."""
-    bitmask, place = facts.get(*path, "bitmask"), facts.places.key(*path, "bitmask")
+    bitmask, at = facts.get(*path, "bitmask"), (*path, "bitmask")
     alone = facts.get(*path, "use_mask_write") is True
     if bitmask is None:
-        if alone and (*path, "bitmask") not in facts.broken:
-            place, what = facts.places.key(*path, "use_mask_write"), "function 22 writes bits of a register"
-            yield Fault.at(
-                place, CODE, what, found="use_mask_write", expected="bitmask: the bits of this output"
-            )
+        if alone and at not in facts.broken:
+            what = "function 22 writes bits of a register"
+            yield facts.key_fault((*path, "use_mask_write"), CODE, what, "bitmask: the bits of this output")
         return
     if facts.get(*path, "register_type") == "coil":
-        yield Fault.at(place, CODE, "a coil has no bits", found="bitmask", expected="register_type: holding")
-    for key in ("activation", "handshake", "acknowledge"):
-        if facts.written(*path, key) and facts.get(*path, key) is not None:
-            what = f"'bitmask' and {key!r} exclude each other"
-            yield Fault.at(place, CODE, what, found="bitmask", expected="whole registers, or one command")
+        yield facts.key_fault(at, CODE, "a coil has no bits", "register_type: holding")
+    yield from _excluded(facts, path, STEPS, "bitmask", "whole registers, or one command", "bitmask")
     if not alone and not facts.says(*path, "verify"):
-        what, expected = (
-            "its neighbours in the register cannot be written",
-            "verify: a channel that reads it back, or use_mask_write: true",
-        )
-        yield Fault.at(place, "EE-206", what, found="", expected=expected)
+        what = "its neighbours in the register cannot be written"
+        expected = "verify: a channel that reads it back, or use_mask_write: true"
+        yield facts.key_fault(at, "EE-206", what, expected, found="")
     others = [(*each, "modbus") for each in facts.outputs() if facts.get(*each, "modbus", "bitmask")]
     same = ("link", "unit", "address")
     mates = [each for each in others if all(facts.get(*path, key) == facts.get(*each, key) for key in same)]
     if alone and not all(facts.get(*each, "use_mask_write") for each in mates):
-        written, what = (
-            facts.places.key(*path, "use_mask_write"),
-            "another output of this register does without it",
-        )
-        yield Fault.at(written, CODE, what, found="use_mask_write", expected="it in all of them, or in none")
+        what = "another output of this register does without it"
+        yield facts.key_fault((*path, "use_mask_write"), CODE, what, "it in all of them, or in none")
     highest = bitmask >> lowest_bit(bitmask)
     for key in ("command_on", "command_off"):
         row = facts.get(*path, key)
         if row and not facts.broken_within(*path, key) and (len(row) > 1 or row[0] & ~highest):
             what, expected = "this is no value of the bits", f"one value of at most {highest}"
-            yield Fault.at(facts.places.value(*path, key), "EE-208", what, expected=expected)
+            yield facts.fault((*path, key), "EE-208", what, expected)
 
 
 def _pulsed(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check an output whose commands are pulses: zeros end them, and nothing of it can be read back."""
     if not facts.written(*path, "pulse_s") or facts.get(*path, "pulse_s") is None:
         return
-    together = () if facts.get(*path, "use_mask_write") else ("bitmask",)
-    for key in ("verify", *together, "activation", "handshake", "acknowledge"):
-        if facts.written(*path, key) and facts.get(*path, key) is not None:
-            place, what = facts.places.key(*path, key), f"{key!r} and 'pulse_s' exclude each other"
-            yield Fault.at(place, CODE, what, found=key, expected="coils or registers that are pulsed only")
+    keys = ("verify", *(() if facts.get(*path, "use_mask_write") else ("bitmask",)), *STEPS)
+    yield from _excluded(facts, path, keys, "pulse_s", "coils or registers that are pulsed only")
     for key in ("command_on", "command_off"):
         row = facts.get(*path, key)
         neighbours = facts.get(*path, "opposite") is None
         if neighbours and row and not facts.broken_within(*path, key) and not any(row):
-            place, what = facts.places.value(*path, key), f"{key!r} is the end of a pulse"
-            yield Fault.at(place, CODE, what, expected="a value that is not zero, such as [1, 0] and [0, 1]")
+            expected = "a value that is not zero, such as [1, 0] and [0, 1]"
+            yield facts.fault((*path, key), CODE, f"{key!r} is the end of a pulse", expected)
 
 
 def _pair(facts: Facts, path: Keys) -> Iterator[Fault]:
     """Check a valve with two coils that are no neighbours: each is written alone."""
-    own, second = facts.get(*path, "address"), facts.get(*path, "opposite", "address")
-    row, place = facts.get(*path, "command_on"), facts.places.key(*path, "opposite")
-    if facts.get(*path, "opposite") is None or None in (own, second) or not row:
+    own, row, at = facts.get(*path, "address"), facts.get(*path, "command_on"), (*path, "opposite")
+    second, mask = facts.get(*at, "address"), facts.get(*at, "bitmask")
+    if facts.get(*at) is None or None in (own, second) or not row:
         return
-    for key in ("activation", "handshake", "acknowledge"):
-        if facts.written(*path, key) and facts.get(*path, key) is not None:
-            what = f"'opposite' and {key!r} exclude each other"
-            yield Fault.at(place, CODE, what, found="opposite", expected="two coils that are only switched")
+    yield from _excluded(facts, path, STEPS, "opposite", "two coils that are only switched", "opposite")
     if abs(own - second) < len(row):
         what, expected = "the second coil is in the registers of the first", "another address, or "
         expected += "one output with both coils: bitmask, command_on: [1] and command_off: [2]"
-        yield Fault.at(place, CODE, what, found="opposite", expected=expected)
-    elif second + len(row) > 0x10000:
-        what, expected = "the last of these registers does not exist", "less than 65536 with address"
-        yield Fault.at(facts.places.value(*path, "opposite", "address"), "EE-208", what, expected=expected)
-    if (mask := facts.get(*path, "opposite", "bitmask")) is not None:
-        highest = mask >> lowest_bit(mask)
-        values = [*row, *(facts.get(*path, "command_off") or ())]
-        if any(value & ~highest for value in values):
-            at, what = (
-                facts.places.value(*path, "opposite", "bitmask"),
-                "the commands do not fit into these bits",
-            )
-            yield Fault.at(
-                at, CODE, what, expected="bits of the second coil, as many as `bitmask` of the output has"
-            )
-    bits = [facts.get(*each, "bitmask") is None for each in (path, (*path, "opposite"))]
-    alone = facts.get(*path, "use_mask_write") is True
-    if bits[0] is not bits[1] or (not bits[0] and not alone):
+        yield facts.key_fault(at, CODE, what, expected)
+    else:
+        yield from _registers(facts, (*at, "address"), row, second, coils=False)
+    values = [*row, *(facts.get(*path, "command_off") or ())]
+    if mask is not None and any(value & ~(mask >> lowest_bit(mask)) for value in values):
+        expected = "bits of the second coil, as many as `bitmask` of the output has"
+        yield facts.fault((*at, "bitmask"), CODE, "the commands do not fit into these bits", expected)
+    whole, alone = facts.get(*path, "bitmask") is None, facts.get(*path, "use_mask_write") is True
+    if whole is not (mask is None) or (not whole and not alone):
         what = "bits of two registers are written with function 22 only"
         expected = "both bitmask with use_mask_write: true, or no bitmask: coils, or whole registers"
-        yield Fault.at(place, CODE, what, found="opposite", expected=expected)
+        yield facts.key_fault(at, CODE, what, expected)
 
 
 def _shared(
@@ -368,9 +331,8 @@ def _shared(
         if (mask or 0xFFFF) >> bit & 1
     ]
     if owner := next((taken[each] for each in mine if each in taken), None):
-        place = facts.places.value(*path, "address")
         what = f"these registers already belong to {owner!r}"
-        yield Fault.at(place, "EE-221", what, expected="registers of its own")
+        yield facts.fault((*path, "address"), "EE-221", what, "registers of its own")
     taken |= {each: taken.get(each, name) for each in mine}
 
 
