@@ -37,9 +37,8 @@ def _pairs(facts: Facts, stanza: Keys, pairs: tuple[Pair, ...]) -> Iterator[Faul
             key, size, words, other = high, "small", "more than" if relation == "<" else "at least", low
         else:
             key, size, words, other = low, "large", "less than" if relation == "<" else "at most", high
-        place = facts.places.value(*stanza, key)
         expected = f"{words} {_quote(facts, *stanza, other)}"
-        yield Fault.at(place, "EE-222", f"{key!r} is too {size}", expected=expected)
+        yield facts.fault((*stanza, key), "EE-222", f"{key!r} is too {size}", expected)
 
 
 def _joint(facts: Facts, name: str, rule: JointRule) -> Iterator[Fault]:

@@ -60,8 +60,8 @@ def _one_output(facts: Facts, output: Keys) -> Iterator[Fault]:
     elif link is not None and buses == [("link",)]:
         yield facts.fault(path, CODE, "there is one link, and it has no name", "no link")
     elif link is not None and ("links", link) not in buses:
-        expected, hint = f"one of {', '.join(known)}", did_you_mean(str(link), known)
-        yield facts.fault(path, CODE, "there is no such Modbus link", expected, hint=hint)
+        hint = did_you_mean(str(link), known)
+        yield facts.fault(path, CODE, "there is no such Modbus link", f"one of {', '.join(known)}", hint=hint)
 
 
 def _excluded(
@@ -230,8 +230,8 @@ def _channel(facts: Facts, path: Keys) -> Iterator[Fault]:
     ]
     if channel not in channels:
         expected = f"one of {', '.join(channels)}" if channels else "a channel: {modbus: …} without unit"
-        what, hint = f"{path[-1]!r} names no bit that is read over the bus", did_you_mean(channel, channels)
-        yield facts.fault(path, CODE, what, expected, hint=hint)
+        what = f"{path[-1]!r} names no bit that is read over the bus"
+        yield facts.fault(path, CODE, what, expected, hint=did_you_mean(channel, channels))
 
 
 STEPS = ("activation", "handshake", "acknowledge")
@@ -264,8 +264,8 @@ def _masked(facts: Facts, path: Keys) -> Iterator[Fault]:
     for key in ("command_on", "command_off"):
         row = facts.get(*path, key)
         if row and not facts.broken_within(*path, key) and (len(row) > 1 or row[0] & ~highest):
-            what, expected = "this is no value of the bits", f"one value of at most {highest}"
-            yield facts.fault((*path, key), "EE-208", what, expected)
+            expected = f"one value of at most {highest}"
+            yield facts.fault((*path, key), "EE-208", "this is no value of the bits", expected)
 
 
 def _pulsed(facts: Facts, path: Keys) -> Iterator[Fault]:

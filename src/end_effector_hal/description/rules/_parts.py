@@ -34,18 +34,18 @@ def part_faults(facts: Facts) -> Iterator[Fault]:
             if each not in uses and set(uses) <= set(sequence):
                 expected = f"one of {', '.join(uses)}"
                 what = f"{each!r} does not grip {name}"
-                yield Fault.at(
-                    facts.places.key(*path), "EE-220", what, expected=expected, hint=did_you_mean(each, uses)
-                )
+                yield facts.key_fault(path, "EE-220", what, expected, hint=did_you_mean(each, uses))
             elif isinstance(keys, dict):
                 yield from _shared_keys(facts, path, keys)
     for each in sequence if parts and read else ():
         if each not in used and None not in [facts.unbroken("parts", name) for name in parts]:
-            place, what = (
-                facts.places.value("sequence", sequence.index(each)),
-                f"no part uses the actuator {each!r}",
+            what = f"no part uses the actuator {each!r}"
+            yield facts.fault(
+                ("sequence", sequence.index(each)),
+                "EE-220",
+                what,
+                "it in the uses of a part, or not in the sequence",
             )
-            yield Fault.at(place, "EE-220", what, expected="it in the uses of a part, or not in the sequence")
 
 
 def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> Iterator[Fault]:
@@ -57,18 +57,13 @@ def _shared_keys(facts: Facts, path: tuple[str, ...], keys: dict[str, Any]) -> I
     )
     for each in [*((*path, key) for key in keys if key in SAME_FOR_ALL_PARTS), *bus]:
         what = f"{each[-1]!r} is the same for all parts"
-        expected = f"it under actuators.{path[-1]}"
-        yield Fault.at(facts.places.key(*each), "EE-205", what, found=str(each[-1]), expected=expected)
+        yield facts.key_fault(each, "EE-205", what, f"it under actuators.{path[-1]}", found=str(each[-1]))
     bits = isinstance(described, dict) and (
         described.get("bitmask") or described.get("register_type") == "coil"
     )
     if bits and isinstance(inside, dict) and "command_on" in inside:
-        place = facts.places.value(*path, "modbus", "command_on")
-        what, expected = (
-            "command_on of a coil or of a bitmask is the same for all parts",
-            "no command_on here",
-        )
-        yield Fault.at(place, "EE-229", what, expected=expected)
+        what = "command_on of a coil or of a bitmask is the same for all parts"
+        yield facts.fault((*path, "modbus", "command_on"), "EE-229", what, "no command_on here")
 
 
 def activation_faults(description: Description, changed: Description) -> Iterator[Fault]:

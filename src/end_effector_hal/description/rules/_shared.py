@@ -50,9 +50,7 @@ def _called_like_an_actuator(facts: Facts) -> Iterator[Fault]:
     for name in facts.names("outputs"):
         if name in taken:
             what = f"the output is called like the actuator {name!r}"
-            yield Fault.at(
-                facts.places.key("outputs", name), "EE-221", what, found=name, expected="another name"
-            )
+            yield facts.key_fault(("outputs", name), "EE-221", what, "another name")
 
 
 def _is_asked(facts: Facts, name: str, key: str) -> bool:
@@ -111,9 +109,9 @@ def _second(facts: Facts, what: str, claims: tuple[Keys, ...]) -> Iterator[Fault
             continue
         device = owner[1] if owner[0] in ("actuators", "channels", "outputs") else owner[0]
         written = f"{path[-1]}: {value}" + ("" if facts.written(*path) else " (default)")
-        place, sentence = facts.places.value(*path), f"{what} {value!r} already belongs to {str(device)!r}"
+        sentence = f"{what} {value!r} already belongs to {str(device)!r}"
         hint = "an e-stop has an input of its own" if "e_stop" in (owner[0], path[0]) else ""
-        yield Fault.at(place, "EE-221", sentence, found=written, expected=f"a {what} of its own", hint=hint)
+        yield facts.fault(path, "EE-221", sentence, f"a {what} of its own", hint=hint, found=written)
 
 
 def _ros_default(facts: Facts, path: Keys) -> str | None:

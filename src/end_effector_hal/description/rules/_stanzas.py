@@ -35,8 +35,7 @@ def _unread(facts: Facts) -> Iterator[Fault]:
     """Check that the description declares a source of readings."""
     if facts.written("link"):
         if facts.get("link") is None and not facts.names("channels") and ("link",) not in facts.broken:
-            place = facts.places.value("link")
-            yield Fault.at(place, "EE-207", "'link' has no value", found="", expected="keys with values")
+            yield facts.fault(("link",), "EE-207", "'link' has no value", "keys with values", found="")
         return
     if facts.written("channels") or facts.written("links"):
         return
@@ -49,13 +48,11 @@ def _board_units(facts: Facts) -> Iterator[Fault]:
     for name in facts.names("channels"):
         keys = ("channels", name)
         if _given(facts, *keys, "analog") and not facts.written(*keys, "unit"):
-            what, expected = f"key 'unit' is missing in channel {name!r}", "unit: kPa, bar, ..."
-            yield Fault.at(
-                facts.places.key(*keys, "analog"), "EE-206", what, expected=expected, hint="see scale"
-            )
+            what = f"key 'unit' is missing in channel {name!r}"
+            yield facts.key_fault((*keys, "analog"), "EE-206", what, "unit: kPa, bar, ...", hint="see scale")
         if _given(facts, *keys, "digital") and _given(facts, *keys, "unit"):
-            what, expected = f"channel {name!r} is a digital input", "no unit: it is a bit"
-            yield Fault.at(facts.places.value(*keys, "unit"), "EE-205", what, expected=expected)
+            expected = "no unit: it is a bit"
+            yield facts.fault((*keys, "unit"), "EE-205", f"channel {name!r} is a digital input", expected)
 
 
 def _given(facts: Facts, *path: str) -> bool:
@@ -74,11 +71,8 @@ def _pulses(facts: Facts) -> Iterator[Fault]:
         pause_s = facts.get(*pause) if facts.written(*pause) else None
         if not isinstance(pulse_s, int | float):
             if isinstance(pause_s, int | float) and path not in facts.broken:
-                what, expected = (
-                    "there is no pulse before this pause",
-                    "pulse_s, how long each coil is active",
-                )
-                yield Fault.at(facts.places.value(*pause), "EE-222", what, expected=expected)
+                expected = "pulse_s, how long each coil is active"
+                yield facts.fault(pause, "EE-222", "there is no pulse before this pause", expected)
             continue
         rest_s = pause_s if isinstance(pause_s, int | float) else 0
         place, name = (pause, "the pause after the pulse") if rest_s else (path, "the pulse")
@@ -87,8 +81,7 @@ def _pulses(facts: Facts) -> Iterator[Fault]:
             if isinstance(limit_s, int | float) and pulse_s + rest_s >= limit_s:
                 what = f"{name} is not over when its output may change again"
                 with_pulse = f", with pulse_s = {pulse_s:g}" if rest_s else ""
-                expected = f"less than {key} = {limit_s:g}{with_pulse}"
-                yield Fault.at(facts.places.value(*place), "EE-222", what, expected=expected)
+                yield facts.fault(place, "EE-222", what, f"less than {key} = {limit_s:g}{with_pulse}")
 
 
 def _blow_offs(facts: Facts) -> Iterator[Fault]:
@@ -99,11 +92,10 @@ def _blow_offs(facts: Facts) -> Iterator[Fault]:
         if not opposing or not _given(facts, *path) or not facts.get(*path, "until_gone"):
             continue
         if facts.get(*path, "duration_s") is None and (*path, "duration_s") not in facts.broken:
-            place, what = (
-                facts.places.value(*path, "until_gone"),
-                f"nothing drives the {opposing} of {name!r}",
+            what = f"nothing drives the {opposing} of {name!r}"
+            yield facts.fault(
+                (*path, "until_gone"), "EE-222", what, "duration_s, how long it lasts at the most"
             )
-            yield Fault.at(place, "EE-222", what, expected="duration_s, how long it lasts at the most")
 
 
 def _names(facts: Facts, key: str) -> Iterator[Fault]:
@@ -135,8 +127,9 @@ def _absent(facts: Facts, key: str) -> list[str]:
 
 def _unused(facts: Facts) -> Iterator[Fault]:
     for name in _absent(facts, "sequence") if facts.names("sequence") else ():
-        place = facts.places.key("actuators", name)
-        yield Fault.at(place, "EE-220", f"actuator {name!r} is never used", expected="it in the sequence")
+        yield facts.key_fault(
+            ("actuators", name), "EE-220", f"actuator {name!r} is never used", "it in the sequence"
+        )
 
 
 def _unreleased(facts: Facts) -> Iterator[Fault]:
@@ -144,16 +137,15 @@ def _unreleased(facts: Facts) -> Iterator[Fault]:
         return
     missing = [name for name in _absent(facts, "release_order") if name in facts.names("sequence")]
     if missing:
-        place, what = facts.places.value("release_order"), f"{', '.join(missing)} would never be released"
-        yield Fault.at(place, "EE-220", what, expected="every actuator of the sequence, once")
+        what = f"{', '.join(missing)} would never be released"
+        yield facts.fault(("release_order",), "EE-220", what, "every actuator of the sequence, once")
 
 
 def _reserved(facts: Facts) -> Iterator[Fault]:
     for name in facts.names("actuators"):
         if name in RESERVED:
-            place = facts.places.key("actuators", name)
-            yield Fault.at(
-                place, "EE-211", "this name means something else in a recording", expected="another name"
+            yield facts.key_fault(
+                ("actuators", name), "EE-211", "this name means something else in a recording", "another name"
             )
 
 
@@ -170,8 +162,7 @@ def _endings(facts: Facts) -> Iterator[Fault]:
             (*stanza, "power_up"),
         ):
             if facts.get(*path) == "release":
-                what = f"{path[-1]!r} would drop a held part"
-                yield Fault.at(facts.places.value(*path), "EE-223", what, expected="hold", hint=why)
+                yield facts.fault(path, "EE-223", f"{path[-1]!r} would drop a held part", "hold", hint=why)
 
 
 def _files(facts: Facts) -> Iterator[Fault]:
@@ -182,19 +173,15 @@ def _files(facts: Facts) -> Iterator[Fault]:
     named, folder = facts.get("automata", "file"), facts.places.file.parent
     if facts.written("automata", "file") and named and ("\0" in named or not (folder / named).is_file()):
         expected = f"a UPPAAL file, relative to {folder}"
-        yield Fault.at(
-            facts.places.value("automata", "file"), "EE-224", "there is no such file", expected=expected
-        )
+        yield facts.fault(("automata", "file"), "EE-224", "there is no such file", expected)
     socket = facts.get("lines", "socket")
     if socket and len(socket.encode()) > SOCKET_BYTES:
         expected = f"a path of at most {SOCKET_BYTES} bytes"
-        yield Fault.at(
-            facts.places.value("lines", "socket"), "EE-211", "'socket' is too long", expected=expected
-        )
+        yield facts.fault(("lines", "socket"), "EE-211", "'socket' is too long", expected)
     path_wanted = facts.get("lines", "backend") == "virtual" and ("lines", "path") not in facts.broken
     if path_wanted and not facts.get("lines", "path"):
-        place, expected = facts.places.value("lines", "backend"), "path: the file that is the virtual chip"
-        yield Fault.at(place, "EE-206", "key 'path' is missing in 'lines'", expected=expected)
+        expected = "path: the file that is the virtual chip"
+        yield facts.fault(("lines", "backend"), "EE-206", "key 'path' is missing in 'lines'", expected)
 
 
 MOST = {"actuators": MOST_ACTUATORS, "outputs": MOST_ACTUATORS, "channels": MOST_CHANNELS}
@@ -205,5 +192,5 @@ def limit_faults(facts: Facts) -> Iterator[Fault]:
     for stanza, most in MOST.items():
         names = facts.names(stanza) if isinstance(facts.get(stanza), dict) else []
         if len(names) > most:
-            place, what = facts.places.key(stanza), f"too many {stanza}"
-            yield Fault.at(place, "EE-208", what, found=str(len(names)), expected=f"at most {most}")
+            what = f"too many {stanza}"
+            yield facts.key_fault((stanza,), "EE-208", what, f"at most {most}", found=str(len(names)))

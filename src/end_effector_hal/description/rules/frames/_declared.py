@@ -11,7 +11,7 @@ from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._channels import OPPOSITE, Channel
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 
-from ._frames import CODE, ENDS, OVER_LINK, declared_format, key_fault, link_of, link_paths
+from ._frames import CODE, ENDS, OVER_LINK, declared_format, link_of, link_paths
 from ._places import limits_of_source, place_faults, shared_places
 
 OF_BITS, OF_PRESSURES = ("on", "off", "invert"), ("scale", "offset", "range")
@@ -30,18 +30,17 @@ def channel_faults(facts: Facts) -> Iterator[Fault]:
 def _channel(facts: Facts, name: str) -> Iterator[Fault]:
     path = ("channels", name)
     if name == NO_CHANNEL:
-        place, expected = facts.places.key(*path), "another name"
-        yield Fault.at(place, "EE-211", "this name means that there is no channel", expected=expected)
+        yield facts.key_fault(path, "EE-211", "this name means that there is no channel", "another name")
     sources = [each for each in Channel.SOURCES if facts.says(*path, each)]
     if not sources and facts.broken_within(*path):
         return
     if not sources:
-        place, expected = facts.places.key(*path), f"one of {', '.join(Channel.SOURCES)}"
-        yield Fault.at(place, "EE-206", f"channel {name!r} has no source", found="", expected=expected)
+        expected = f"one of {', '.join(Channel.SOURCES)}"
+        yield facts.key_fault(path, "EE-206", f"channel {name!r} has no source", expected, found="")
         return
     if len(sources) > 1:
-        what, expected = f"channel {name!r} has two sources", f"one of {', '.join(sources)}"
-        yield key_fault(facts, (*path, sources[1]), what, expected)
+        expected = f"one of {', '.join(sources)}"
+        yield facts.key_fault((*path, sources[1]), CODE, f"channel {name!r} has two sources", expected)
         return
     (source,) = sources
     yield from _meaning(facts, name) if source != "codec" else _given_by_codec(facts, name)
@@ -49,7 +48,7 @@ def _channel(facts: Facts, name: str) -> Iterator[Fault]:
         yield from _over_link(facts, name, source)
     elif facts.says(*path, "link"):
         what = f"channel {name!r} is an input of the board and comes over no link"
-        yield key_fault(facts, (*path, "link"), what, "no link")
+        yield facts.key_fault((*path, "link"), CODE, what, "no link")
     if isinstance(facts.get(*path, source), dict):
         yield from place_faults(facts, name, source)
         yield from _words(facts, name, source)
@@ -67,17 +66,18 @@ def _meaning(facts: Facts, name: str) -> Iterator[Fault]:
         if facts.says(*path, key):
             what = f"{key!r} is for a {'bit' if pressure else 'pressure'}"
             expected = "no unit" if pressure else "unit: that of the pressure"
-            yield key_fault(facts, (*path, key), what, expected)
+            yield facts.key_fault((*path, key), CODE, what, expected)
     if not pressure:
         return
     if facts.get(*path, "scale") == 0:
-        place, expected = facts.places.value(*path, "scale"), "units per count"
-        yield Fault.at(place, "EE-208", "with 'scale' 0 every value is the same", expected=expected)
+        expected = "units per count"
+        yield facts.fault((*path, "scale"), "EE-208", "with 'scale' 0 every value is the same", expected)
     span = facts.unbroken(*path, "range")
     if span is not None and span[0] >= span[1]:
-        place = facts.places.value(*path, "range")
         expected = "[lowest, highest]"
-        yield Fault.at(place, "EE-222", "'range' is empty or reversed", found=listed(span), expected=expected)
+        yield facts.fault(
+            (*path, "range"), "EE-222", "'range' is empty or reversed", expected, found=listed(span)
+        )
 
 
 def _alarms(facts: Facts, name: str, source: str) -> Iterator[Fault]:
@@ -87,30 +87,35 @@ def _alarms(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     if not given:
         return
     if facts.get("channels", name, "unit") is not None:
-        yield key_fault(facts, path, "a pressure cannot be an alarm", "no unit: a bit, or codes")
+        yield facts.key_fault(path, CODE, "a pressure cannot be an alarm", "no unit: a bit, or codes")
         return
     alarms = [given] if isinstance(given, dict | str) else given
     entries = [each if isinstance(each, dict) else {} for each in alarms]
     codes = [each.get("code") for each in entries]
     coded = any(code is not None for code in codes)
     if not coded and len(codes) > 1:
-        yield key_fault(facts, path, "a bit has one alarm", "one text, or a code in each")
+        yield facts.key_fault(path, CODE, "a bit has one alarm", "one text, or a code in each")
     elif coded:
         yield from _codes(facts, name, source, codes)
     known = facts.names("actuators")
     for index, each in enumerate(entries):
         for unproven in each.get("unproven") or ():
             if unproven not in known:
-                place = facts.places.value(*(path if isinstance(given, dict) else (*path, index)), "unproven")
                 what, hint = f"no actuator is named {unproven!r}", did_you_mean(str(unproven), known)
-                yield Fault.at(place, CODE, what, expected=f"one of {', '.join(known)}", hint=hint)
+                yield facts.fault(
+                    (*(path if isinstance(given, dict) else (*path, index)), "unproven"),
+                    CODE,
+                    what,
+                    f"one of {', '.join(known)}",
+                    hint=hint,
+                )
 
 
 def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[Fault]:
     path = ("channels", name)
     if source in ("codec", "digital"):
         what = f"{'an input line' if source == 'digital' else 'a channel of a codec'} has no codes"
-        yield key_fault(facts, (*path, "alarm"), what, "one text, without code")
+        yield facts.key_fault((*path, "alarm"), CODE, what, "one text, without code")
         return
     of_bits = [key for key in ("invert", "off") if facts.says(*path, key)]
     for key in of_bits or (
@@ -118,7 +123,7 @@ def _codes(facts: Facts, name: str, source: str, codes: list[Any]) -> Iterator[F
     ):
         what = f"{key!r} is for a bit" if of_bits else "a word is no code"
         expected = f"no {key}, or an alarm without codes" if of_bits else "numbers, or an alarm without codes"
-        yield key_fault(facts, (*path, key), what, expected)
+        yield facts.key_fault((*path, key), CODE, what, expected)
     limits = limits_of_source(facts, (*path, source))
     invalid, on = facts.unbroken(*path, "invalid") or (), facts.unbroken(*path, "on")
     for index, code in enumerate(codes):
@@ -139,7 +144,7 @@ def _given_by_codec(facts: Facts, name: str) -> Iterator[Fault]:
     for key in MEANING:
         if facts.says("channels", name, key):
             what = f"the codec says what {name!r} means: it has no {key!r}"
-            yield key_fault(facts, ("channels", name, key), what, f"no {key}")
+            yield facts.key_fault(("channels", name, key), CODE, what, f"no {key}")
 
 
 def listed(values: Any) -> str:
@@ -152,7 +157,9 @@ def _over_link(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     expected = f"link: {{port: …, {frame}}}"
     if not links:
         if ("links",) not in facts.broken:
-            yield key_fault(facts, path, f"channel {name!r} comes over a link, and there is none", expected)
+            yield facts.key_fault(
+                path, CODE, f"channel {name!r} comes over a link, and there is none", expected
+            )
         return
     link = link_of(facts, name)
     if link is None:
@@ -164,10 +171,10 @@ def _over_link(facts: Facts, name: str, source: str) -> Iterator[Fault]:
     if not facts.says(*link, "frame"):
         if source != "codec":
             what = f"channel {name!r} comes in a frame, and the link declares none"
-            yield key_fault(facts, path, what, expected)
+            yield facts.key_fault(path, CODE, what, expected)
     elif (declared := declared_format(facts, link)) and declared != source:
         what = f"channel {name!r} does not fit the frame of the link"
-        yield key_fault(facts, path, what, f"{declared}, as {where}.frame declares")
+        yield facts.key_fault(path, CODE, what, f"{declared}, as {where}.frame declares")
 
 
 def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
@@ -176,16 +183,14 @@ def _which_link(facts: Facts, name: str, links: list[str]) -> Iterator[Fault]:
     if path in facts.broken:
         return
     if not facts.says(*path):
-        what, expected = f"the link is missing over which {name!r} comes", f"link: {' or '.join(links)}"
-        yield Fault.at(facts.places.key("channels", name), "EE-206", what, found="", expected=expected)
+        what = f"the link is missing over which {name!r} comes"
+        yield facts.key_fault(("channels", name), "EE-206", what, f"link: {' or '.join(links)}", found="")
     elif facts.says("link"):
         what = "there is one link, and it has no name"
-        yield key_fault(facts, path, what, "no link, or its name under links")
+        yield facts.key_fault(path, CODE, what, "no link, or its name under links")
     else:
-        what, hint = "there is no such link", did_you_mean(str(facts.get(*path)), links)
-        yield Fault.at(
-            facts.places.value(*path), CODE, what, expected=f"one of {', '.join(links)}", hint=hint
-        )
+        hint = did_you_mean(str(facts.get(*path)), links)
+        yield facts.fault(path, CODE, "there is no such link", f"one of {', '.join(links)}", hint=hint)
 
 
 def _words(facts: Facts, name: str, source: str) -> Iterator[Fault]:
@@ -229,38 +234,38 @@ def _raws(facts: Facts, name: str, source: str) -> Iterator[Fault]:
             if isinstance(raw, str):
                 continue
             if limits is not None and not limits[0] <= raw <= limits[1]:
-                place = facts.places.value(*path, key, index)
                 width = limits[1] - limits[0] + 1
                 hint = (
                     f"the same bits are {raw - width}" if limits[0] < 0 and limits[0] <= raw - width else ""
                 )
                 expected = f"{limits[0]} to {limits[1]}"
-                yield Fault.at(place, "EE-208", "this raw value is never sent", expected=expected, hint=hint)
+                yield facts.fault(
+                    (*path, key, index), "EE-208", "this raw value is never sent", expected, hint=hint
+                )
             elif key != "invalid" and raw in invalid:
-                place = facts.places.value(*path, key, index)
-                yield Fault.at(place, CODE, "this raw value is invalid, too", expected="one of the two")
+                yield facts.fault(
+                    (*path, key, index), CODE, "this raw value is invalid, too", "one of the two"
+                )
     for key, given in (("on", on), ("off", off)):
         if given is not None and not given:
-            place, expected = facts.places.value(*path, key), f"the raw values that are {key}"
-            yield Fault.at(place, "EE-211", f"{key!r} is empty", found="[]", expected=expected)
+            expected = f"the raw values that are {key}"
+            yield facts.fault((*path, key), "EE-211", f"{key!r} is empty", expected, found="[]")
     if off and on is None and facts.get(*path, "unit") is None:
-        yield key_fault(facts, (*path, "off"), "'off' goes with 'on'", "on: the raw values that are on")
+        yield facts.key_fault((*path, "off"), CODE, "'off' goes with 'on'", "on: the raw values that are on")
     if both := set(_meant(facts, name, "on")) & set(_meant(facts, name, "off")):
         what = f"{', '.join(map(str, both))} is on and off"
-        yield key_fault(facts, (*path, "off"), what, "one of the two")
+        yield facts.key_fault((*path, "off"), CODE, what, "one of the two")
     if (
         on
         and limits is not None
         and limits[1] - limits[0] < 256
         and set(range(limits[0], limits[1] + 1)) <= {*on}
     ):
-        place = facts.places.value(*path, "on")
-        yield Fault.at(place, CODE, "every raw value is on", found=listed(on), expected="some that are off")
+        yield facts.fault((*path, "on"), CODE, "every raw value is on", "some that are off", found=listed(on))
     span, scale, offset = (facts.unbroken(*path, key) for key in ("range", "scale", "offset"))
     if span and scale and offset is not None and limits and facts.get(*path, "unit") and span[0] < span[1]:
         low, high = sorted(limit * scale + offset for limit in limits)
         if high < span[0] or low > span[1]:
-            place = facts.places.value(*path, "range")
             what = "no raw value is ever in this range"
             expected = f"something between {number(low)} and {number(high)} {facts.get(*path, 'unit')}"
-            yield Fault.at(place, "EE-222", what, found=listed(span), expected=expected)
+            yield facts.fault((*path, "range"), "EE-222", what, expected, found=listed(span))

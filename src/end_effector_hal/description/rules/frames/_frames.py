@@ -29,17 +29,6 @@ def frame_faults(facts: Facts) -> Iterator[Fault]:
         yield from _record_frame(facts, (*link, "frame", "record"))
 
 
-def key_fault(facts: Facts, path: Keys, what: str, expected: str = "", hint: str = "") -> Fault:
-    """Return a fault at a key, whatever its value is."""
-    place = facts.places.key(*path)
-    return Fault.at(place, CODE, what, found=str(path[-1]), expected=expected, hint=hint)
-
-
-def value_fault(facts: Facts, path: Keys, what: str, expected: str) -> Fault:
-    """Return a fault at a value."""
-    return Fault.at(facts.places.value(*path), CODE, what, expected=expected)
-
-
 def link_paths(facts: Facts) -> list[Keys]:
     """Return the keys of each link: ``link``, or those under ``links``."""
     if facts.says("link"):
@@ -62,7 +51,7 @@ def _links(facts: Facts) -> Iterator[Fault]:
         return
     if facts.says("link"):
         expected = "link alone, or every link under links with a name of its own"
-        yield key_fault(facts, ("links",), "'link' and 'links' exclude each other", expected)
+        yield facts.key_fault(("links",), CODE, "'link' and 'links' exclude each other", expected)
         return
     if ("links",) in facts.broken:
         return
@@ -81,8 +70,7 @@ def _links(facts: Facts) -> Iterator[Fault]:
         owner = ports.setdefault(place_of(port), name)
         if owner != name:
             what, hint = f"this port already belongs to link {owner!r}", "devices on one bus differ by 'unit'"
-            where = facts.places.value("links", name, "port")
-            yield Fault.at(where, "EE-221", what, expected="a port of its own", hint=hint)
+            yield facts.fault(("links", name, "port"), "EE-221", what, "a port of its own", hint=hint)
 
 
 def declared_format(facts: Facts, link: Keys) -> str:
@@ -96,22 +84,21 @@ def _link(facts: Facts, link: Keys) -> Iterator[Fault]:
     yield from port_faults(facts, link)
     if not facts.says(*frame):
         if facts.says(*link, "period_ms"):
-            hint = "a codec has a period of its own"
-            yield key_fault(facts, (*link, "period_ms"), "'period_ms' is for a declared frame", "frame", hint)
+            what, hint = "'period_ms' is for a declared frame", "a codec has a period of its own"
+            yield facts.key_fault((*link, "period_ms"), CODE, what, "frame", hint=hint)
         if len(link_paths(facts)) > 1 and not facts.broken_within(*link):
             yield from _unused(facts, link, link, "codec: {channel: …}")
         return
     if facts.written(*link, "codec"):
         expected = "frame with channels, or the name of a codec"
-        yield key_fault(facts, (*link, "codec"), "'codec' and 'frame' exclude each other", expected)
+        yield facts.key_fault((*link, "codec"), CODE, "'codec' and 'frame' exclude each other", expected)
     formats = [each for each in FORMATS if facts.says(*frame, each)]
     if len(formats) > 1:
         expected = f"one of {', '.join(FORMATS)}"
-        yield key_fault(facts, (*frame, formats[1]), "a link has frames of one format", expected)
+        yield facts.key_fault((*frame, formats[1]), CODE, "a link has frames of one format", expected)
     elif not formats and not facts.broken_within(*frame):
-        place = facts.places.key(*frame)
         expected = f"one of {', '.join(FORMATS)}"
-        yield Fault.at(place, "EE-206", "'frame' declares no format", found="", expected=expected)
+        yield facts.key_fault(frame, "EE-206", "'frame' declares no format", expected, found="")
     elif formats:
         yield from _unused(facts, link, frame, f"{formats[0]}: …")
 
@@ -127,9 +114,8 @@ def _unused(facts: Facts, link: Keys, path: Keys, source: str) -> Iterator[Fault
     if any(link_of(facts, name) in (link, None) if several else True for name in over):
         return
     named = f"link: {link[1]}, " if several else ""
-    place, what = facts.places.key(*path), "no channel comes over the link"
-    expected = f"channels: {{a_name: {{{named}{source}}}}}"
-    yield Fault.at(place, "EE-206", what, found="", expected=expected)
+    what = "no channel comes over the link"
+    yield facts.key_fault(path, "EE-206", what, f"channels: {{a_name: {{{named}{source}}}}}", found="")
 
 
 def _text_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -139,17 +125,17 @@ def _text_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
     for key, sign in signs.items():
         if set(sign) & (_NUMERIC | ENDS):
             why = "ends a line" if set(sign) & ENDS else "stands in numbers"
-            yield value_fault(facts, (*path, key), f"{key!r} {why}", "another character")
+            yield facts.fault((*path, key), CODE, f"{key!r} {why}", "another character")
     if signs["separator"] and signs["separator"] == signs["equals"]:
         what = "'separator' and 'equals' are the same"
         key = "equals" if facts.says(*path, "equals") else "separator"
-        yield value_fault(facts, (*path, key), what, "two characters")
+        yield facts.fault((*path, key), CODE, what, "two characters")
     if start := facts.get(*path, "start") or "":
         if set(start) & ENDS:
-            yield value_fault(facts, (*path, "start"), "'start' ends a line", "a text that begins one")
+            yield facts.fault((*path, "start"), CODE, "'start' ends a line", "a text that begins one")
         elif not set(start) - _NUMERIC - set("".join(signs.values())):
             what = "'start' may stand within a line"
-            yield value_fault(facts, (*path, "start"), what, "a character that no value has, such as $")
+            yield facts.fault((*path, "start"), CODE, what, "a character that no value has, such as $")
 
 
 def _asked(facts: Facts, link: Keys) -> Iterator[Fault]:
@@ -157,8 +143,8 @@ def _asked(facts: Facts, link: Keys) -> Iterator[Fault]:
     for path in ((*link, "frame", each, "ask") for each in ("text", "json")):
         ask = facts.get(*path) if facts.says(*path) else None
         if isinstance(ask, str) and re.search(r"\\[rntx]", ask):
-            what, expected = "this would be sent with a backslash", f'double quotes: ask: "{ask}"'
-            yield value_fault(facts, path, what, expected)
+            expected = f'double quotes: ask: "{ask}"'
+            yield facts.fault(path, CODE, "this would be sent with a backslash", expected)
 
 
 def _record_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -166,9 +152,8 @@ def _record_frame(facts: Facts, path: Keys) -> Iterator[Fault]:
         return
     framing, start = facts.get(*path, "framing"), facts.says(*path, "start")
     if framing == "start" and not start:
-        place = facts.places.key(*path)
         expected = "start: the bytes that begin a record, such as AA55; or framing: cobs or slip"
-        yield Fault.at(place, "EE-206", "key 'start' is missing in 'record'", found="", expected=expected)
+        yield facts.key_fault(path, "EE-206", "key 'start' is missing in 'record'", expected, found="")
     elif framing in ("cobs", "slip") and start:
         what = f"framing: {framing} has no start bytes"
-        yield key_fault(facts, (*path, "start"), what, "a delimiter only, or framing: start")
+        yield facts.key_fault((*path, "start"), CODE, what, "a delimiter only, or framing: start")

@@ -10,7 +10,7 @@ from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._channels import Channel, raw_limits, type_bits
 
-from ._frames import ENDS, key_fault, link_of, value_fault
+from ._frames import CODE, ENDS, link_of
 from ._ports import unit_faults
 
 DEEPEST = 8
@@ -32,25 +32,23 @@ def place_faults(facts: Facts, name: str, source: str) -> Iterator[Fault]:
         yield from unit_faults(facts, link_of(facts, name), path)
         yield from _register_place(facts, path)
     elif source == "analog" and (found := _IIO_FILE.fullmatch(facts.get(*path, "channel") or "")):
-        what, expected = "this is a file of the channel", f"its name: {found[1]}"
-        yield value_fault(facts, (*path, "channel"), what, expected)
+        yield facts.fault((*path, "channel"), CODE, "this is a file of the channel", f"its name: {found[1]}")
 
 
 def _text_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
     key = facts.get(*path, "key")
     if facts.says(*path, "field") and facts.says(*path, "key"):
-        yield key_fault(facts, (*path, "key"), "a value stands in a field or behind a key", "one of the two")
+        yield facts.key_fault(
+            (*path, "key"), CODE, "a value stands in a field or behind a key", "one of the two"
+        )
     elif not facts.says(*path, "field") and not facts.says(*path, "key") and not facts.broken_within(*path):
-        place, expected = facts.places.key(*path), "field: which one, or key: what stands in front of it"
-        yield Fault.at(place, "EE-206", "its place in the line is missing", found="", expected=expected)
+        expected = "field: which one, or key: what stands in front of it"
+        yield facts.key_fault(path, "EE-206", "its place in the line is missing", expected, found="")
     if key and isinstance(facts.get(*frame), dict):
         signs = "".join(facts.get(*frame, each) or "" for each in ("separator", "equals"))
         if set(key) & (set(signs) | ENDS) or key != key.strip():
-            what, expected = (
-                "this key is never found",
-                "a key without separator, equals and blanks around it",
-            )
-            yield value_fault(facts, (*path, "key"), what, expected)
+            expected = "a key without separator, equals and blanks around it"
+            yield facts.fault((*path, "key"), CODE, "this key is never found", expected)
 
 
 def _json_place(facts: Facts, name: str) -> Iterator[Fault]:
@@ -61,13 +59,11 @@ def _json_place(facts: Facts, name: str) -> Iterator[Fault]:
     keys = key.split(".")
     if not all(each.strip() == each != "" for each in keys) or len(keys) > DEEPEST:
         expected = f"at most {DEEPEST} keys with points between them, such as sensors.0.pressure"
-        yield value_fault(facts, path, "this is no path", expected)
+        yield facts.fault(path, CODE, "this is no path", expected)
     for other in facts.names("channels"):
         outer = facts.get("channels", other, "json", "key") if other != name else None
         if outer and key.startswith(f"{outer}.") and link_of(facts, other) == link_of(facts, name):
-            yield value_fault(
-                facts, path, f"{outer!r} of {other!r} is a value, not an object", "another path"
-            )
+            yield facts.fault(path, CODE, f"{outer!r} of {other!r} is a value, not an object", "another path")
             return
 
 
@@ -78,10 +74,10 @@ def _mask(facts: Facts, path: Keys) -> Iterator[Fault]:
         return
     full = raw_limits("u" + value_type.removeprefix("u")) if value_type != "float32" else None
     if full is None:
-        yield key_fault(facts, (*path, "bitmask"), "a float32 has no bits to choose", "an integer type")
+        yield facts.key_fault((*path, "bitmask"), CODE, "a float32 has no bits to choose", "an integer type")
     elif mask > full[1]:
         expected = f"at most 0x{full[1]:X}"
-        yield value_fault(facts, (*path, "bitmask"), f"'bitmask' has bits that no {value_type} has", expected)
+        yield facts.fault((*path, "bitmask"), CODE, f"'bitmask' has bits that no {value_type} has", expected)
 
 
 def _record_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
@@ -96,9 +92,9 @@ def _record_place(facts: Facts, path: Keys, frame: Keys) -> Iterator[Fault]:
         expected = (
             f"at most {length - size} of {length} bytes" if length >= size else f"length of {size} or more"
         )
-        yield Fault.at(facts.places.value(*path, "byte"), "EE-208", what, expected=expected)
+        yield facts.fault((*path, "byte"), "EE-208", what, expected)
     if size == 1 and facts.says(*path, "byte_order"):
-        yield key_fault(facts, (*path, "byte_order"), f"{value_type} is a single byte", "no byte_order")
+        yield facts.key_fault((*path, "byte_order"), CODE, f"{value_type} is a single byte", "no byte_order")
 
 
 def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
@@ -106,20 +102,19 @@ def _register_place(facts: Facts, path: Keys) -> Iterator[Fault]:
     if table in ("coil", "discrete_input"):
         for key in ("value_type", "byte_order", "word_order", "bitmask"):
             if facts.says(*path, key):
-                yield key_fault(facts, (*path, key), f"a {table} is a single bit", f"no {key}")
+                yield facts.key_fault((*path, key), CODE, f"a {table} is a single bit", f"no {key}")
         return
     yield from _mask(facts, path)
     if value_type is None:
         return
     wide = type_bits(value_type) == 32
     if not wide and facts.says(*path, "word_order"):
-        yield key_fault(facts, (*path, "word_order"), f"{value_type} is a single register", "no word_order")
-    if wide and facts.get(*path, "address") == 0xFFFF:
-        place, what = (
-            facts.places.value(*path, "address"),
-            f"the second register of this {value_type} does not exist",
+        yield facts.key_fault(
+            (*path, "word_order"), CODE, f"{value_type} is a single register", "no word_order"
         )
-        yield Fault.at(place, "EE-208", what, expected="at most 65534")
+    if wide and facts.get(*path, "address") == 0xFFFF:
+        what = f"the second register of this {value_type} does not exist"
+        yield facts.fault((*path, "address"), "EE-208", what, "at most 65534")
 
 
 def limits_of_source(facts: Facts, path: Keys) -> tuple[int, int] | None:
@@ -152,18 +147,13 @@ def shared_places(facts: Facts, names: list[str]) -> Iterator[Fault]:
                 same = place == taken and said == meaning
                 if theirs == source and place & taken and (same or (pressure and said is None)):
                     what = f"its place already belongs to {other!r}"
-                    yield _shared_fault(facts, path, what)
+                    yield facts.key_fault(path, "EE-221", what, "a place of its own")
                     break
             seen.append((name, source, place, meaning))
 
 
 def _plain(facts: Facts, name: str, key: str) -> tuple[Any, ...]:
     return tuple(facts.unbroken("channels", name, key) or ())
-
-
-def _shared_fault(facts: Facts, path: Keys, what: str) -> Fault:
-    place, expected = facts.places.key(*path), "a place of its own"
-    return Fault.at(place, "EE-221", what, found=str(path[-1]), expected=expected)
 
 
 def _bits_of(facts: Facts, path: Keys) -> Iterator[tuple[Any, ...]]:

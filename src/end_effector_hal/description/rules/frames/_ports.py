@@ -42,9 +42,7 @@ def port_faults(facts: Facts, link: Keys) -> Iterator[Fault]:
         for key in ("baudrate", "parity", "stopbits"):
             if facts.says(*link, key):
                 what, hint = f"{key!r} is for a serial line", "the far end has its own settings"
-                yield Fault.at(
-                    facts.places.key(*link, key), "EE-228", what, found=key, expected="no such key", hint=hint
-                )
+                yield facts.key_fault((*link, key), "EE-228", what, "no such key", hint=hint)
 
 
 def place_of(port: str) -> str:
@@ -59,5 +57,5 @@ def unit_faults(facts: Facts, link: Keys | None, path: Keys) -> Iterator[Fault]:
         return
     address = network_address(port)
     if address is None or address.scheme != "tcp":
-        what, place = "unit 0 is the broadcast of a serial line", facts.places.value(*path, "unit")
-        yield Fault.at(place, "EE-208", what, expected="1 to 255; 0 is possible with tcp://")
+        what = "unit 0 is the broadcast of a serial line"
+        yield facts.fault((*path, "unit"), "EE-208", what, "1 to 255; 0 is possible with tcp://")
