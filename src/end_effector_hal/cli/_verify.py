@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from end_effector_hal._extras import lab_installed
-from end_effector_hal.cli.model import DEATHS, DESCRIPTION, MODEL, REGISTERS, Source, open_source
+from end_effector_hal.cli.model import NamedNetwork, Source, network_options
 from end_effector_hal.errors import UsageError
 
 from ._lab import Drawing, draw_run, figures, is_figure, sweep
@@ -30,10 +30,7 @@ T = TypeVar("T")
 
 
 @click.command(name="verify")
-@DESCRIPTION
-@MODEL
-@REGISTERS
-@DEATHS
+@network_options("model", "registers", "deaths")
 @click.option("--all", "every", is_flag=True, help="Print every requirement, not only what does not hold.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON, all of them."
@@ -79,10 +76,7 @@ T = TypeVar("T")
     help="Of dask.distributed: its workers prove the sweep.",
 )
 def command(
-    description: Path | None,
-    model: Path | None,
-    registers: str | None,
-    deaths: bool,
+    network: NamedNetwork,
     every: bool,
     as_json: bool,
     output: Path | None,
@@ -128,23 +122,17 @@ def command(
     from end_effector_hal.verification.proof import prove
 
     if sweeps:
-        if (
-            model is not None
-            or registers is not None
-            or deaths
-            or every
-            or free is not None
-            or most_gib is not None
-        ):
+        alone = network == NamedNetwork(network.description)
+        if not alone or every or free is not None or most_gib is not None:
             raise UsageError("--sweep proves a DESCRIPTION as it is.", todo="Leave the other options out.")
-        path = description or profile_path()
+        path = network.description or profile_path()
         sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
     if jobs or scheduler:
         raise UsageError("--jobs and --scheduler need --sweep.", todo="Add --sweep KEY=A,B,C.")
-    if (deaths or registers is not None) and free is not None:
-        which = "deaths" if deaths else "registers"
+    if (network.deaths or network.registers is not None) and free is not None:
+        which = "deaths" if network.deaths else "registers"
         raise UsageError(f"The network of {which} has no sensors.", todo="Leave --free-sensors out.")
-    source = open_source(description, model, registers=registers, deaths=deaths)
+    source = network.open()
     if free is not None:
         source = _set_free(source, free)
     content = content_hash(source.description) if source.description is not None else ""

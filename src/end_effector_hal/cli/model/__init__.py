@@ -1,3 +1,3 @@
 """``eehal model``: show, simulate, export and check the automata."""
 
-from ._source import DEATHS, DESCRIPTION, MODEL, REGISTERS, Source, open_source
+from ._source import NamedNetwork, Source, network_options

@@ -14,7 +14,7 @@ from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.errors import ReportedError
 
-from ._source import DESCRIPTION, open_source
+from ._source import NamedNetwork, network_options
 
 if TYPE_CHECKING:
     from end_effector_hal.verification.lemmas import Fig5Report
@@ -131,9 +131,9 @@ _DOES_NOT_HOLD = 4
 
 
 @click.command(short_help="Does a grip do only what the paper's Fig. 5 does?")
-@DESCRIPTION
+@network_options()
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
-def fig5(description: Path | None, as_json: bool) -> None:
+def fig5(network: NamedNetwork, as_json: bool) -> None:
     """Prove the paper's Fig. 5 with its three devices, and that a grip, seen through the events of Fig. 5, does only
     what Fig. 5 does.
 
@@ -143,7 +143,7 @@ def fig5(description: Path | None, as_json: bool) -> None:
     """
     from end_effector_hal.verification.lemmas import compare_with_fig5
 
-    source = open_source(description, None)
+    source = network.open()
     assert source.description is not None
     with Progress("Comparing", shown=not as_json):
         report = compare_with_fig5(source.description, source.network)

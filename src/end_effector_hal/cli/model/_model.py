@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,7 +14,7 @@ from end_effector_hal.cli._options import PathName, refuse_inputs, the_folder, w
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._simulate import simulate
-from end_effector_hal.cli.model._source import COILS, DEATHS, DESCRIPTION, MODEL, REGISTERS, open_source
+from end_effector_hal.cli.model._source import NamedNetwork, network_options
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
@@ -53,9 +54,10 @@ def told_edges(template: Template) -> Iterator[str]:
 
 
 def _template_names(context: click.Context) -> Iterable[str]:
-    named = (context.params.get(each) for each in ("description", "model", "coils", "registers"))
-    source = open_source(*named, deaths=bool(context.params.get("deaths")))
-    return [_name(each) for each in source.network.document.templates]
+    named: dict[str, Any] = {
+        key: context.params.get(key) for key in ("description", "model", "coils", "registers", "deaths")
+    }
+    return [_name(each) for each in NamedNetwork(**named).open().network.document.templates]
 
 
 @click.group(name="model")
@@ -64,11 +66,7 @@ def command() -> None:
 
 
 @command.command(short_help="Draw each template as UPPAAL shows it.")
-@DESCRIPTION
-@MODEL
-@COILS
-@REGISTERS
-@DEATHS
+@network_options("model", "coils", "registers", "deaths")
 @click.option(
     "-o",
     "--output",
@@ -88,17 +86,7 @@ def command() -> None:
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the files, and which requirements need each edge."
 )
-def show(
-    description: Path | None,
-    model: Path | None,
-    coils: str | None,
-    registers: str | None,
-    deaths: bool,
-    output: Path,
-    template: str | None,
-    edges: bool,
-    as_json: bool,
-) -> None:
+def show(network: NamedNetwork, output: Path, template: str | None, edges: bool, as_json: bool) -> None:
     """Draw each template as UPPAAL shows it (Fig. 5), as PNG and as SVG.
 
     Locations, edges and labels have the positions of the file; the constants of the description that a template uses
@@ -106,10 +94,7 @@ def show(
     edge if it failed after an edit of that edge (make mutants). Nothing is printed about an edge that was never edited
     or that is not in the shipped automata.
     """
-    draw, source = (
-        figures().draw_template,
-        open_source(description, model, coils, registers=registers, deaths=deaths),
-    )
+    draw, source = figures().draw_template, network.open()
     templates = _wanted(source.network.document.templates, template)
     one = is_figure(output)
     if one and len(templates) > 1:
@@ -163,14 +148,9 @@ def _file_names(names: list[str]) -> list[str]:
 
 
 @command.command(name="export", short_help="Write the network with the constants of a description.")
-@DESCRIPTION
-@COILS
-@REGISTERS
-@DEATHS
+@network_options("coils", "registers", "deaths")
 @click.option("-o", "--output", metavar="FILE", type=PathName(), help="Default: stdout.")
-def export_network(
-    description: Path | None, coils: str | None, registers: str | None, deaths: bool, output: Path | None
-) -> None:
+def export_network(network: NamedNetwork, output: Path | None) -> None:
     """Write the network with the constants of a description, for UPPAAL.
 
     Layout, comments and queries are those of the file; only the values of constants differ. The same description gives
@@ -178,13 +158,13 @@ def export_network(
     """
     from timed_automata import export
 
-    source = open_source(description, None, coils, registers=registers, deaths=deaths)
+    source = network.open()
     data = export(source.network)
     if output is None:
         click.echo(data, nl=False)
     else:
         inputs = source.description.files if source.description is not None else ()
-        refuse_inputs(output, (*inputs, description or profile_path()))
+        refuse_inputs(output, (*inputs, network.description or profile_path()))
         write_whole(output, data)
         click.echo(str(output))
 

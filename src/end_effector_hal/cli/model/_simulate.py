@@ -12,15 +12,7 @@ import click
 from end_effector_hal.cli._lab import Drawing, draw_run, figures, is_figure
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._output import Progress, print_document
-from end_effector_hal.cli.model._source import (
-    COILS,
-    DEATHS,
-    DESCRIPTION,
-    MODEL,
-    REGISTERS,
-    Source,
-    open_source,
-)
+from end_effector_hal.cli.model._source import NamedNetwork, Source, network_options
 from end_effector_hal.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,11 +23,7 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
 
 
 @click.command(short_help="Play runs of the network, at random or guided.")
-@DESCRIPTION
-@MODEL
-@COILS
-@REGISTERS
-@DEATHS
+@network_options("model", "coils", "registers", "deaths")
 @click.option("--seed", default=0, show_default=True, help="The same seed, the same run.")
 @click.option("--steps", type=click.IntRange(0), help="Largest number of transitions; by default 100.")
 @click.option(
@@ -51,11 +39,7 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")
 def simulate(
-    description: Path | None,
-    model: Path | None,
-    coils: str | None,
-    registers: str | None,
-    deaths: bool,
+    network: NamedNetwork,
     seed: int,
     steps: int | None,
     seconds: float | None,
@@ -80,7 +64,7 @@ def simulate(
         figures()  # without what draws them nothing is played
     elif output is not None:
         check_replaceable(output)
-    source = open_source(description, model, coils, registers=registers, deaths=deaths)
+    source = network.open()
     choices = parse_choices(source.network, choose)
     if seconds is not None and isnan(seconds):  # what a range of click lets through
         raise UsageError("--for nan is no length of time.")

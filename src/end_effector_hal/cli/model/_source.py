@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,26 +17,6 @@ if TYPE_CHECKING:
     from end_effector_hal.description import Description
     from end_effector_hal.recording import RunInfo
     from timed_automata import Network
-
-DESCRIPTION = click.argument("description", type=PathName(), required=False)
-MODEL = click.option(
-    "--model", metavar="FILE", type=PathName(), help="A UPPAAL file, with its own constants."
-)
-COILS = click.option(
-    "--coils",
-    metavar="NAME",
-    help="Instead: the network of the two coils of an actuator, or of tool_changer.",
-)
-REGISTERS = click.option(
-    "--registers",
-    metavar="NAME",
-    help="Instead: the network of the registers that command an actuator over a bus.",
-)
-DEATHS = click.option(
-    "--deaths",
-    is_flag=True,
-    help="Instead: the network of the line arbiter, in which any process may die at any instant.",
-)
 
 
 @dataclass(frozen=True)
@@ -57,90 +39,110 @@ class Source:
         return replace(run_info(self.description, scenario=scenario), simulated=True)
 
 
-def open_source(
-    description: Path | None,
-    model: Path | None,
-    coils: str | None = None,
-    *,
-    registers: str | None = None,
-    deaths: bool = False,
-) -> Source:
-    """Open the network of a description (by default the shipped one), or of a UPPAAL file.
+@dataclass(frozen=True)
+class NamedNetwork:
+    """The network that the options of a command name.
 
-    Args:
-        description, model: the file.
-        coils: use the network of an output with two coils, of this name.
-        registers: use the network of an output on a bus, of this name.
-        deaths: use the network in which program and line arbiter die.
-
-    Raises:
-        DescriptionError, ModelError: the file is not valid.
-        UsageError: two networks are named, or there is no such output.
+    Attributes:
+        description: of the tool; None: the shipped one.
+        model: a UPPAAL file instead.
+        coils, registers: name of an output whose own network it is: of its two coils, or of its registers on a bus.
+        deaths: whether it is the network in which program and line arbiter die.
     """
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.control import model_constants
-    from end_effector_hal.description import profile_path
-    from end_effector_hal.runtime import load_automata
-    from timed_automata import load_network
 
-    named = {
-        "--model": model is not None,
-        "--coils": coils is not None,
-        "--registers": registers is not None,
-        "--deaths": deaths,
-    }
-    if len(two := [option for option, given in named.items() if given]) > 1:
-        raise UsageError(f"Two networks are named: {two[0]} and {two[1]}.", todo="Leave one of them out.")
-    if model is not None:
-        if description is not None:
-            raise UsageError("A description and a model are named.", todo="Leave one of them out.")
-        network = load_network(model)
-        return Source(str(model), network, None, _told(network))
-    path = description or profile_path()
-    if is_uppaal(path):
-        todo = f"Write '--model {path}'."
-        raise UsageError("This is a UPPAAL file, not a description.", where=str(path), todo=todo)
-    loaded = load_tool(path)
-    if coils is not None:
-        return _coils_of(loaded, coils)
-    if registers is not None:
-        return _registers_of(loaded, registers)
-    if deaths:
-        return _deaths_of(loaded)
-    constants, network = model_constants(loaded), load_automata(loaded)
-    told = {name: value for name, value in _told(network).items() if name in constants}
-    return Source(str(path), network, loaded, told)
+    description: Path | None = None
+    model: Path | None = None
+    coils: str | None = None
+    registers: str | None = None
+    deaths: bool = False
+
+    def open(self) -> Source:
+        """Open the network.
+
+        Raises:
+            DescriptionError, ModelError: the file is not valid.
+            UsageError: two networks are named, or there is no such output.
+        """
+        from end_effector_hal.codecs import load_tool
+        from end_effector_hal.control import model_constants
+        from end_effector_hal.description import profile_path
+        from end_effector_hal.runtime import load_automata
+        from timed_automata import load_network
+
+        if len(two := [f"--{name}" for name in _OPTIONS if getattr(self, name) not in (None, False)]) > 1:
+            raise UsageError(f"Two networks are named: {two[0]} and {two[1]}.", todo="Leave one of them out.")
+        if self.model is not None:
+            if self.description is not None:
+                raise UsageError("A description and a model are named.", todo="Leave one of them out.")
+            network = load_network(self.model)
+            return Source(str(self.model), network, None, _told(network))
+        path = self.description or profile_path()
+        if is_uppaal(path):
+            todo = f"Write '--model {path}'."
+            raise UsageError("This is a UPPAAL file, not a description.", where=str(path), todo=todo)
+        loaded = load_tool(path)
+        if two:
+            return self._lemma(loaded)
+        constants, network = model_constants(loaded), load_automata(loaded)
+        told = {name: value for name, value in _told(network).items() if name in constants}
+        return Source(str(path), network, loaded, told)
+
+    def _lemma(self, tool: Description) -> Source:
+        """Return the network of two coils, of registers, or of deaths, without the description of the tool."""
+        from end_effector_hal.verification.lemmas import bus_networks, coil_networks, death_network
+
+        where, network = str(tool.source), death_network(tool) if self.deaths else None
+        what, known = "deaths", dict[str, Any]()
+        if self.coils is not None:
+            what, known = f"the coils of {self.coils}", coil_networks(tool)
+            if (network := known.get(self.coils)) is None:
+                has = f"Those with two coils are {', '.join(known)}" if known else "None has two coils"
+                raise UsageError(f"There is no output {self.coils!r} with two coils. {has}.", where=where)
+        elif self.registers is not None:
+            what, known = f"the registers of {self.registers}", bus_networks(tool)
+            if (network := known.get(self.registers)) is None:
+                has = f"Those on a bus are {', '.join(known)}" if known else "None is on a bus"
+                raise UsageError(f"{self.registers!r} is not commanded over a bus. {has}.", where=where)
+        assert network is not None
+        return Source(f"{where}: {what}", network, None, _told(network))
 
 
-def _coils_of(description: Description, output: str) -> Source:
-    from end_effector_hal.verification.lemmas import coil_networks
-
-    networks = coil_networks(description)
-    if output not in networks:
-        has = f"Those with two coils are {', '.join(networks)}" if networks else "None has two coils"
-        raise UsageError(
-            f"There is no output {output!r} with two coils. {has}.", where=str(description.source)
-        )
-    network = networks[output]
-    return Source(f"{description.source}: the coils of {output}", network, None, _told(network))
-
-
-def _registers_of(description: Description, actuator: str) -> Source:
-    from end_effector_hal.verification.lemmas import bus_networks
-
-    networks = bus_networks(description)
-    if actuator not in networks:
-        has = f"Those on a bus are {', '.join(networks)}" if networks else "None is on a bus"
-        raise UsageError(f"{actuator!r} is not commanded over a bus. {has}.", where=str(description.source))
-    network = networks[actuator]
-    return Source(f"{description.source}: the registers of {actuator}", network, None, _told(network))
+_OPTIONS = {
+    "model": click.option(
+        "--model", metavar="FILE", type=PathName(), help="A UPPAAL file, with its own constants."
+    ),
+    "coils": click.option(
+        "--coils",
+        metavar="NAME",
+        help="Instead: the network of the two coils of an actuator, or of tool_changer.",
+    ),
+    "registers": click.option(
+        "--registers",
+        metavar="NAME",
+        help="Instead: the network of the registers that command an actuator over a bus.",
+    ),
+    "deaths": click.option(
+        "--deaths",
+        is_flag=True,
+        help="Instead: the network of the line arbiter, in which any process may die at any instant.",
+    ),
+}
 
 
-def _deaths_of(description: Description) -> Source:
-    from end_effector_hal.verification.lemmas import death_network
+def network_options(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add the argument DESCRIPTION and these options, which become the parameter ``network``, a `NamedNetwork`."""
 
-    network = death_network(description)
-    return Source(f"{description.source}: deaths", network, None, _told(network))
+    def add(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def collected(**values: Any) -> None:
+            named = {name: values.pop(name) for name in ("description", *names)}
+            command(network=NamedNetwork(**named), **values)
+
+        for name in reversed(names):
+            collected = _OPTIONS[name](collected)
+        return click.argument("description", type=PathName(), required=False)(collected)
+
+    return add
 
 
 def _told(network: Network) -> dict[str, object]:
