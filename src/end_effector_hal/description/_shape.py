@@ -18,8 +18,8 @@ from end_effector_hal.kinds.stanza import Actuator, BaseStanza, Condition
 from ._fault import Fault, Keys, Places
 
 MAPPINGS: dict[str, type[BaseStanza]] = {
-    "channels": Channel,
     "links": Link,
+    "channels": Channel,
     "parts": GrippedPart,
     "outputs": PlainOutput,
 }
@@ -63,13 +63,7 @@ def stanza_in(annotation: Any) -> type[BaseStanza] | None:
 
 def top_mappings() -> dict[str, list[type[BaseStanza]]]:
     """Return the top-level keys with stanzas under the user's own names, and the models of these stanzas."""
-    return {
-        "links": [Link],
-        "channels": [Channel],
-        "actuators": [*actuator_stanzas().values()],
-        "parts": [GrippedPart],
-        "outputs": [PlainOutput],
-    }
+    return {**{key: [model] for key, model in MAPPINGS.items()}, "actuators": [*actuator_stanzas().values()]}
 
 
 def homes_of(key: str, value: Any) -> list[str]:

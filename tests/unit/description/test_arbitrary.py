@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from end_effector_hal.description import Description, examine_text, profile_path
-from end_effector_hal.description.reading._text import _decode
+from end_effector_hal.description.reading._yaml import _decode
 from tests.support.nightly import examples
 
 SHIPPED = profile_path().read_text(encoding="utf-8")

@@ -11,8 +11,8 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification import mutation
-from end_effector_hal.verification.mutation import CHECKS, kept_record
-from end_effector_hal.verification.proof import requirements_of
+from end_effector_hal.verification.mutation import kept_record
+from end_effector_hal.verification.proof import CHECKS, requirements_of
 from timed_automata import Network, Template
 from tools.mutants import Mutant, MutantOutcome, MutantVerdict, document_of, mutants, mutation_record, text_of
 

@@ -16,8 +16,8 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from end_effector_hal.page.web import _connection
-from end_effector_hal.page.web._connection import MOST_CONNECTIONS, BoundedConnection
+from end_effector_hal.page.web import _serve
+from end_effector_hal.page.web._serve import MOST_CONNECTIONS, BoundedConnection
 from tests.support.patience import wait_until
 
 pytestmark = pytest.mark.wall
@@ -92,9 +92,9 @@ class Page:
 
 @pytest.fixture
 def page(monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
-    monkeypatch.setattr(_connection, "REQUEST_S", PATIENCE_S)
-    monkeypatch.setattr(_connection, "STALL_S", PATIENCE_S)
-    monkeypatch.setattr(_connection, "LOOK_S", 0.1)
+    monkeypatch.setattr(_serve, "REQUEST_S", PATIENCE_S)
+    monkeypatch.setattr(_serve, "STALL_S", PATIENCE_S)
+    monkeypatch.setattr(_serve, "LOOK_S", 0.1)
     made = Page()
     yield made
     made.server.should_exit = True
@@ -104,7 +104,7 @@ def page(monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
 
 
 def test_silent_clients_make_room_for_one_who_asks(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_connection, "REQUEST_S", 600.0)  # none of them is sent away for its time-out
+    monkeypatch.setattr(_serve, "REQUEST_S", 600.0)  # none of them is sent away for its time-out
     with ExitStack() as stack:
         for _ in range(2 * MOST_CONNECTIONS):
             stack.enter_context(page.connect())

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import profile_path
-from end_effector_hal.page._html import static_file
+from end_effector_hal.page import static_file
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._control import ControlLease
 from end_effector_hal.page.web._guard import Asked, Guard

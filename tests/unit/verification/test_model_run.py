@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import GripDecision, read_story
-from end_effector_hal.verification._model_run import has_states, states_of
+from end_effector_hal.verification import has_states, states_of
 from timed_automata import Change, State, Trace, TraceStep, load_network, make_network, read_document
 from timed_automata.simulate import parse_choices, simulate
 

@@ -12,8 +12,7 @@ from end_effector_hal.kinds import DeviceKind
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 from end_effector_hal.signals import Kind
 
-CHANGER_BITS = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
-CHANGER_DEFAULTS = tuple(str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS)
+CHANGER_DEFAULTS = tuple(str(ChangerStanza.model_fields[key].default) for key in ChangerStanza.BITS)
 
 
 @dataclass

@@ -19,7 +19,6 @@ from end_effector_hal.signals import Kind
 
 from ._init import BOARD, LINKS, NAME, WantedActuator, WantedLink
 from ._new_channels import (
-    CHANGER_BITS,
     CHANGER_DEFAULTS,
     CHANNELS_HEAD,
     NewChannels,
@@ -171,13 +170,11 @@ class _CodecChannels:
 
     def __init__(self, codec: Codec, *, tool_changer: bool) -> None:
         self._codec = codec
-        own = {str(ChangerStanza.model_fields[key].default) for key in CHANGER_BITS}
         self._free = {
             name: kind
             for name, kind in codec.channels.items()
-            if name not in ("supply", "estop_ok") and (name not in own or not tool_changer)
+            if name not in ("supply", "estop_ok") and (name not in CHANGER_DEFAULTS or not tool_changer)
         }
-        self._meant = own
 
     def given(self, actuators: Sequence[WantedActuator]) -> dict[str, dict[str, str]]:
         """Return a channel or none for each key of each actuator; channels with a matching name are assigned first."""
@@ -222,7 +219,7 @@ class _CodecChannels:
         )
 
     def _means_position(self, name: str) -> bool:
-        return name in self._meant or name.endswith(("_extended", "_retracted"))
+        return name in CHANGER_DEFAULTS or name.endswith(("_extended", "_retracted"))
 
 
 def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
@@ -300,7 +297,7 @@ def _changer(number: int, carried: Mapping[str, Kind]) -> Iterator[str]:
     yield ""
     yield "tool_changer:"
     yield _key("line", f"LINE_{number}", "yours: active means unlock")
-    for key in CHANGER_BITS:
+    for key in ChangerStanza.BITS:
         field = ChangerStanza.model_fields[key]
         yield _key(key, field.default if field.default in carried else NO_CHANNEL, _meaning(field))
 

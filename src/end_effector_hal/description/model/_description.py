@@ -213,7 +213,7 @@ class Description(BaseStanza):
         changer, stop = self.tool_changer, self.e_stop
         asked = {stop.channel} if stop else set()
         if changer:
-            asked |= {changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit}
+            asked |= {getattr(changer, key) for key in changer.BITS}
         return frozenset(name for name in asked & self.channels.keys() if self.channels[name].digital)
 
     def with_inputs(self, names: Collection[str]) -> Description:

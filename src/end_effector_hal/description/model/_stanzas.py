@@ -4,7 +4,7 @@ refused and proved.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -67,6 +67,9 @@ class ToolChanger(Output):
         default=ChangerEndings(), description="what each ending does to the unlock output"
     )
     service: RosName = Field(default="SetToolChanger", description="ROS service")
+
+    BITS: ClassVar = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
+    """Keys of its sensors."""
 
 
 class EStop(BaseStanza):

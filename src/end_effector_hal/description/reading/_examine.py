@@ -23,8 +23,7 @@ from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
 from ._likely import likely, read_as_meant
-from ._text import read_text
-from ._yaml import Reader
+from ._yaml import Reader, read_text
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules.evidence._channels import CodecChannels
-from end_effector_hal.description.rules.frames._frames import link_of
-from end_effector_hal.description.rules.frames._ports import unit_faults
+from end_effector_hal.description.rules.frames._frames import link_of, unit_faults
 from end_effector_hal.kinds.stanza import lowest_bit
 
 CODE = "EE-229"

@@ -8,12 +8,12 @@ from typing import Any
 from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._description import camel_case
+from end_effector_hal.description.model._stanzas import ToolChanger
 from end_effector_hal.kinds import get_kind
 from end_effector_hal.kinds.stanza import NO_CHANNEL, line_text
 from end_effector_hal.signals import Kind
 
 ROS = {"service": "Set", "topic": "Pressure"}
-_CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
 _MAY_BE_ONE = {("tool_changer", "locked_bit"), ("tool_changer", "present_bit")}
 """Two keys that may name the same sensor: a locked tool is present."""
 _READ_BY_ACTUATORS = ("channel", "on", "verify", "ready", "taken")
@@ -27,7 +27,7 @@ def shared_faults(facts: Facts) -> Iterator[Fault]:
     kinds = [(name, get_kind(kind)) for name, kind in facts.actuators()]
     supply: list[Keys] = [("supply",)]
     e_stop: list[Keys] = [("e_stop",)] if isinstance(facts.get("e_stop"), dict) else []
-    bits = [*_claims(changer, *_CHANGER), *_claims(supply, "channel"), *_claims(e_stop, "channel")]
+    bits = [*_claims(changer, *ToolChanger.BITS), *_claims(supply, "channel"), *_claims(e_stop, "channel")]
     for name, kind in kinds:
         keys = [each.key for each in kind.channels if each.carries is Kind.BIT]
         bits += _claims([("actuators", name)], *(key for key in keys if _is_asked(facts, name, key)))

@@ -8,8 +8,8 @@ from typing import Any
 
 from end_effector_hal.control import Controller, model_constants
 from end_effector_hal.description import Description
-from end_effector_hal.verification.mutation import CHECKS, kept_record
-from end_effector_hal.verification.proof import requirements_of
+from end_effector_hal.verification.mutation import kept_record
+from end_effector_hal.verification.proof import CHECKS, requirements_of
 from timed_automata import DrawnEdge, DrawnLocation, ExecutionSnapshot, Label, Network, Step, Template
 
 from ._log import in_file

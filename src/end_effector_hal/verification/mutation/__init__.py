@@ -13,16 +13,6 @@ from timed_automata.document import DrawnEdge, Template
 
 KEPT_FILE = Path(__file__).with_name("kept.json")
 """The record of the shipped automata."""
-CHECKS: Mapping[str, str] = {
-    "ranges": "No assignment leaves the range of its variable, and no index its array.",
-    "locations": "Every location can be reached.",
-    "edges": "Every edge can fire.",
-    "channels": "Every channel has both ends.",
-    "names": "No two constants name the same value of a type.",
-    "room": "Every time-out that is executed is due D before its invariant ends it.",
-    "time": "Time can always pass: no timelock, and no endless run in finite time.",
-}
-"""Checks that detect a mutant although they are no requirements of the file: sentences by id."""
 _LABELS = ("select", "guard", "synchronisation", "assignment")
 
 

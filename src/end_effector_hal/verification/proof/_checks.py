@@ -13,12 +13,16 @@ from timed_automata.explore import CoverageReport, Explorer, Overview, ReactionB
 
 from ._finding import Finding
 
-_LOCATIONS = "locations", "Every location can be reached."
-_EDGES = "edges", "Every edge can fire."
-_CHANNELS = "channels", "Every channel has both ends."
-_NAMES = "names", "No two constants name the same value of a type."
-_ROOM = "Every time-out that is executed is due D ({} ms) before its invariant ends it."
-_TIME = "time", "Time can always pass: no timelock, and no endless run in finite time."
+CHECKS = {
+    "ranges": "Every value stays in its range, every index in its array.",
+    "locations": "Every location can be reached.",
+    "edges": "Every edge can fire.",
+    "channels": "Every channel has both ends.",
+    "names": "No two constants name the same value of a type.",
+    "room": "Every time-out that is executed is due D before its invariant ends it.",
+    "time": "Time can always pass: no timelock, and no endless run in finite time.",
+}
+"""Checks that are no requirements of a file: sentences by id."""
 _NO_TIMELOCK = "timelock", "Nowhere is time stopped: no timelock."
 _KEPT: dict[bytes, CoverageReport] = {}
 """Cached coverage of files with their own constants, by their complete content."""
@@ -36,27 +40,28 @@ def checks(
         RunTimeError: a value leaves its range.
     """
     missing = found.coverage
-    room = () if reaction is None else (_nothing("room", _ROOM.format(reaction.room), found.late),)
-    time = (
-        _time(explorer, replace(found, zeno=False), *_NO_TIMELOCK)
-        if flickers
-        else _time(explorer, found, *_TIME)
+    faults = (missing.locations, missing.edges, found.open_channels, found.equal_names, found.late)
+    *others, (id_, sentence) = _asked(reaction, flickers=flickers)
+    nothing = (
+        Finding(*asked, "", not each, 0, 0.0, "; ".join(each))
+        for asked, each in zip(others, faults, strict=False)
     )
-    return (
-        _nothing(*_LOCATIONS, missing.locations),
-        _nothing(*_EDGES, missing.edges),
-        _nothing(*_CHANNELS, found.open_channels),
-        _nothing(*_NAMES, found.equal_names),
-        *room,
-        time,
-    )
+    found = replace(found, zeno=False) if flickers else found
+    return (*nothing, _time(explorer, found, id_, sentence))
+
+
+def _asked(reaction: ReactionBound | None, *, flickers: bool) -> list[tuple[str, str]]:
+    """Return id and sentence of each check, that of time last; without a reaction bound there is no room to check."""
+    asked = [(id_, CHECKS[id_]) for id_ in ("locations", "edges", "channels", "names")]
+    if reaction is not None:
+        asked.append(("room", CHECKS["room"].replace(" D ", f" D ({reaction.room} ms) ")))
+    return [*asked, _NO_TIMELOCK if flickers else ("time", CHECKS["time"])]
 
 
 def open_checks(reaction: ReactionBound | None, remark: str, *, flickers: bool) -> tuple[Finding, ...]:
     """Return the same findings as undecided, after an incomplete exploration; ``remark`` is the reason."""
-    room = () if reaction is None else (("room", _ROOM.format(reaction.room)),)
-    asked = (_LOCATIONS, _EDGES, _CHANNELS, _NAMES, *room, _NO_TIMELOCK if flickers else _TIME)
-    return tuple(Finding(id_, sentence, "", False, 0, 0.0, remark, decided=False) for id_, sentence in asked)
+    asked = _asked(reaction, flickers=flickers)
+    return tuple(Finding(*each, "", False, 0, 0.0, remark, decided=False) for each in asked)
 
 
 def without_unused(network: Network, found: Overview, progress: Callable[[int], None]) -> Overview:
@@ -88,11 +93,6 @@ def _own_coverage(document: Document, progress: Callable[[int], None]) -> Covera
 def not_decided(error: StoppedError) -> str:
     """Return the remark of a finding whose exploration was stopped."""
     return f"not decided: {error}"
-
-
-def _nothing(id_: str, sentence: str, faults: tuple[str, ...]) -> Finding:
-    """Return the finding that there are no faults of a kind."""
-    return Finding(id_, sentence, "", not faults, 0, 0.0, "; ".join(faults))
 
 
 def _time(explorer: Explorer, found: Overview, id_: str, sentence: str) -> Finding:

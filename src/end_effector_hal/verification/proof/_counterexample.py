@@ -12,7 +12,7 @@ from pathlib import Path
 
 from end_effector_hal.errors import RangeError, os_errors
 from end_effector_hal.recording import COUNTEREXAMPLE, RunInfo, StatesLog, Watched, check_replaceable
-from end_effector_hal.verification._model_run import has_states, states_of, write_states
+from end_effector_hal.verification import has_states, states_of, write_states
 from end_effector_hal.verification.proof._finding import Finding
 from timed_automata import Network
 from timed_automata.explain import Explanation, Names, WatchedClock, explain, explain_time

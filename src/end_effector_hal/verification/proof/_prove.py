@@ -10,7 +10,13 @@ from dataclasses import replace
 from time import perf_counter
 
 from end_effector_hal.errors import RangeError, StoppedError, UsageError
-from end_effector_hal.verification.proof._checks import checks, not_decided, open_checks, without_unused
+from end_effector_hal.verification.proof._checks import (
+    CHECKS,
+    checks,
+    not_decided,
+    open_checks,
+    without_unused,
+)
 from end_effector_hal.verification.proof._finding import (
     UNMET,
     Finding,
@@ -255,9 +261,8 @@ class _Proving:
         raise AssertionError("a value leaves its range in no run")
 
     def _left_range(self, error: RangeError, trace: Trace | None) -> Proof:
-        sentence = "Every value stays in its range, every index in its array."
         what, steps, seconds = str(error), len(trace.steps) if trace else 0, perf_counter() - self.begun
-        first = Finding("ranges", sentence, "", False, steps, seconds, what, trace)
+        first = Finding("ranges", CHECKS["ranges"], "", False, steps, seconds, what, trace)
         undecided = "not decided: see [ranges]"
         rest = [each.finding(False, 0, 0.0, undecided, decided=False) for each in self.requirements]
         return Proof((first, *rest), first.states, seconds)

@@ -13,8 +13,6 @@ from end_effector_hal.kinds import kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import NO_CHANNEL, Actuator, BaseStanza, Supply
 from end_effector_hal.signals import Kind
 
-_CHANGER = ("locked_bit", "unlocked_bit", "stand_bit", "present_bit")
-
 
 @dataclass(frozen=True)
 class Use:
@@ -57,7 +55,7 @@ def _uses(description: Description) -> Iterator[Use]:
             where = ("actuators", name, "evidence", *leaf.path)
             yield Use(where, leaf.key, leaf.channel, leaf.bit, True, True, leaf.thresholds)
     if description.tool_changer:
-        for key in _CHANGER:
+        for key in ToolChanger.BITS:
             yield from _of(("tool_changer",), description.tool_changer, key, bit=True)
     if description.e_stop:
         yield from _of(("e_stop",), description.e_stop, "channel", bit=True)
@@ -75,7 +73,10 @@ def _of(path: tuple[str | int, ...], stanza: BaseStanza, key: str, *, bit: bool)
 
 def bits_by_default() -> frozenset[str]:
     """Return the default names of bits of all devices, whether this tool has the device or not."""
-    keyed: list[tuple[type[BaseStanza], tuple[str, ...]]] = [(ToolChanger, _CHANGER), (EStop, ("channel",))]
+    keyed: list[tuple[type[BaseStanza], tuple[str, ...]]] = [
+        (ToolChanger, ToolChanger.BITS),
+        (EStop, ("channel",)),
+    ]
     keyed += [
         (kind.stanza, tuple(each.key for each in kind.channels if each.carries is Kind.BIT))
         for kind in usable_kinds().values()

@@ -10,8 +10,7 @@ from end_effector_hal.description._fault import Fault, Keys
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._channels import Channel, raw_limits, type_bits
 
-from ._frames import CODE, ENDS, link_of
-from ._ports import unit_faults
+from ._frames import CODE, ENDS, link_of, unit_faults
 
 DEEPEST = 8
 """Most keys in the path of a value in JSON."""
