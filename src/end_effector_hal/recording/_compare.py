@@ -16,6 +16,7 @@ from end_effector_hal.vocabulary import Command, display_name
 
 from ._alarms import BEGUN, AlarmRow, read_alarms
 from ._compared_pressures import RunDifference, Shifts, pressure_differences
+from ._files import RunFile
 from ._levels import ChangerRow, SwitchesLog, read_changer, read_switches
 from ._pressures import PressuresLog, read_pressures
 from ._run import RunInfo, read_run
@@ -45,14 +46,14 @@ class RunTables:
         log, info, beside = read_states(states), read_run(states.parent), states.with_name
         pressures: PressuresLog | None = None
         try:
-            if beside("pressures.csv").exists():
-                pressures = read_pressures(beside("pressures.csv"))
+            if beside(RunFile.PRESSURES).exists():
+                pressures = read_pressures(beside(RunFile.PRESSURES))
         except UsageError as error:
             if faults is None:
                 raise
             faults.append(str(error))
-        changer, alarms = read_changer(beside("tool_changer.csv")), read_alarms(beside("alarms.csv"))
-        return cls(log, info, pressures, changer, alarms, read_switches(beside("switches.csv")))
+        changer, alarms = read_changer(beside(RunFile.CHANGER)), read_alarms(beside(RunFile.ALARMS))
+        return cls(log, info, pressures, changer, alarms, read_switches(beside(RunFile.SWITCHES)))
 
     @property
     def first_command_s(self) -> float:

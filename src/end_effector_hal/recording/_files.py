@@ -19,6 +19,19 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.owned import open_owned
 
 
+class RunFile:
+    """Names of the files of a recording, beside its traces."""
+
+    INFO = "run.json"
+    STATES = "states.csv"
+    EVENTS = "events.csv"
+    PRESSURES = "pressures.csv"
+    SWITCHES = "switches.csv"
+    CHANGER = "tool_changer.csv"
+    PARTS = "parts.csv"
+    ALARMS = "alarms.csv"
+
+
 def lock(fd: int) -> bool:
     """Lock a file that is being written, until this process ends; return False if another process holds the lock."""
     try:

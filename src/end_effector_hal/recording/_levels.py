@@ -61,10 +61,28 @@ class ChangerRow(NamedTuple):
     state: ChangerState
 
 
-class _ChangesWriter(TableWriter[tuple[float, Any]]):
-    """Writes a row when its content has changed; a row begins with its time."""
+class ChangesWriter(TableWriter[tuple[float, Any]]):
+    """Writes a row when its content has changed; a row begins with its time. Thread-safe.
 
-    def _change(self, time_s: float, shown: object) -> bool:
+    Args:
+        read: reads a row of the file from a line.
+
+    Raises:
+        UsageError: the file cannot be written, or is another kind of file.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        columns: Sequence[str],
+        read: Callable[[Line], tuple[float, Any]],
+        limits: RecordingLimits | None = None,
+    ) -> None:
+        super().__init__(path, columns, limits)
+        self._last = self._resumed(read)
+
+    def write(self, time_s: float, shown: Any) -> bool:
+        """Write what holds from ``time_s`` on; return False when it equals the last row."""
         self._check_time(time_s)
         with self._lock:
             if self._last is not None and self._last[1] == shown:
@@ -74,67 +92,43 @@ class _ChangesWriter(TableWriter[tuple[float, Any]]):
             self._last = row
         return True
 
+    def _text(self, row: tuple[float, Any]) -> str:
+        return f"{row[0]:.6f},{row[1]}\n"
 
-class SwitchesWriter(_ChangesWriter):
-    """Writes a row when a level has changed; thread-safe.
 
-    Raises:
-        UsageError: the file cannot be written, or is another kind of file.
-    """
+class SwitchesWriter(ChangesWriter):
+    """Writes the levels of switches."""
 
     def __init__(
         self, path: str | Path, channels: Sequence[str], limits: RecordingLimits | None = None
     ) -> None:
         self.channels = tuple(channels)
         columns = _columns(channels)
-        super().__init__(path, (*FIXED, *columns), limits)
-        self._last = self._resumed(lambda line: _switches_row(line, columns, 0.0))
+        super().__init__(path, (*FIXED, *columns), lambda line: _switches_row(line, columns, 0.0), limits)
 
-    def write(self, time_s: float, levels: Mapping[str, bool | None]) -> bool:
+    def write(self, time_s: float, shown: Mapping[str, bool | None]) -> bool:
         """Write the levels from ``time_s`` on (missing: unknown); return False when they equal the last row."""
-        return self._change(time_s, tuple(levels.get(channel) for channel in self.channels))
+        return super().write(time_s, tuple(shown.get(channel) for channel in self.channels))
 
     def _text(self, row: tuple[float, Levels]) -> str:
-        cells = ("" if level is None else str(int(level)) for level in row[1])
-        return ",".join((f"{row[0]:.6f}", *cells)) + "\n"
+        return super()._text((row[0], ",".join("" if level is None else str(int(level)) for level in row[1])))
 
 
-class ChangerWriter(_ChangesWriter):
-    """Writes a row when the state of the tool changer has changed; thread-safe.
-
-    Raises:
-        UsageError: the file cannot be written, or is another kind of file.
-    """
+class ChangerWriter(ChangesWriter):
+    """Writes the state of the tool changer."""
 
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
-        super().__init__(path, CHANGER_COLUMNS, limits)
-        self._last = self._resumed(lambda line: _changer_row(line, 0.0))
-
-    def write(self, time_s: float, state: ChangerState) -> bool:
-        """Write the state that holds from ``time_s`` on; return False when it equals the last row."""
-        return self._change(time_s, state)
+        super().__init__(path, CHANGER_COLUMNS, _changer_row, limits)
 
     def _text(self, row: tuple[float, ChangerState]) -> str:
-        return f"{row[0]:.6f},{int(row[1])}\n"
+        return super()._text((row[0], int(row[1])))
 
 
-class PartsWriter(_ChangesWriter):
-    """Writes a row when another part is gripped, held or released; thread-safe.
-
-    Raises:
-        UsageError: the file cannot be written, or is another kind of file.
-    """
+class PartsWriter(ChangesWriter):
+    """Writes the name (`is_part_name`) of the part that is gripped, held or released."""
 
     def __init__(self, path: str | Path, limits: RecordingLimits | None = None) -> None:
-        super().__init__(path, PART_COLUMNS, limits)
-        self._last = self._resumed(_part_row)
-
-    def write(self, time_s: float, part: str) -> bool:
-        """Write the name (`is_part_name`) that holds from ``time_s`` on; return False when it equals the last row."""
-        return self._change(time_s, part)
-
-    def _text(self, row: tuple[float, str]) -> str:
-        return f"{row[0]:.6f},{row[1]}\n"
+        super().__init__(path, PART_COLUMNS, _part_row, limits)
 
 
 def is_part_name(name: str) -> bool:
@@ -206,7 +200,7 @@ def _part_row(line: Line, earliest_s: float = 0.0) -> tuple[float, str]:
     return line.seconds(time, earliest_s), part
 
 
-def _changer_row(line: Line, earliest_s: float) -> ChangerRow:
+def _changer_row(line: Line, earliest_s: float = 0.0) -> ChangerRow:
     time, state = line.fields(CHANGER_COLUMNS)
     value = line.number_of(state, CHANGER_COLUMNS[1])
     if value not in set(ChangerState):

@@ -23,7 +23,7 @@ from end_effector_hal.wires import now_us
 
 from ._alarms import AlarmsWriter
 from ._events import EventRow, EventsWriter, event_row
-from ._files import RecordingLimits
+from ._files import RecordingLimits, RunFile
 from ._levels import ChangerWriter, PartsWriter, SwitchesWriter, is_part_name
 from ._of_tool import pressure_channels, run_info, switch_channels
 from ._pressures import PressuresWriter
@@ -152,7 +152,7 @@ class Recording(Closing):
         described = None if isinstance(tool, RunInfo) else tool
         actuators, path = tuple(known.actuators), self.folder.joinpath
         with ExitStack() as files:
-            states = files.enter_context(StatesWriter(path("states.csv"), actuators, limits))
+            states = files.enter_context(StatesWriter(path(RunFile.STATES), actuators, limits))
             if states.last is not None:
                 self._reported = states.last.end_effector
             self._info = replace(
@@ -168,14 +168,16 @@ class Recording(Closing):
                 self._write_info()
             self._names, self._due = actuators, deque[EventRow](maxlen=MOST_DUE)
             self._writes: dict[str, Callable[[float], bool]] = {
-                "states.csv": lambda time_s: self._latest is not None and states.write(time_s, *self._latest)
+                RunFile.STATES: lambda time_s: (
+                    self._latest is not None and states.write(time_s, *self._latest)
+                )
             }
             """The tables whose last row is written again after a failure, in that order; each writes what holds now."""
             if events:
-                writer = files.enter_context(EventsWriter(path("events.csv"), actuators, limits))
-                self._writes["events.csv"] = lambda _: self._write_due(writer)
-            alarms = files.enter_context(AlarmsWriter(path("alarms.csv"), limits))
-            self._writes["alarms.csv"] = lambda time_s: alarms.write(time_s, self._standing) or True
+                writer = files.enter_context(EventsWriter(path(RunFile.EVENTS), actuators, limits))
+                self._writes[RunFile.EVENTS] = lambda _: self._write_due(writer)
+            alarms = files.enter_context(AlarmsWriter(path(RunFile.ALARMS), limits))
+            self._writes[RunFile.ALARMS] = lambda time_s: alarms.write(time_s, self._standing) or True
             self._readings = self._pressures = self._switches = None
             self._levels: Mapping[str, bool | None] = {}
             if described is not None:
@@ -183,18 +185,20 @@ class Recording(Closing):
                 if channels := pressure_channels(described):
                     measures = measures_of(described)
                     units = {name: measures[name].unit for name in channels}
-                    pressures = PressuresWriter(path("pressures.csv"), channels, limits, units)
+                    pressures = PressuresWriter(path(RunFile.PRESSURES), channels, limits, units)
                     self._pressures = files.enter_context(pressures)
                 if bits := switch_channels(described):
-                    switches = files.enter_context(SwitchesWriter(path("switches.csv"), bits, limits))
+                    switches = files.enter_context(SwitchesWriter(path(RunFile.SWITCHES), bits, limits))
                     self._switches = bits
-                    self._writes["switches.csv"] = lambda time_s: switches.write(time_s, self._levels) or True
+                    self._writes[RunFile.SWITCHES] = lambda time_s: (
+                        switches.write(time_s, self._levels) or True
+                    )
             if described is None or described.tool_changer is not None:
-                changer = files.enter_context(ChangerWriter(path("tool_changer.csv"), limits))
-                self._writes["tool_changer.csv"] = lambda time_s: changer.write(time_s, self._changed) or True
+                changer = files.enter_context(ChangerWriter(path(RunFile.CHANGER), limits))
+                self._writes[RunFile.CHANGER] = lambda time_s: changer.write(time_s, self._changed) or True
             if described is None or described.parts:
-                parts = files.enter_context(PartsWriter(path("parts.csv"), limits))
-                self._writes["parts.csv"] = lambda time_s: parts.write(time_s, self._part) or True
+                parts = files.enter_context(PartsWriter(path(RunFile.PARTS), limits))
+                self._writes[RunFile.PARTS] = lambda time_s: parts.write(time_s, self._part) or True
             self._files = files.pop_all()
 
     def state(self, at: int, end_effector: int, command: int, actuators: Sequence[int]) -> bool:
@@ -208,7 +212,7 @@ class Recording(Closing):
                 self._start = max(at, self._begun)
                 self._losses.info_due = True
             self._latest = (end_effector, command, actuators)
-            written = self._write("states.csv", at)
+            written = self._write(RunFile.STATES, at)
             self._settle(at)
         return written
 
@@ -219,9 +223,9 @@ class Recording(Closing):
             ReportedError: rows cannot be written now.
         """
         with self._lock:
-            if "tool_changer.csv" in self._writes and self._start is not None:
+            if RunFile.CHANGER in self._writes and self._start is not None:
                 self._changed = ChangerState(state) if state in set(ChangerState) else ChangerState.UNKNOWN
-                self._write("tool_changer.csv", at)
+                self._write(RunFile.CHANGER, at)
                 self._settle(at)
 
     def part(self, at: int, name: str) -> None:
@@ -234,9 +238,9 @@ class Recording(Closing):
         if not is_part_name(name):
             raise UsageError(f"{printable(name)!r} is not the name of a part.")
         with self._lock:
-            if "parts.csv" in self._writes and self._start is not None:
+            if RunFile.PARTS in self._writes and self._start is not None:
                 self._part = name
-                self._write("parts.csv", at)
+                self._write(RunFile.PARTS, at)
                 self._settle(at)
 
     def alarms(self, at: int, alarms: Sequence[Alarm]) -> None:
@@ -244,7 +248,7 @@ class Recording(Closing):
         with self._lock:
             if self._start is not None:
                 self._standing = alarms
-                self._write("alarms.csv", at)
+                self._write(RunFile.ALARMS, at)
                 self._settle(at)
 
     def events(self, at: int, events: Sequence[ToolEvent]) -> None:
@@ -257,7 +261,7 @@ class Recording(Closing):
             ReportedError: rows cannot be written now.
         """
         with self._lock:
-            if self._latest is None or "events.csv" not in self._writes:
+            if self._latest is None or RunFile.EVENTS not in self._writes:
                 return
             rows = [event_row(each, self.seconds(min(each.at, at)), self._names) for each in events]
             states = [row.new for row in rows if row.kind is EventKind.STATE_CHANGED]
@@ -266,7 +270,7 @@ class Recording(Closing):
                 rows.append(EventRow(self.seconds(at), EventKind.STATE_CHANGED, old=old, new=self._reported))
             if rows:
                 self._due.extend(rows)
-                self._write("events.csv", at)
+                self._write(RunFile.EVENTS, at)
                 self._settle(at)
 
     def values(self, at: int, values: Mapping[str, Value]) -> None:
@@ -289,11 +293,11 @@ class Recording(Closing):
             if pressures is not None:
                 now = {name: readings.get(name, at) for name in pressures.channels}
                 kpa = {name: None if value is None else value / 1000 for name, value in now.items()}
-                self._losses.write("pressures.csv", time_s, lambda: pressures.write(time_s, kpa))
+                self._losses.write(RunFile.PRESSURES, time_s, lambda: pressures.write(time_s, kpa))
             if switches is not None:
                 bits = {name: readings.get(name, at) for name in switches}
                 self._levels = {name: None if value is None else bool(value) for name, value in bits.items()}
-                self._write("switches.csv", at)
+                self._write(RunFile.SWITCHES, at)
             self._settle(at)
 
     def note(self, gap: str) -> None:
@@ -338,10 +342,10 @@ class Recording(Closing):
             try:
                 self._write_info()
             except OSError as error:
-                losses.fail("run.json", self.seconds(at), error)
+                losses.fail(RunFile.INFO, self.seconds(at), error)
             else:
                 losses.info_due = False
-                losses.failing.pop("run.json", None)
+                losses.failing.pop(RunFile.INFO, None)
         losses.complain()
 
     def _write_info(self) -> None:
@@ -352,6 +356,8 @@ class Recording(Closing):
 def _begun(folder: Path) -> datetime | None:
     """Return the time at which the recording in a folder began; None: the folder contains no recording."""
     try:
-        return datetime.fromisoformat(read_run(folder).started) if (folder / "states.csv").exists() else None
+        return (
+            datetime.fromisoformat(read_run(folder).started) if (folder / RunFile.STATES).exists() else None
+        )
     except (ValueError, TypeError):
         return None

@@ -15,6 +15,8 @@ from pydantic import FiniteFloat, TypeAdapter, ValidationError
 from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.owned import open_owned
 
+from ._files import RunFile
+
 
 @dataclass(frozen=True, slots=True)
 class Watched:
@@ -53,7 +55,6 @@ def read_watched(content: object) -> Watched | None:
     return found if found.values or found.points else None
 
 
-FILE_NAME = "run.json"
 SCHEMA_VERSION = 1
 """Version of the format; raised when a key is removed or changes its meaning, but not for a new key."""
 KINDS = {
@@ -134,7 +135,7 @@ class RunInfo:
 
     def write(self, folder: str | Path) -> Path:
         """Write ``run.json`` into a folder, completely or not at all; raises OSError."""
-        path = Path(folder) / FILE_NAME
+        path = Path(folder) / RunFile.INFO
         left_out = ["note", *(name for name in ("e_stop", "parts") if not getattr(self, name))]
         left_out += () if self.violated else _OF_COUNTEREXAMPLES
         content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
@@ -144,7 +145,7 @@ class RunInfo:
         content["switches"] = {name: dict(each) for name, each in self.switches.items()}
         if self.violated:
             content["watched"] = [each.document() for each in self.watched]
-        beside = path.with_name(f".{FILE_NAME}.{os.getpid()}")
+        beside = path.with_name(f".{RunFile.INFO}.{os.getpid()}")
         try:
             fd = open_owned(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
             with os.fdopen(fd, "w", encoding="utf-8") as file:
@@ -188,7 +189,7 @@ def read_run(path: str | Path) -> RunInfo:
     path = Path(path)
     try:
         if path.is_dir():
-            path = path / FILE_NAME
+            path = path / RunFile.INFO
         content = json.loads(path.read_text(encoding="utf-8", errors="replace"))
     except FileNotFoundError:
         return RunInfo()
@@ -242,7 +243,7 @@ def check_replaceable(folder: Path) -> None:
     """
     with os_errors("Cannot be read", folder):
         recorded = [each for pattern in _RECORDED for each in folder.glob(pattern)]
-        has_run = (folder / FILE_NAME).exists()
+        has_run = (folder / RunFile.INFO).exists()
     scenario = read_run(folder).scenario
     of_model = scenario == COUNTEREXAMPLE or scenario.startswith(MODEL_RUN)
     if any(each.suffix == ".mcap" for each in recorded) or ((recorded or has_run) and not of_model):

@@ -12,7 +12,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 
 from ._events import EventRow, read_events
-from ._files import RecordingLimits
+from ._files import RecordingLimits, RunFile
 from ._levels import read_parts
 from ._rows import Line, TableWriter, read_header, read_lines
 
@@ -161,9 +161,9 @@ def read_states(path: str | Path) -> StatesLog:
             if line.complete:
                 raise
             note = line.cut_off
-    events = read_events(Path(path).with_name("events.csv"), actuators)
+    events = read_events(Path(path).with_name(RunFile.EVENTS), actuators)
     return StatesLog(
-        actuators, tuple(rows), str(path), note, events, read_parts(Path(path).with_name("parts.csv"))
+        actuators, tuple(rows), str(path), note, events, read_parts(Path(path).with_name(RunFile.PARTS))
     )
 
 

@@ -10,7 +10,15 @@ from pathlib import Path
 
 from end_effector_hal.control import EventReader
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import EventRow, EventsWriter, StatesLog, StatesRow, StatesWriter, event_row
+from end_effector_hal.recording import (
+    EventRow,
+    EventsWriter,
+    RunFile,
+    StatesLog,
+    StatesRow,
+    StatesWriter,
+    event_row,
+)
 from end_effector_hal.vocabulary import ActuatorState, Command, EndEffectorState
 from timed_automata import Network, State, Step, TakenEdge, Trace
 
@@ -55,7 +63,7 @@ def write_states(log: StatesLog, folder: Path) -> list[Path]:
     Raises:
         UsageError: the files cannot be written.
     """
-    states, events = folder / "states.csv", folder / "events.csv"
+    states, events = folder / RunFile.STATES, folder / RunFile.EVENTS
     for each in (states, events):
         each.unlink(missing_ok=True)
     with StatesWriter(states, log.actuators) as writer:

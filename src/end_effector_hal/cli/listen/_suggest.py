@@ -14,7 +14,7 @@ from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.recording import PressuresLog, StatesLog, read_pressures, read_states
+from end_effector_hal.recording import PressuresLog, RunFile, StatesLog, read_pressures, read_states
 from end_effector_hal.signals import Kind
 from end_effector_hal.vocabulary import EndEffectorState
 
@@ -162,12 +162,12 @@ def print_suggestions(tool: Description, folder: Path, *, as_json: bool) -> None
         raise UsageError(
             "Switches have no thresholds: this tool has no pressure that proves an actuator.", todo=""
         )
-    for name in ("states.csv", "pressures.csv"):
+    for name in (RunFile.STATES, RunFile.PRESSURES):
         if not (folder / name).is_file():
             todo = "Record a grip and a drop: `eehal run TOOL --record FOLDER`."
             raise UsageError(f"There is no {name} here.", where=str(folder), todo=todo)
     found = list(
-        suggestions(tool, read_states(folder / "states.csv"), read_pressures(folder / "pressures.csv"))
+        suggestions(tool, read_states(folder / RunFile.STATES), read_pressures(folder / RunFile.PRESSURES))
     )
     good = [each for each in found if isinstance(each, Suggestion)]
     refused = [each for each in found if isinstance(each, str)]

@@ -15,12 +15,13 @@ from pydantic_core import to_json
 from end_effector_hal._extras import missing_extra
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import RunFile
 
 from ._document import read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS, list_recordings, recording_folders
 from ._summary import judge_recording
-from ._tables import STATES, RecordedTables
+from ._tables import RecordedTables
 
 
 def answer(word: str, folder: Path, id_: str = "", description: str = "") -> bytes:
@@ -34,7 +35,7 @@ def answer(word: str, folder: Path, id_: str = "", description: str = "") -> byt
         if any(entry.is_symlink() for entry in entries):
             raise UsageError("The recording contains symbolic links, which are not followed.")
     files: RecordingFiles | RecordedTables
-    if any(path.glob("*.mcap")) or not (path / STATES).exists():
+    if any(path.glob("*.mcap")) or not (path / RunFile.STATES).exists():
         files = RecordingFiles(path)
     else:
         files = RecordedTables(path, load_tool(description))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.recording import RunInfo, read_run, read_states, read_story
+from end_effector_hal.recording import RunFile, RunInfo, read_run, read_states, read_story
 from end_effector_hal.vocabulary import printable
 
 MOST_LISTED = 200
@@ -26,7 +26,7 @@ PROGRESS = "progress "
 """Prefix of a line on stderr with the share read, from the process that reads a recording for the page."""
 _LONGEST = 160
 BROKEN = (ReportedError, OSError, ValueError, ArithmeticError, LookupError, TypeError, RecursionError)
-TABLE, EVENTS, INFO, _TRACE = "states.csv", "events.csv", "run.json", ".mcap"
+_TRACE = ".mcap"
 
 
 def recording_folders(folder: Path) -> dict[str, Path]:
@@ -73,7 +73,7 @@ def _inside(folder: Path) -> Iterator[Path]:
 
 def changed_at(path: Path) -> float | None:
     """Return when a recording was last written; None if the folder is no recording."""
-    for name in (TABLE, INFO):
+    for name in (RunFile.STATES, RunFile.INFO):
         try:
             found = os.stat(path / name, follow_symlinks=False)
         except OSError:
@@ -96,16 +96,16 @@ def _id_of(path: Path) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    info = read_run(path) if is_small(path / INFO, MOST_INFO_BYTES) else RunInfo()
+    info = read_run(path) if is_small(path / RunFile.INFO, MOST_INFO_BYTES) else RunInfo()
     tool, story, length_s = printable(info.description)[:_LONGEST], "", None
-    if not is_small(path / TABLE, MOST_TABLE_BYTES):
-        there = (path / TABLE).exists()
+    if not is_small(path / RunFile.STATES, MOST_TABLE_BYTES):
+        there = (path / RunFile.STATES).exists()
         story = "long: open it" if there else "only traces: open it"
-    elif (path / EVENTS).exists() and not is_small(path / EVENTS, MOST_TABLE_BYTES):
+    elif (path / RunFile.EVENTS).exists() and not is_small(path / RunFile.EVENTS, MOST_TABLE_BYTES):
         story = "long: open it"
     else:
         try:
-            log = read_states(path / TABLE)
+            log = read_states(path / RunFile.STATES)
             story = read_story(log, info).verdict
             length_s = round(log.rows[-1].time_s, 1) if log.rows else 0.0
         except BROKEN:

@@ -20,6 +20,7 @@ from end_effector_hal.recording import (
     MODEL_RUN,
     Grip,
     GripDecision,
+    RunFile,
     RunInfo,
     StatesLog,
     content_hash,
@@ -30,7 +31,7 @@ from end_effector_hal.recording import (
 )
 from end_effector_hal.vocabulary import EndEffectorState, printable
 
-from ._folder import BROKEN, EVENTS, INFO, MOST_INFO_BYTES, TABLE, changed_at, is_small
+from ._folder import BROKEN, MOST_INFO_BYTES, changed_at, is_small
 
 MOST_RECORDINGS, MOST_GRIPS = 2_000, 200_000
 """Largest numbers of recordings and of grips that are read; the newest recordings come first."""
@@ -38,7 +39,6 @@ MOST_BYTES = 130_000_000
 """Largest table of states or events, bytes: two segments."""
 DECIDED = (GripDecision.GRIPPED, GripDecision.ABORTED)
 """The outcomes that say something about the tool; any other was decided by a person or a program."""
-_PRESSURES = "pressures.csv"
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ def read_history(
     for path in newest[:MOST_RECORDINGS]:
         progress(f"Reading {path}")
         try:
-            info = read_run(path) if is_small(path / INFO, MOST_INFO_BYTES) else RunInfo()
+            info = read_run(path) if is_small(path / RunFile.INFO, MOST_INFO_BYTES) else RunInfo()
             into = simulated if info.is_simulated else real
             into.grips += [
                 grip for grip in _grips(tool, path, info, into.notes) if not part or grip.part == part
@@ -172,11 +172,11 @@ def _grips(tool: Description, folder: Path, info: RunInfo, notes: list[str]) -> 
         raise UsageError("it is a run of the model.")
     if info.description not in ("", tool.name):
         raise UsageError(f"it is of the tool {info.description}.")
-    for name in (TABLE, EVENTS):
+    for name in (RunFile.STATES, RunFile.EVENTS):
         if sum(path.stat().st_size for path in folder.glob(f"{Path(name).stem}*.csv")) > MOST_BYTES:
             raise UsageError(f"{name} has more than {MOST_BYTES / 1e6:.0f} MB.")
     kinds = {name: actuator.kind for name, actuator in tool.ordered}
-    log = read_states(folder / TABLE)
+    log = read_states(folder / RunFile.STATES)
     if log.actuators != tool.sequence or (info.actuators and dict(info.actuators) != kinds):
         raise UsageError(f"it is of a tool with other actuators ({', '.join(log.actuators)}).")
     if log.events is None:
@@ -213,7 +213,7 @@ def _margins(
     notes: list[str],
 ) -> list[dict[str, float]]:
     """Return the margins at the end of the hold of each part, by actuator; empty where no pressure is known."""
-    path = folder / _PRESSURES
+    path = folder / RunFile.PRESSURES
     try:
         found = last_pressures(path, holds)
     except ReportedError as error:

@@ -19,6 +19,7 @@ from end_effector_hal.recording import (
     AlarmRow,
     EventRow,
     PressuresLog,
+    RunFile,
     RunInfo,
     StatesLog,
     StatesRow,
@@ -37,7 +38,6 @@ from end_effector_hal.vocabulary import ACTIVE, PENDING, Alarm, Evidence
 
 from ._files import TOLD
 
-STATES, PRESSURES, SWITCHES, ALARMS = "states.csv", "pressures.csv", "switches.csv", "alarms.csv"
 _UNKNOWN = ("held", "lift_allowed", "secure", "changer", "unlock_output", "armed", "worst_late_ms", "missed")
 
 
@@ -59,12 +59,12 @@ class RecordedTables:
     ) -> None:
         self.path, self.name, self.description = folder, name or folder.resolve().name, description
         self._cards = Cards(description, dict(carrier_of(description).channels))
-        self._states: StatesLog = read_states(folder / STATES)
+        self._states: StatesLog = read_states(folder / RunFile.STATES)
         actuators = tuple(each for each, _ in description.ordered)
         if self._states.actuators != actuators:
             raise UsageError(
                 f"The states are those of {', '.join(self._states.actuators)}; this tool has {', '.join(actuators)}.",
-                where=str(folder / STATES),
+                where=str(folder / RunFile.STATES),
                 todo="Name the description of the tool that was recorded.",
             )
         info: RunInfo = read_run(folder)
@@ -80,9 +80,13 @@ class RecordedTables:
             self.notes.append(
                 f"It is shown with another description ({own}) than run.json names ({info.hash})."
             )
-        self._alarms: list[AlarmRow] = self._optional(ALARMS, lambda path: list(read_alarms(path)), [])
-        self._pressures: PressuresLog = self._optional(PRESSURES, read_pressures, PressuresLog((), ()))
-        self._switches: SwitchesLog | None = self._optional(SWITCHES, read_switches, None)
+        self._alarms: list[AlarmRow] = self._optional(
+            RunFile.ALARMS, lambda path: list(read_alarms(path)), []
+        )
+        self._pressures: PressuresLog = self._optional(
+            RunFile.PRESSURES, read_pressures, PressuresLog((), ())
+        )
+        self._switches: SwitchesLog | None = self._optional(RunFile.SWITCHES, read_switches, None)
         if self._pressures.note:
             self.notes.append(self._pressures.note)
         self.header = Header(
