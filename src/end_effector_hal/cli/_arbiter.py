@@ -9,7 +9,11 @@ from pathlib import Path
 
 import click
 
-from end_effector_hal.description import tool_path
+from end_effector_hal.arbiter import ArbiterClient, run_arbiter
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import socket_path, tool_path
+from end_effector_hal.errors import LineRefusedError
+from end_effector_hal.wires import processors_awake
 
 from ._completion import completed, profiles
 from ._options import PathName
@@ -55,10 +59,6 @@ def arbiter(
     executes its last will. The lines keep their level when the arbiter ends. The arbiter keeps latched faults in a
     journal, and last wills in the session record beside the socket, for the next arbiter.
     """
-    from end_effector_hal.arbiter import run_arbiter
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.wires import processors_awake
-
     path = tool_path(description or "", profile, how="DESCRIPTION or --profile NAME")
     with processors_awake() if keep_awake else nullcontext():
         run_arbiter(load_tool(path), socket, journal, group)
@@ -77,9 +77,6 @@ def stop(description: Path, as_json: bool) -> None:
 
     Exit codes: 0 the stop is latched, 3 the line arbiter cannot be reached.
     """
-    from end_effector_hal.arbiter import ArbiterClient
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.description import socket_path
     from end_effector_hal.runtime import latch_stop
 
     with ArbiterClient(socket_path(load_tool(description)), "eehal stop", patience_s=0) as arbiter:
@@ -102,11 +99,6 @@ def reset(description: Path, as_json: bool) -> None:
 
     Exit codes: 0 the line arbiter has no latched fault left, 1 a fault stays, 3 the arbiter cannot be reached.
     """
-    from end_effector_hal.arbiter import ArbiterClient
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.description import socket_path
-    from end_effector_hal.errors import LineRefusedError
-
     stays = ""
     with ArbiterClient(socket_path(load_tool(description)), "eehal reset", patience_s=0) as arbiter:
         try:
@@ -143,7 +135,6 @@ def reload(description: Path, restart: tuple[str, ...], as_json: bool) -> None:
 
     Exit codes: 0 done, or possible; 1 refused, or RESTART failed; 2 the description has a fault; 3 no HAL runs.
     """
-    from end_effector_hal.codecs import load_tool
     from end_effector_hal.control import Answer
     from end_effector_hal.runtime.stream import GO_ON, RELOAD, ask_program, program_socket
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import click
+from rich.table import Table
 
 from end_effector_hal.cli._completion import completed, device_names
 from end_effector_hal.cli._options import PathName
@@ -54,8 +55,6 @@ def _device(library: DeviceLibrary, name: str) -> LibraryDevice:
 
 
 def _print_list(devices: list[LibraryDevice]) -> None:
-    from rich.table import Table
-
     table = Table("name", "device", "kind", "confirmed by", "from", box=None, pad_edge=False, padding=(0, 1))
     for each in devices:
         table.add_row(each.name, each.about.title, each.kind, each.about.confirmed, each.origin)

@@ -137,7 +137,7 @@ def test_two_tools_are_one_too_many() -> None:
 def test_a_profile_is_named_instead(monkeypatch: pytest.MonkeyPatch) -> None:
     driven: list[Path] = []
     monkeypatch.setattr(
-        "end_effector_hal.arbiter.run_arbiter", lambda description, *_: driven.append(description.source)
+        "end_effector_hal.cli._arbiter.run_arbiter", lambda description, *_: driven.append(description.source)
     )
     assert CliRunner().invoke(arbiter, ["--profile", "verdin_gripper"]).exit_code == 0
     assert driven == [profile_path()]

@@ -7,17 +7,22 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
-from end_effector_hal.description import network_address
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from end_effector_hal.codecs import carrier_of, codec_of, sources_of
+from end_effector_hal.description import Description, network_address
 from end_effector_hal.errors import LinkError
-from end_effector_hal.signals import GAUGE_PRESSURE, Kind
+from end_effector_hal.kinds import kind_of
+from end_effector_hal.sensing import SensorSet
+from end_effector_hal.signals import GAUGE_PRESSURE, Frame, Kind, Measure, Value
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.sensors import SensorReader
 
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
-    from end_effector_hal.description import Description
-    from end_effector_hal.signals import Frame, Measure, Value
+from ._hearing import link_title, why_no_frame
 
 LOST_US = 1_000_000
 """Time without a frame after which the inputs count as lost, µs."""
@@ -49,12 +54,6 @@ class ChannelView:
     """
 
     def __init__(self, tool: Description, begun: int) -> None:
-        from end_effector_hal.codecs import carrier_of, codec_of, sources_of
-        from end_effector_hal.sensing import SensorSet
-        from end_effector_hal.wires.sensors import SensorReader
-
-        from ._hearing import link_title
-
         self.tool, self.begun = tool, begun
         carrier = carrier_of(tool)
         self.channels = carrier.channels
@@ -90,8 +89,6 @@ class ChannelView:
         """Process what arrives within a time; raise LinkError if a source could not be opened, but not if one was
         lost.
         """
-        from end_effector_hal.wires import now_us
-
         with suppress(Empty):
             self._take(self._came.get(timeout=longest_s))
             while True:
@@ -112,8 +109,6 @@ class ChannelView:
 
     def need_frames(self) -> None:
         """Raise LinkError with the remedy if no frame has arrived over some link."""
-        from ._hearing import why_no_frame
-
         for name, link in self._reader.health.links.items():
             if not link.frames:
                 heard = self.links[name]
@@ -126,8 +121,6 @@ class ChannelView:
                 raise LinkError(f"{what}.", where=heard.title, todo=todo)
 
     def _take(self, came: Frame | tuple[str, bytes]) -> None:
-        from end_effector_hal.wires import now_us
-
         if isinstance(came, tuple):
             name, data = came
             heard = self.links[name]
@@ -209,10 +202,6 @@ class ChannelView:
 
     def table(self, now: int) -> RenderableType:
         """Return the table for a terminal."""
-        from rich.console import Group
-        from rich.table import Table
-        from rich.text import Text
-
         channels = Table("channel", "raw", "value", "age", "per second", "of", box=None, pad_edge=False)
         for name in self.channels:
             value, state, age_s = self.values.get(name), self.state(name, now), self.age_s(name, now)
@@ -247,8 +236,6 @@ class ChannelView:
             yield f"inputs of the board: {told}"
 
     def _users(self, channel: str) -> Iterator[str]:
-        from end_effector_hal.kinds import kind_of
-
         for name, actuator in self.tool.ordered:
             if channel in kind_of(actuator).channel_names(actuator):
                 yield name

@@ -6,15 +6,12 @@ import select
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from end_effector_hal.codecs import Codec, codec_names, codec_of, get_codec, line_of
+from end_effector_hal.description import Description, has_line
 from end_effector_hal.errors import ReportedError
-
-if TYPE_CHECKING:
-    from end_effector_hal.codecs import Codec
-    from end_effector_hal.description import Description
-    from end_effector_hal.signals import Frame
-    from end_effector_hal.wires.link import GuardedDecoder, WirePort
+from end_effector_hal.signals import Frame
+from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, WirePort, open_wire
 
 
 @dataclass(frozen=True)
@@ -56,9 +53,6 @@ class OpenLink:
 
 def link_title(description: Description, name: str) -> str:
     """Return port, codec and baud rate of a link for a sentence; raises UsageError like `codec_of`."""
-    from end_effector_hal.codecs import codec_of, line_of
-    from end_effector_hal.description import has_line
-
     codec, link = codec_of(description, name), description.links[name]
     rate = f", {line_of(link, codec)[0]} baud" if has_line(link.port) else ""
     return f"{link.port}, {codec.name}{rate}"
@@ -75,9 +69,6 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
         LinkError: the port cannot be opened; LinkBusyError: another process reads it.
         UsageError: the codec cannot be loaded.
     """
-    from end_effector_hal.codecs import codec_of, line_of
-    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder, open_wire
-
     codec, link = codec_of(description, name), description.links[name]
     baudrate, parity, stopbits = line_of(link, codec)
     with closing(open_wire(link.port, baudrate, parity=parity, stopbits=stopbits)) as port:
@@ -90,9 +81,6 @@ def open_link(description: Description, name: str) -> Iterator[OpenLink]:
 
 def fitting(data: bytes, but: str) -> Iterator[str]:
     """Yield the codecs other than ``but`` that find more frames than errors in the data."""
-    from end_effector_hal.codecs import codec_names, get_codec
-    from end_effector_hal.wires.link import CodecCalls, GuardedDecoder
-
     for name in codec_names():
         if name == but:
             continue

@@ -7,21 +7,20 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.cli._options import PathName, end_in_order
 from end_effector_hal.cli._output import print_line
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.description import Description
 from end_effector_hal.errors import LinkBusyError
-from end_effector_hal.signals import Kind
+from end_effector_hal.sensing import why_invalid
+from end_effector_hal.signals import Kind, Measure, Value
+from end_effector_hal.wires import now_us
+from end_effector_hal.wires.link import users_of
 
 from ._channel_view import ChannelView
-
-if TYPE_CHECKING:
-    from end_effector_hal.description import Description
-    from end_effector_hal.signals import Measure, Value
-
 
 TICK_S = 0.1
 
@@ -50,8 +49,6 @@ def command(description: Path, seconds: float | None, suggest: Path | None, as_j
     --suggest reads a recording (`eehal run --record FOLDER`) of a grip and a drop, and proposes thresholds with the
     recorded levels that justify them.
     """
-    from end_effector_hal.codecs import load_tool
-
     tool = load_tool(description)
     if suggest is not None:
         from ._suggest import print_suggestions
@@ -66,8 +63,6 @@ def command(description: Path, seconds: float | None, suggest: Path | None, as_j
 
 
 def _refuse_busy(port: str) -> None:
-    from end_effector_hal.wires.link import users_of
-
     if holders := users_of(port):
         raise LinkBusyError(
             f"the port is read by {' and '.join(map(str, holders))}.",
@@ -77,8 +72,6 @@ def _refuse_busy(port: str) -> None:
 
 
 def _listen(tool: Description, seconds: float | None, *, as_json: bool) -> None:
-    from end_effector_hal.wires import now_us
-
     if not as_json and sys.stdout.isatty():
         import rich.live  # noqa: F401 now: frames would wait for it
     heard = ChannelView(tool, now_us())
@@ -89,8 +82,6 @@ def _listen(tool: Description, seconds: float | None, *, as_json: bool) -> None:
 
 
 def _show(heard: ChannelView, end: int | None, *, as_json: bool) -> None:
-    from end_effector_hal.wires import now_us
-
     def hear() -> bool:
         now = now_us()
         if end is not None and now >= end:
@@ -130,8 +121,6 @@ class ChannelChanges:
 
     def tell(self, now: int) -> None:
         """Report all differences from the values reported last."""
-        from end_effector_hal.sensing import why_invalid
-
         heard, seconds = self._heard, round((now - self._heard.begun) / 1e6, 3)
         for name in heard.values:
             state, value = heard.state(name, now), heard.values[name]

@@ -6,20 +6,20 @@ import sys
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._output import Progress, print_document
+from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import model_constants
+from end_effector_hal.description import profile_path
 from end_effector_hal.errors import ReportedError
+from end_effector_hal.verification.lemmas import OBSERVED, Fig5Report, compare_with_fig5
+from timed_automata import Network, load_document, make_network
+from timed_automata.check import ChannelEnds, channel_ends, find_faults
 
-from ._source import NamedNetwork, network_options
-
-if TYPE_CHECKING:
-    from end_effector_hal.verification.lemmas import Fig5Report
-    from timed_automata import Network
-    from timed_automata.check import ChannelEnds
+from ._source import NamedNetwork, is_uppaal, network_options
 
 
 @click.command(short_help="Type-check a UPPAAL file and list what it holds.")
@@ -32,8 +32,6 @@ def check(file: Path | None, as_json: bool) -> None:
     processes, the clocks, the channels with their senders and receivers, and the queries. If only queries are faulty,
     they are named on stderr, everything else is listed, and the exit code is 4.
     """
-    from end_effector_hal.description import profile_path
-
     path = file or profile_path()
     try:
         network, faults = _read(path)
@@ -56,13 +54,6 @@ def check(file: Path | None, as_json: bool) -> None:
 
 
 def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
-    from end_effector_hal.codecs import load_tool
-    from end_effector_hal.control import model_constants
-    from timed_automata import load_document, make_network
-    from timed_automata.check import find_faults
-
-    from ._source import is_uppaal
-
     constants = None
     if not is_uppaal(path):
         description = load_tool(path)
@@ -76,8 +67,6 @@ def _read(path: Path) -> tuple[Network | None, list[ReportedError]]:
 
 
 def _document(network: Network) -> dict[str, object]:
-    from timed_automata.check import channel_ends
-
     return {
         "notes": [asdict(note) for note in network.document.notes],
         "processes": [{"name": each.name, "template": each.template} for each in network.processes],
@@ -91,8 +80,6 @@ def _document(network: Network) -> dict[str, object]:
 
 
 def _lines(path: Path, network: Network) -> Iterator[str]:
-    from timed_automata.check import channel_ends
-
     locations = sum(len(process.locations) for process in network.processes)
     edges = sum(len(process.edges) for process in network.processes)
     yield f"{path} is valid: {len(network.processes)} processes, {locations} locations, {edges} edges"
@@ -141,8 +128,6 @@ def fig5(network: NamedNetwork, as_json: bool) -> None:
     description. It assumes that the tool is locked, that commands are grip and drop, and that feedback comes while an
     actuator is active or never, stays, and is gone in time. The exit code is 4 if something does not hold.
     """
-    from end_effector_hal.verification.lemmas import compare_with_fig5
-
     source = network.open()
     assert source.description is not None
     with Progress("Comparing", shown=not as_json):
@@ -166,8 +151,6 @@ def _fig5_document(report: Fig5Report) -> dict[str, object]:
 
 
 def _fig5_lines(name: str, report: Fig5Report) -> Iterator[str]:
-    from end_effector_hal.verification.lemmas import OBSERVED
-
     findings, inclusion = report.proof.findings, report.inclusion
     holding = sum(finding.holds for finding in findings)
     yield f"fig5.xml: {holding} of {len(findings)} requirements hold ({report.proof.states} states)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from random import Random
 
 import click
 
@@ -13,10 +13,13 @@ from end_effector_hal.cli._lab import Drawing, draw_run, figures, is_figure
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._source import NamedNetwork, Source, network_options
+from end_effector_hal.control import word_of
 from end_effector_hal.errors import UsageError
-
-if TYPE_CHECKING:
-    from timed_automata import Trace, TraceStep
+from end_effector_hal.recording import MODEL_RUN, check_replaceable
+from end_effector_hal.verification import has_states, states_of, write_states
+from timed_automata import Trace, TraceStep
+from timed_automata.simulate import parse_choices
+from timed_automata.simulate import simulate as play
 
 _LONGEST_S = 1e7
 NO_STATES = "The model has no variables ee, command and actuator[], so there is no figure."
@@ -54,12 +57,6 @@ def simulate(
     without a time, as soon as possible. Transitions that cannot wait happen in between by themselves. The run ends
     after the last item unless --steps or --for continues it at random.
     """
-    from random import Random
-
-    from end_effector_hal.recording import check_replaceable
-    from timed_automata.simulate import parse_choices
-    from timed_automata.simulate import simulate as play
-
     if output is not None and is_figure(output):
         figures()  # without what draws them nothing is played
     elif output is not None:
@@ -87,9 +84,6 @@ def simulate(
 
 def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[list[Path], str]:
     """Write the files of a run; return them, and the reason if there is no figure."""
-    from end_effector_hal.recording import MODEL_RUN
-    from end_effector_hal.verification import has_states, states_of, write_states
-
     names = source.description.sequence if source.description is not None else ()
     scenario = f"{MODEL_RUN}, seed {seed}"
     if is_figure(output):
@@ -123,8 +117,6 @@ def _document(source: Source, trace: Trace, seed: int, files: list[Path], note: 
 
 
 def _step(source: Source, step: TraceStep) -> dict[str, object]:
-    from end_effector_hal.control import word_of
-
     processes, tool = source.network.processes, source.description
     words = {
         change.name: [word_of(tool, change.name, change.old), new]
