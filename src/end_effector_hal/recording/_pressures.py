@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
 
+from end_effector_hal.description import QUANTITIES
 from end_effector_hal.errors import UsageError
 
 from ._files import RecordingLimits
@@ -17,10 +18,7 @@ FIXED = ("time_s",)
 UNIT = "_gauge_kpa"
 """Ending of a pressure's column name, after the name of the channel."""
 KPA = "kPa"
-OF_QUANTITIES = {
-    "mm": "_mm", "deg": "_deg", "%": "_percent", "V": "_v", "mA": "_ma", "A": "_a", "N": "_n", "g": "_g", "kg": "_kg",
-    "degC": "_degc",
-}  # fmt: skip
+OF_QUANTITIES = {unit: f"_{unit.lower().replace('%', 'percent')}" for unit in QUANTITIES}
 """Endings of the column names of other quantities, by their unit."""
 _UNITS = {UNIT: KPA} | {ending: unit for unit, ending in OF_QUANTITIES.items()}
 PERIOD_S, JITTER_S = 0.02, 0.005

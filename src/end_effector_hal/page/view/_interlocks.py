@@ -38,11 +38,6 @@ class InterlockTable:
         self._fitted = predicates_fitted(description, carrier_of(description))
         carried = carrier_of(description).channels
         self._supply = description.supply.channel in carried
-        locks = description.interlocks
-        self._on = {
-            "IL-01": locks.il_01, "IL-02": locks.il_02, "IL-05": locks.il_05, "IL-06": locks.il_06,
-            "IL-07": locks.il_07, "IL-09": locks.il_09,
-        }  # fmt: skip
         self._static = self._by_description()
 
     def now(self, status: Status | None, controller: Controller | None) -> list[dict[str, str]]:
@@ -82,7 +77,7 @@ class InterlockTable:
     def _by_description(self) -> dict[str, tuple[str, str]]:
         tool, found = self._description, dict[str, tuple[str, str]]()
         changer = tool.tool_changer
-        for name, on in self._on.items():
+        for name, on in tool.interlocks.model_dump(by_alias=True).items():
             if not on:
                 found[name] = OFF, "switched off in the description"
         if changer is None:

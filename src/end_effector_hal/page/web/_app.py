@@ -18,7 +18,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from end_effector_hal.control import Answer
 from end_effector_hal.errors import UsageError
 from end_effector_hal.faults import MOST_TEXT
-from end_effector_hal.page import page_html, static_file
+from end_effector_hal.page import static_file
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.runtime.stream import MAINTENANCE_WORDS
 from end_effector_hal.vocabulary import display_name
@@ -28,7 +28,7 @@ from ._control import FAULT_WORDS, ControlLease, FaultCommands
 from ._guard import METRICS, Asked, Guard, PageAddress
 from ._hub import Hub
 from ._metrics import TYPE, ToolMetrics
-from ._past import PastRecordings, past_routes
+from ._past import PastRecordings, page_response, past_routes
 
 Ask = Callable[[str, str], Awaitable[Answer]]
 LONGEST = 2_000
@@ -156,8 +156,7 @@ class _Served(NamedTuple):
     faults: FaultCommands
 
     async def page(self, _: Request) -> Response:
-        html = page_html(self.view.description.name, recorded=False, csrf=self.address.csrf)
-        return Response(html, media_type="text/html; charset=utf-8")
+        return page_response(self.view.description.name, recorded=False, csrf=self.address.csrf)
 
     async def metrics(self, _: Request) -> Response:
         return Response(ToolMetrics(self.view, now_us).text(), media_type=TYPE)

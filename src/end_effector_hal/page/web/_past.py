@@ -178,6 +178,26 @@ class PastRecordings:
         return await printed, said
 
 
+def page_response(title: str, *, recorded: bool, csrf: str = "") -> Response:
+    """Return the page itself."""
+    return Response(page_html(title, recorded=recorded, csrf=csrf), media_type="text/html; charset=utf-8")
+
+
+def task_response(task: asyncio.Task[bytes], progress: float | None) -> Response:
+    """Return the JSON that a task has made; while it works the share that is done, 0 to 1 (None: unknown)."""
+    if not task.done():
+        return JSONResponse({"progress": progress}, 202)
+    try:
+        return Response(task.result(), media_type="application/json")
+    except ReportedError as error:
+        return PlainTextResponse(f"{error}\n", 404 if "no such recording" in str(error) else 500)
+
+
+def no_recording() -> Response:
+    """Return the answer to a request for a recording that does not exist."""
+    return PlainTextResponse("There is no such recording.\n", 404)
+
+
 def past_routes(past: PastRecordings) -> list[Route]:
     """Return ``/past`` and the routes below it; the addresses contain ids and no paths."""
 
@@ -189,33 +209,20 @@ def past_routes(past: PastRecordings) -> list[Route]:
 
     async def page(request: Request) -> Response:
         past.forget(request.path_params["id"])
-        return Response(page_html("Recording", recorded=True), media_type="text/html; charset=utf-8")
+        return page_response("Recording", recorded=True)
 
     async def overview(_: Request) -> Response:
         return JSONResponse({"count": 1, "grown": False})
 
-    async def document(request: Request) -> Response:
-        return await answer(request, verdict=False)
-
-    async def verdict(request: Request) -> Response:
-        return await answer(request, verdict=True)
-
-    async def answer(request: Request, *, verdict: bool) -> Response:
-        task = past.reading(request.path_params["id"], verdict=verdict)
-        if task is None:
-            return PlainTextResponse("There is no such recording.\n", 404)
-        if not task.done():
-            progress = past.progress(request.path_params["id"], verdict=verdict)
-            return JSONResponse({"progress": progress}, 202)
-        try:
-            return Response(task.result(), media_type="application/json")
-        except ReportedError as error:
-            return PlainTextResponse(f"{error}\n", 404 if "no such recording" in str(error) else 500)
+    async def answer(request: Request) -> Response:
+        id_, verdict = request.path_params["id"], request.url.path.endswith("/verdict")
+        task = past.reading(id_, verdict=verdict)
+        return no_recording() if task is None else task_response(task, past.progress(id_, verdict=verdict))
 
     return [
         Route("/past", listing),
         Route("/past/{id}/", page),
         Route("/past/{id}/recordings", overview),
-        Route("/past/{id}/recording/0", document),
-        Route("/past/{id}/recording/0/verdict", verdict),
+        Route("/past/{id}/recording/0", answer),
+        Route("/past/{id}/recording/0/verdict", answer),
     ]

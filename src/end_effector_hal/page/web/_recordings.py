@@ -12,8 +12,6 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from end_effector_hal.errors import ReportedError
-from end_effector_hal.page import page_html
 from end_effector_hal.page.recorded import (
     ComparedRecording,
     RecordedTables,
@@ -26,6 +24,7 @@ from end_effector_hal.page.recorded import (
 
 from ._app import Guarded, static_route
 from ._guard import PageAddress
+from ._past import no_recording, page_response, task_response
 
 
 class ServedRecording:
@@ -134,46 +133,30 @@ def make_recordings_app(address: PageAddress, recordings: Sequence[ServedRecordi
     async def page(_: Request) -> Response:
         for each in shown:
             each.refresh()
-        title = " and ".join(each.name for each in shown)
-        return Response(
-            page_html(title, recorded=True, csrf=address.csrf), media_type="text/html; charset=utf-8"
-        )
+        return page_response(" and ".join(each.name for each in shown), recorded=True, csrf=address.csrf)
 
     async def overview(_: Request) -> Response:
         return JSONResponse({"count": len(shown), "grown": any(each.grown for each in shown)})
 
-    async def document(request: Request) -> Response:
-        return await _answer(request, verdict=False)
-
-    async def verdict(request: Request) -> Response:
-        return await _answer(request, verdict=True)
-
-    async def _answer(request: Request, *, verdict: bool) -> Response:
+    async def answer(request: Request) -> Response:
         # as text: Python converts no number of thousands of digits
         asked = {str(number): each for number, each in enumerate(shown)}.get(request.path_params["number"])
         if asked is None:
-            return PlainTextResponse("There is no such recording.\n", 404)
-        return _said(asked.verdict() if verdict else asked.document(), asked.progress)
+            return no_recording()
+        verdict = request.url.path.endswith("/verdict")
+        return task_response(asked.verdict() if verdict else asked.document(), asked.progress)
 
     async def differences(_: Request) -> Response:
         if len(shown) != 2:
             return PlainTextResponse("There is one recording here: nothing is compared.\n", 404)
-        return _said(served.of(*shown), None)
-
-    def _said(task: asyncio.Task[bytes], progress: float | None) -> Response:
-        if not task.done():
-            return JSONResponse({"progress": progress}, 202)
-        try:
-            return Response(task.result(), media_type="application/json")
-        except ReportedError as error:
-            return PlainTextResponse(f"{error}\n", 500)
+        return task_response(served.of(*shown), None)
 
     routes = [
         Route("/", page),
         Route("/static/{name}", static_route),
         Route("/recordings", overview),
         Route("/differences", differences),
-        Route("/recording/{number}", document),
-        Route("/recording/{number}/verdict", verdict),
+        Route("/recording/{number}", answer),
+        Route("/recording/{number}/verdict", answer),
     ]
     return Guarded(Starlette(routes=routes), address)
