@@ -5,22 +5,3 @@ from ._lab import figures, is_figure
 from ._main import main
 from ._options import PathName, end_in_order, refuse_inputs, seed_option, the_folder, write_whole
 from ._output import Progress, json_text, print_document, print_table
-
-__all__ = [
-    "PathName",
-    "Progress",
-    "completed",
-    "end_in_order",
-    "figures",
-    "is_figure",
-    "json_text",
-    "main",
-    "print_document",
-    "print_table",
-    "profiles",
-    "refuse_inputs",
-    "seed_option",
-    "the_folder",
-    "typed_tool",
-    "write_whole",
-]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from end_effector_hal._extras import command_for, lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import MissingExtraError, UsageError
-from end_effector_hal.plugins import Plugins
+from end_effector_hal.plugins import Plugins, a_function
 
 if TYPE_CHECKING:
     from end_effector_hal.recording import RunInfo, StatesLog
@@ -98,34 +98,11 @@ class Drawing:
             return []
 
 
-class Sweep(Protocol):
-    """The function that the entry point names."""
-
-    def __call__(
-        self,
-        path: Path,
-        wanted: Sequence[str],
-        *,
-        scheduler: str | None,
-        jobs: int | None,
-        output: Path | None,
-        as_json: bool,
-    ) -> int:
-        """Prove every combination and print the results; return the exit code."""
-        ...
+_SWEEPS = Plugins("end_effector_hal.sweep", "sweep", {}, a_function, make=False)
 
 
-def _function(function: Any) -> Sweep:
-    if not callable(function):
-        raise UsageError("it is not a function.")
-    return cast(Sweep, function)
-
-
-_SWEEPS: Plugins[Sweep] = Plugins("end_effector_hal.sweep", "sweep", {}, _function, make=False)
-
-
-def sweep() -> Sweep:
-    """Return the function that proves a grid of values.
+def sweep() -> Callable[..., int]:
+    """Return the function that proves a grid of values, prints the results, and returns the exit code.
 
     Raises:
         MissingExtraError: the function is not installed.

@@ -21,47 +21,50 @@ from ._output import NO_ROOM, print_line
 
 GROUP = "end_effector_hal.commands"
 """Entry-point group of further commands; a command of this package has precedence over one of the same name."""
-_COMMANDS = {
-    "completion": "shell completion of commands and values",
-    "check": "say everything that is wrong with a description",
-    "devices": "the devices of the library, for `device: NAME` in a description",
-    "doctor": "what this machine lacks to run a tool, and what to do",
-    "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
-    "history": "grips per day, outcomes, times and margins over time, from the recordings of a tool",
-    "init": "a folder with a description to start from, and its schema",
-    "listen": "what arrives on each channel, live; thresholds from a recording",
-    "model": "show, play, export and check the automata",
-    "arbiter": "own the output lines of a tool and serve them on a socket",
-    "page": "a tool in a browser: live, or as it was recorded",
-    "do": "give commands to a tool that runs, from any terminal",
-    "record": "record a tool that runs, in a process of its own",
-    "reload": "check a changed description, and whether what runs may take it over",
-    "reset": "clear what the line arbiter of a tool has latched",
-    "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
-    "run": "one tool in this terminal, without ROS",
-    "serve": "run a tool as a service, without ROS and without a prompt",
-    "status": "the state of a tool that runs",
-    "stop": "latch a stop: nothing is activated until a reset; no safety function",
-    "schema": "the JSON Schema of a description, for editors",
-    "verify": "prove what the automata promise, or show a counterexample",
+_COMMANDS: dict[str, dict[str, str]] = {
+    "To run a tool and look at it (operators)": {
+        "run": "one tool in this terminal, without ROS",
+        "serve": "run a tool as a service, without ROS and without a prompt",
+        "do": "give commands to a tool that runs, from any terminal",
+        "status": "the state of a tool that runs",
+        "stop": "latch a stop: nothing is activated until a reset; no safety function",
+        "reset": "clear what the line arbiter of a tool has latched",
+        "reload": "check a changed description, and whether what runs may take it over",
+        "page": "a tool in a browser: live, or as it was recorded",
+        "history": "grips per day, outcomes, times and margins over time, from the recordings of a tool",
+        "record": "record a tool that runs, in a process of its own",
+        "arbiter": "own the output lines of a tool and serve them on a socket",
+        "doctor": "what this machine lacks to run a tool, and what to do",
+    },
+    "To describe a tool and connect it (integrators)": {
+        "init": "a folder with a description to start from, and its schema",
+        "check": "say everything that is wrong with a description",
+        "devices": "the devices of the library, for `device: NAME` in a description",
+        "schema": "the JSON Schema of a description, for editors",
+        "listen": "what arrives on each channel, live; thresholds from a recording",
+        "tune": "",
+        "testbench": "",
+        "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
+        "completion": "shell completion of commands and values",
+    },
+    "To prove, try out and judge it (researchers)": {
+        "demo": "",
+        "matrix": "",
+        "campaign": "",
+        "verify": "prove what the automata promise, or show a counterexample",
+        "model": "show, play, export and check the automata",
+        "replay": "the same program on recorded inputs: decisions compared, steps judged by the automata",
+        "plot": "",
+        "compare": "",
+        "report": "",
+        "import": "",
+    },
 }
-_AUDIENCES = {
-    "To run a tool and look at it (operators)": (
-        "run", "serve", "do", "status", "stop", "reset", "reload", "page", "history", "record",
-        "arbiter", "doctor",
-    ),
-    "To describe a tool and connect it (integrators)": (
-        "init", "check", "devices", "schema", "listen", "tune", "testbench", "export", "completion",
-    ),
-    "To prove, try out and judge it (researchers)": (
-        "demo", "matrix", "campaign", "verify", "model", "replay", "plot", "compare", "report", "import",
-    ),
-}  # fmt: skip
-"""The commands by their users, in the order in which they are needed. Commands that are not installed are left out."""
-_WORKSHOP = (
-    "campaign", "compare", "demo", "import", "matrix", "plot", "report", "testbench", "tune",
-)  # fmt: skip
-"""Commands of `end_effector_lab`, which only the extra `lab` makes usable."""
+"""The commands by their users, in the order in which they are needed, with their help. That of `end_effector_lab` is
+empty here: only the extra `lab` makes its commands usable, which are left out where it is not installed.
+"""
+_OWN = {name: said for group in _COMMANDS.values() for name, said in group.items() if said}
+_WORKSHOP = [name for group in _COMMANDS.values() for name, said in group.items() if not said]
 _OTHERS = "Added by other distributions"
 _OTHER_NAMES = {
     "figure": "plot", "draw": "plot", "prove": "verify", "new": "init", "validate": "check", "lint": "check",
@@ -101,10 +104,10 @@ class _LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         hidden = () if lab_installed() else _WORKSHOP
-        return sorted({*_COMMANDS, *_ADDED.names}.difference(hidden))
+        return sorted({*_OWN, *_ADDED.names}.difference(hidden))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name in _COMMANDS:
+        if cmd_name in _OWN:
             module, _, function = _PLACES.get(cmd_name, f"_{cmd_name}:command").partition(":")
             command: click.Command = getattr(importlib.import_module(f"{__package__}.{module}"), function)
             return command
@@ -112,8 +115,8 @@ class _LazyGroup(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         names = self.list_commands(ctx)
-        known = [name for group in _AUDIENCES.values() for name in group]
-        sections = {**_AUDIENCES, _OTHERS: tuple(name for name in names if name not in known)}
+        others = [name for name in names if name not in (*_OWN, *_WORKSHOP)]
+        sections = {**_COMMANDS, _OTHERS: others}
         width = max(map(len, names))
         for title, group in sections.items():
             if rows := [(name.ljust(width), self._help(ctx, name)) for name in group if name in names]:
@@ -132,8 +135,8 @@ class _LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def _help(self, ctx: click.Context, name: str) -> str:
-        if name in _COMMANDS:
-            return _COMMANDS[name]
+        if name in _OWN:
+            return _OWN[name]
         try:
             command = _ADDED.get(name)
         except ReportedError as error:

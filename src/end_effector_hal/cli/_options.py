@@ -83,19 +83,18 @@ def refuse_inputs(output: Path, inputs: Iterable[Path]) -> None:
                 raise UsageError(what, where=str(output), todo="Name another file with -o.")
 
 
-def write_or_print(output: Path | None, text: str, inputs: Iterable[Path]) -> None:
+def write_or_print(output: Path | None, text: str | bytes, inputs: Iterable[Path]) -> None:
     """Write a text to a file, completely or not at all, and print its path; without a file print the text.
 
     Raises:
         UsageError: the file cannot be written, or is one of the ``inputs``.
     """
-    if output is not None:
-        refuse_inputs(output, inputs)
     if output is None:
         click.echo(text, nl=False)
-    else:
-        write_whole(output, text.encode())
-        click.echo(str(output))
+        return
+    refuse_inputs(output, inputs)
+    write_whole(output, text if isinstance(text, bytes) else text.encode())
+    click.echo(str(output))
 
 
 def write_whole(path: Path, data: bytes) -> None:

@@ -135,33 +135,21 @@ def _fill(profile: ET.Element, node: str, description: Description) -> None:
     client = node == CLIENT
     lifecycle = node == MANAGER
     own = (*OWN_TOPICS, *(("~/transition_event",) if lifecycle else ()))
-    _allow(profile, "topics", "publish", (*own, *_published(node, description)))
-    _allow(
-        profile,
-        "topics",
-        "subscribe",
-        [topic.name for topic in topics(description) if node in topic.subscribers or client],
-    )
+    every = topics(description)
+    _allow(profile, "topics", "publish", (*own, *(each.name for each in every if node in each.publishers)))
+    heard = [each.name for each in every if node in each.subscribers or client]
+    _allow(profile, "topics", "subscribe", heard)
     served = (*OWN_SERVICES, *(OF_LIFECYCLE if lifecycle else ()))
-    _allow(profile, "services", "reply", (*served, *_served(node, description)))
+    offered = [each.name for each in services(description) if each.server == node]
+    _allow(profile, "services", "reply", (*served, *offered))
     called = [each.name for each in services(description) if client or each in CALLED.get(node, ())]
     if node == OPERATOR:
         called += [f"{MANAGER}/{each}" for each in ("change_state", "get_state")]
     _allow(profile, "services", "request", called)
     if node == HAL_MAIN:
         _allow(profile, "actions", "execute", [action.name for action in ACTIONS])
-    if node == SUPERVISOR:
-        _allow(profile, "actions", "call", [action.name for action in COMMAND_ACTIONS])
-    if client:
-        _allow(profile, "actions", "call", [action.name for action in ACTIONS])
-
-
-def _published(node: str, description: Description) -> list[str]:
-    return [topic.name for topic in topics(description) if node in topic.publishers]
-
-
-def _served(node: str, description: Description) -> list[str]:
-    return [service.name for service in services(description) if service.server == node]
+    if client or node == SUPERVISOR:
+        _allow(profile, "actions", "call", [each.name for each in (ACTIONS if client else COMMAND_ACTIONS)])
 
 
 def _allow(profile: ET.Element, kind: str, right: str, names: Sequence[str]) -> None:

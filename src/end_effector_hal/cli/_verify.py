@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 _FAILED = 4
 _MOST_LISTED, _MOST_NOTES = 6, 3  # in short
 _MOST_STEPS, _COLUMNS, _INDENT = 12, 110, " " * 7
-T = TypeVar("T")
 
 
 @click.command(name="verify")
@@ -147,7 +146,7 @@ def command(
     with Progress("Proving", shown=not as_json) as progress:
 
         def tell(what: str, states: int) -> None:
-            progress(_doing(what, states))
+            progress(f"Proving {what}{f', {states:,} states' if states else ''}")
 
         if free is not None:
             proof = prove(source.network, tell, flickers=True, most_bytes=most_bytes)
@@ -212,7 +211,7 @@ def _print(source: Source, proof: Proof, files: dict[str, list[Path]], *, every:
     _print_bounds(proof)
     if computed := _computed(source):
         click.echo(f"computed from times and attempts, for lack of `bounds:`: {', '.join(computed)}")
-    for note in _first(source.network.document.notes, every=every):
+    for note in source.network.document.notes[: None if every else _MOST_NOTES]:
         click.echo(f"note: {note}")
     if proof.off and every:
         click.echo(_wrapped(f"\n{len(proof.off)} edges are for other {what}s: {', '.join(proof.off)}", ""))
@@ -298,10 +297,6 @@ def _print_verdict(proof: Proof, what: str, *, every: bool, free: bool) -> None:
         )
 
 
-def _first(items: Sequence[T], *, every: bool) -> Sequence[T]:
-    return items if every else items[:_MOST_NOTES]
-
-
 def _ids(findings: Sequence[Finding]) -> str:
     return ", ".join(finding.id for finding in findings)
 
@@ -314,10 +309,6 @@ def _why(source: Source, finding: Finding) -> str:
 
 def _actuators(source: Source) -> tuple[str, ...]:
     return tuple(source.description.sequence) if source.description is not None else ()
-
-
-def _doing(what: str, states: int) -> str:
-    return f"Proving {what}{f', {states:,} states' if states else ''}"
 
 
 def _computed(source: Source) -> tuple[str, ...]:

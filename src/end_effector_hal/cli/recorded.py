@@ -17,7 +17,7 @@ import click
 
 from end_effector_hal._extras import command_for
 from end_effector_hal.errors import MissingExtraError, UsageError, os_errors
-from end_effector_hal.plugins import Plugins
+from end_effector_hal.plugins import Plugins, a_function
 
 from ._options import PathName
 
@@ -55,14 +55,7 @@ def recording_options(command: Command) -> Command:
     return command
 
 
-def _checked(reader: Any) -> Callable[..., Any]:
-    if not callable(reader):
-        raise UsageError("the entry point must name a callable.")
-    found: Callable[..., Any] = reader
-    return found
-
-
-_BAG_READERS: Plugins[Callable[..., Any]] = Plugins(GROUP, "bag reader", {}, _checked, make=False)
+_BAG_READERS = Plugins(GROUP, "bag reader", {}, a_function, make=False)
 
 
 def is_recording(path: Path) -> bool:

@@ -19,7 +19,6 @@ from .devices._device import CONFIRMED, LibraryDevice
 from .devices._library import DeviceLibrary
 from .model._channels import (
     NUMBER,
-    PASCAL,
     QUANTITIES,
     Channel,
     DeviceAlarm,
@@ -38,7 +37,7 @@ from .model._channels import (
     type_bits,
 )
 from .model._description import Description, camel_case, socket_path
-from .model._stanzas import SAME_FOR_ALL_PARTS, EStop, Freshness, GrippedPart, Link, ToolChanger
+from .model._stanzas import SAME_FOR_ALL_PARTS, EStop, GrippedPart, Link, ToolChanger
 from .reading._examine import examine, examine_text, load
 from .rules._outputs import lost_by_silence
 from .rules.evidence._channels import CodecChannels, used_channels
@@ -51,7 +50,6 @@ __all__ = [
     "CONFIRMED",
     "MODBUS_SCHEMES",
     "NUMBER",
-    "PASCAL",
     "QUANTITIES",
     "SAME_FOR_ALL_PARTS",
     "Channel",
@@ -62,7 +60,6 @@ __all__ = [
     "DigitalInput",
     "EStop",
     "Fault",
-    "Freshness",
     "GrippedPart",
     "Inputs",
     "JsonValue",

@@ -90,7 +90,8 @@ def _show(heard: ChannelView, end: int | None, *, as_json: bool) -> None:
         return True
 
     if as_json or not sys.stdout.isatty():
-        changes = ChannelChanges(heard, _print_json if as_json else partial(print_words, heard.measure))
+        words = partial(print_words, heard.measure)
+        changes = ChannelChanges(heard, (lambda content: print_line(**content)) if as_json else words)
         while hear():
             changes.tell(now_us())
         return
@@ -99,10 +100,6 @@ def _show(heard: ChannelView, end: int | None, *, as_json: bool) -> None:
     with Live(heard.table(now_us()), refresh_per_second=8) as live:
         while hear():
             live.update(heard.table(now_us()))
-
-
-def _print_json(content: dict[str, object]) -> None:
-    print_line(**content)
 
 
 STEP = 5

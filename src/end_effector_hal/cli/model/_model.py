@@ -10,7 +10,7 @@ import click
 
 from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._lab import figures, is_figure, save_all
-from end_effector_hal.cli._options import PathName, refuse_inputs, the_folder, write_whole
+from end_effector_hal.cli._options import PathName, the_folder, write_or_print
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._simulate import simulate
@@ -159,14 +159,8 @@ def export_network(network: NamedNetwork, output: Path | None) -> None:
     from timed_automata import export
 
     source = network.open()
-    data = export(source.network)
-    if output is None:
-        click.echo(data, nl=False)
-    else:
-        inputs = source.description.files if source.description is not None else ()
-        refuse_inputs(output, (*inputs, network.description or profile_path()))
-        write_whole(output, data)
-        click.echo(str(output))
+    inputs = source.description.files if source.description is not None else ()
+    write_or_print(output, export(source.network), (*inputs, network.description or profile_path()))
 
 
 command.add_command(check)

@@ -9,11 +9,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from end_effector_hal._extras import lab_installed, lab_needed
-from end_effector_hal.errors import UsageError
-from end_effector_hal.plugins import Plugins
+from end_effector_hal.plugins import Plugins, a_function
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
@@ -57,13 +56,9 @@ class Simulation(Protocol):
         ...
 
 
-def _checked(found: Any) -> Simulation:
-    if not callable(found):
-        raise UsageError("it is not callable.")
-    return cast(Simulation, found)
-
-
-_SIMULATION: Plugins[Simulation] = Plugins(GROUP, "simulation", {}, _checked, make=False)
+_SIMULATION: Plugins[Simulation] = Plugins(
+    GROUP, "simulation", {}, lambda found: cast(Simulation, a_function(found)), make=False
+)
 
 
 def possible_scenarios(description: Description) -> Iterable[str]:
