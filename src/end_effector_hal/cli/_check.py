@@ -72,7 +72,7 @@ def _refuse_while_active(running: Description) -> None:
     """Raise an error if a line of the running tool is active: a held part would be adopted by other automata. Without
     a running line arbiter nothing is checked.
     """
-    from end_effector_hal.arbiter import ArbiterClient
+    from end_effector_hal.arbiter import ArbiterClient, arbiter_policy
 
     path = socket_path(running)
     try:
@@ -82,12 +82,7 @@ def _refuse_while_active(running: Description) -> None:
         if isinstance(error.__cause__, (FileNotFoundError, ConnectionRefusedError)):
             return
         raise
-    labels = {actuator.line: name for name, actuator in running.ordered}
-    if running.tool_changer is not None:
-        labels[running.tool_changer.line] = "tool changer"
-    active = [
-        f"{line} ({labels[line]})" if line in labels else line for line, level in levels.items() if level
-    ]
+    active = [arbiter_policy(running).called(line) for line, level in levels.items() if level]
     unknown = [line for line in status["may_be_active"] if not levels.get(line)]
     active += [f"{line} (its level is unknown)" for line in unknown]
     if active:

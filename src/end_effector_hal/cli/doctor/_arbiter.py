@@ -34,7 +34,8 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
     except ReportedError as error:
         yield _say.missing(f"{error.where}: {error.what}", error.todo)
         return
-    if forgotten := recorded_left_behind(path, arbiter_policy(description)):
+    policy = arbiter_policy(description)
+    if forgotten := recorded_left_behind(path, policy):
         yield _say.missing(forgotten.rstrip("."), DROP_FIRST)
     try:
         with ArbiterClient(path, "doctor", patience_s=0) as client:
@@ -50,10 +51,8 @@ def look_at_arbiter(description: Description, lines: tuple[str, ...]) -> CheckRe
         )
         return
     yield _say.ok(f"pid {status.get('pid')} serves {path}; {_clients(status)}")
-    labels = {actuator.line: name for name, actuator in description.ordered}
-    named = {line: f"{line} ({labels.get(line, 'unlock')})" for line in owned}
-    active = [named[line] for line, level in levels.items() if level]
-    unknown = [named[line] for line in status.get("may_be_active", ()) if not levels.get(line)]
+    active = [policy.called(line) for line, level in levels.items() if level]
+    unknown = [policy.called(line) for line in status.get("may_be_active", ()) if not levels.get(line)]
     more = f"; position not known: {', '.join(unknown)}" if unknown else ""
     yield _say.ok(f"active: {', '.join(active) or 'no line'}{more}")
     yield from _sensed(status)

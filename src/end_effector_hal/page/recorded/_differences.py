@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.description import Description, measures_of
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.page.view import FRESH_US, Curve
@@ -15,15 +15,18 @@ from end_effector_hal.recording import (
     KPA,
     AlarmRow,
     ChangerRow,
+    EventRow,
     PressuresLog,
     RunDifference,
     RunInfo,
     RunTables,
     StatesLog,
+    StatesRow,
     Tolerances,
     changed_alarms,
     compare_runs,
     count_differences,
+    event_row,
     pressure_channels,
 )
 from end_effector_hal.vocabulary import Alarm, display_name, printable
@@ -56,18 +59,22 @@ class ComparedRecording:
 
 
 class TablesBuilder:
-    """Builds the tables of alarms, the tool changer and pressures, record by record; the states come from `Summary`.
+    """Builds the tables of a recording, record by record.
 
     Args:
+        info: the facts about the run.
         epoch: time zero, µs.
         since: time from which pressures are kept, µs.
         step_us: time between two pressure samples, µs.
+
+    Attributes:
+        reasons: reasons of the tool, each with the time from which it was given, s.
     """
 
-    def __init__(self, description: Description, epoch: int, since: int, step_us: int) -> None:
-        self._epoch, self._since = epoch, since
+    def __init__(self, description: Description, info: RunInfo, epoch: int, since: int, step_us: int) -> None:
+        self._info, self._epoch, self._since = info, epoch, since
         self._fitted = description.tool_changer is not None
-        self._channels = pressure_channels(description)
+        self._names, self._channels = description.sequence, pressure_channels(description)
         measures = measures_of(description)
         self._units = {name: measures[name].unit for name in self._channels if measures[name].unit != KPA}
         curves = [Curve(name, name, name, KPA, decimals=DECIMALS, most=SCALE) for name in self._channels]
@@ -76,14 +83,28 @@ class TablesBuilder:
         self._standing: tuple[Alarm, ...] = ()
         self._alarms: list[AlarmRow] = []
         self._changer: list[ChangerRow] = []
+        self._rows: list[StatesRow] = []
+        self._parts: list[tuple[float, str]] = []
+        self._events: list[EventRow] = []
+        self.reasons: list[tuple[float, str]] = []
 
-    def status(self, status: Status) -> None:
-        """Add a status of the tool."""
-        at_s = (status.at - self._epoch) / 1e6
+    def status(self, status: Status, events: Sequence[ToolEvent]) -> None:
+        """Add a status of the tool, and the events that came with it."""
+        at_s = self._seconds(status.at)
         self._alarms += changed_alarms(at_s, self._standing, status.alarms)
         self._standing = status.alarms
         if self._fitted and (not self._changer or self._changer[-1].state != status.changer):
             self._changer.append(ChangerRow(at_s, status.changer))
+        row = StatesRow(at_s, status.ee, status.command, status.actuators)
+        if not self._rows or self._rows[-1].states != row.states:
+            self._rows.append(row)
+        for found, text in ((self._parts, status.part), (self.reasons, status.reason)):
+            if (found[-1][1] if found else None) != text and (text or found is self._parts):
+                found.append((at_s, text))
+        self._events += (event_row(each, self._seconds(each.at), self._names) for each in events)
+
+    def _seconds(self, at: int) -> float:
+        return (at - self._epoch) / 1e6
 
     def frame(self, at: int, values: Mapping[str, Any]) -> None:
         """Add one frame of the sensors."""
@@ -96,7 +117,7 @@ class TablesBuilder:
             row.append(None if value is None or at - came_at > FRESH_US else value / 1000)
         self._samples.take(row)
 
-    def tables(self, states: StatesLog, info: RunInfo) -> RunTables:
+    def tables(self, source: str, *, has_events: bool) -> RunTables:
         """Return all tables; call it after the last record."""
         self._samples.flush()
         times, *columns = self._samples.columns
@@ -108,7 +129,9 @@ class TablesBuilder:
         rows = zip(times, zip(*recorded.values(), strict=True), strict=True) if recorded else ()
         samples = tuple((at_ms / 1000, values) for at_ms, values in rows)
         pressures = PressuresLog(tuple(recorded), samples, units=self._units)
-        return RunTables(states, info, pressures, tuple(self._changer), tuple(self._alarms))
+        events = tuple(sorted(self._events, key=lambda row: row.time_s)) if has_events else None
+        states = StatesLog(self._names, tuple(self._rows), source, "", events, tuple(self._parts))
+        return RunTables(states, self._info, pressures, tuple(self._changer), tuple(self._alarms))
 
 
 MOST_DIFFERENCES = 200

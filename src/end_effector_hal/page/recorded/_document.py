@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
@@ -12,7 +12,7 @@ from end_effector_hal.control import Status
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.page.view import ToolView
-from end_effector_hal.recording import product_version, run_info
+from end_effector_hal.recording import RunTables, product_version, run_info
 from end_effector_hal.runtime.boundary import Published
 from end_effector_hal.runtime.stream import PUBLISHED
 from end_effector_hal.verification.proof import kept_verdict
@@ -22,7 +22,7 @@ from end_effector_hal.vocabulary import printable
 from ._differences import ComparedRecording, TablesBuilder
 from ._files import TOLD, RecordingFiles
 from ._samples import Samples, Tracks
-from ._summary import Summary
+from ._summary import summary
 from ._tables import RecordedTables
 
 MOST_STEPS = 18_000
@@ -91,8 +91,7 @@ class _Fold:
         self._tracks = Tracks()
         self._samples = Samples(self._view.timeline.curves, files.begin, self._step_us)
         self._info = run_info(files.description)
-        self._summary = Summary(files.description, self._info, files.begin, has_events=files.has_events)
-        self._tables = TablesBuilder(files.description, files.begin, self._since, self._step_us)
+        self._tables = TablesBuilder(files.description, self._info, files.begin, self._since, self._step_us)
         self._log: list[dict[str, Any]] = []
         self._edges: dict[str, int] = {}
         self._edge_list: list[dict[str, Any]] = []
@@ -118,8 +117,12 @@ class _Fold:
         else:
             self._moment(at)
         self._samples.flush()
-        document = self._document(min(at, self._until))
-        return FoldedRecording(document, self._compared(document["recording"]))
+        # no path: the report may be mailed
+        tables = self._tables.tables(self._files.name, has_events=self._files.has_events)
+        document = self._document(min(at, self._until), tables)
+        shown = document["recording"]
+        part = shown["begin_s"], shown["end_s"], shown["step_s"]
+        return FoldedRecording(document, ComparedRecording(shown["name"], tables, *part, shown["whole"]))
 
     def _full(self) -> bool:
         if self._ended:
@@ -167,9 +170,7 @@ class _Fold:
             return True
         self._drain()
         if kind in ("status", PUBLISHED) and (status := view.status()) is not None:
-            self._summary.status(status)
-            self._summary.events((record.status if kind == PUBLISHED else record).events)
-            self._tables.status(status)
+            self._tables.status(status, (record.status if kind == PUBLISHED else record).events)
         return kind not in _READINGS
 
     def _check(self, status: Status) -> None:
@@ -238,7 +239,7 @@ class _Fold:
         else:
             self._tracks.note(at - self._epoch, _rounded(view, self._view.cards.decimals))
 
-    def _document(self, end: int) -> dict[str, Any]:
+    def _document(self, end: int, tables: RunTables) -> dict[str, Any]:
         files, header = self._files, self._files.header
         proven = None
         with suppress(OSError):
@@ -265,7 +266,7 @@ class _Fold:
                 "end_s": max(0.0, (end - self._epoch) / 1e6),
                 "step_s": self._step_us / 1e6,
             },
-            "summary": self._summary.as_json(proven),
+            "summary": summary(files.description, tables, self._tables.reasons, proven),
             "times": self._tracks.times,
             "tracks": self._tracks.as_json(),
             "log": self._log,
@@ -273,13 +274,6 @@ class _Fold:
             "samples": self._samples.columns,
             "changes": self._changes,
         }
-
-    def _compared(self, recording: dict[str, Any]) -> ComparedRecording:
-        files = self._files
-        states = replace(self._summary.states, source=files.name)  # no path: the report may be mailed
-        tables = self._tables.tables(states, self._info)
-        part = recording["begin_s"], recording["end_s"]
-        return ComparedRecording(files.name, tables, *part, recording["step_s"], files.whole)
 
 
 def _rounded(view: dict[str, Any], decimals: list[list[int]]) -> dict[str, Any]:

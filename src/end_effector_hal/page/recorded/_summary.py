@@ -5,19 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from end_effector_hal.control import Status, ToolEvent
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.recording import (
-    EventRow,
-    GripDecision,
-    ReleaseCause,
-    RunInfo,
-    StatesLog,
-    StatesRow,
-    event_row,
-    read_story,
-)
+from end_effector_hal.recording import GripDecision, ReleaseCause, RunTables, read_story
 from end_effector_hal.verification.proof import Verdict
 from end_effector_hal.verification.replay import Review, SegmentEnd, review
 from end_effector_hal.vocabulary import EndEffectorState
@@ -36,91 +26,55 @@ _BAD = (EndEffectorState.GRIP_ERROR, EndEffectorState.RELEASE_ERROR)
 MOST_GOALS = 500
 
 
-class Summary:
-    """Collects states and events, and derives a story from them.
+def summary(
+    tool: Description, tables: RunTables, reasons: Sequence[tuple[float, str]], proven: Verdict | None
+) -> dict[str, Any]:
+    """Return the story in one sentence, and a row for each goal, as JSON; times in seconds since time zero.
 
     Args:
-        info: the facts about the run.
-        epoch: time zero, µs.
-        has_events: whether events were recorded.
+        tables: the states, the events and the facts about the run.
+        reasons: reasons that the status gave, each with the time from which it did, s.
+        proven: the stored verdict about the tool.
     """
 
-    def __init__(
-        self, description: Description, info: RunInfo, epoch: int, *, has_events: bool = True
-    ) -> None:
-        self._has_events = has_events
-        self._description, self._info, self._epoch = description, info, epoch
-        self._rows: list[StatesRow] = []
-        self._parts: list[tuple[float, str]] = []
-        self._reasons: list[tuple[float, str]] = []
-        self._events: list[EventRow] = []
-
-    def status(self, status: Status) -> None:
-        """Add a status of the tool."""
-        at_s = (status.at - self._epoch) / 1e6
-        row = StatesRow(at_s, status.ee, status.command, status.actuators)
-        if not self._rows or self._rows[-1].states != row.states:
-            self._rows.append(row)
-        if not self._parts or self._parts[-1][1] != status.part:
-            self._parts.append((at_s, status.part))
-        if status.reason and (not self._reasons or self._reasons[-1][1] != status.reason):
-            self._reasons.append((at_s, status.reason))
-
-    def events(self, events: Sequence[ToolEvent]) -> None:
-        """Add events of the tool."""
-        names = self._description.sequence
-        self._events += (event_row(each, (each.at - self._epoch) / 1e6, names) for each in events)
-
-    @property
-    def states(self) -> StatesLog:
-        """Return the states of the tool, one row for each change, with its events."""
-        events = tuple(sorted(self._events, key=lambda row: row.time_s)) if self._has_events else None
-        return StatesLog(
-            self._description.sequence, tuple(self._rows), events=events, part_rows=tuple(self._parts)
-        )
-
-    def as_json(self, proven: Verdict | None) -> dict[str, Any]:
-        """Return the story in one sentence, and a row for each goal; times in seconds since time zero."""
-        tool = self._description
-        story = read_story(self.states, self._info)
-        bounds, goals = tool.durations, list[dict[str, Any]]()
-        for grip in story.grips:
-            failed = grip.decision is not GripDecision.GRIPPED
-            why = [str(attempt) for attempt in grip.failed]
-            if failed and grip.decided_s is not None:
-                why += self._reason(grip.decided_s)
-            took_s = None if grip.decided_s is None else grip.decided_s - grip.start_s
-            row = _goal(
-                grip.start_s, f"Grip {grip.part}".rstrip(), str(grip.decision), took_s, bounds.grip_ms, why
-            )
-            goals.append(row | {"ok": not failed})
-        for release in story.releases:
-            bound_ms = bounds.cancel_ms if release.cause is ReleaseCause.CANCEL else bounds.release_ms
-            took_s = None if release.end_s is None else release.end_s - release.start_s
-            ended = "UNFINISHED" if release.ended is None else release.ended.label
-            bad = release.ended is None or release.ended in _BAD
-            why = self._reason(release.end_s) if bad and release.end_s is not None else []
-            goals.append(
-                _goal(release.start_s, _CAUSES[release.cause], ended, took_s, bound_ms, why) | {"ok": not bad}
-            )
-        for loss in story.losses:
-            why = self._reason(loss.time_s)
-            goals.append(
-                _goal(loss.time_s, f"{loss.who or 'The part'} was lost", "LOST", None, None, why)
-                | {"ok": False}
-            )
-        goals.sort(key=lambda goal: goal["at_s"])
-        return {
-            "story": story.verdict,
-            "goals": goals[:MOST_GOALS],
-            "more_goals": max(0, len(goals) - MOST_GOALS),
-            "proven": str(proven) if proven is not None else "",
-            "holds": proven is not None and proven.holds,
-        }
-
-    def _reason(self, at_s: float) -> list[str]:
+    def reason(at_s: float) -> list[str]:
         """Return the reason that the status gave at that time, as a list of at most one text."""
-        return [text for time_s, text in self._reasons if at_s - 1e-6 <= time_s <= at_s + 0.2][:1]
+        return [text for time_s, text in reasons if at_s - 1e-6 <= time_s <= at_s + 0.2][:1]
+
+    story = read_story(tables.log, tables.info)
+    bounds, goals = tool.durations, list[dict[str, Any]]()
+    for grip in story.grips:
+        failed = grip.decision is not GripDecision.GRIPPED
+        why = [str(attempt) for attempt in grip.failed]
+        if failed and grip.decided_s is not None:
+            why += reason(grip.decided_s)
+        took_s = None if grip.decided_s is None else grip.decided_s - grip.start_s
+        row = _goal(
+            grip.start_s, f"Grip {grip.part}".rstrip(), str(grip.decision), took_s, bounds.grip_ms, why
+        )
+        goals.append(row | {"ok": not failed})
+    for release in story.releases:
+        bound_ms = bounds.cancel_ms if release.cause is ReleaseCause.CANCEL else bounds.release_ms
+        took_s = None if release.end_s is None else release.end_s - release.start_s
+        ended = "UNFINISHED" if release.ended is None else release.ended.label
+        bad = release.ended is None or release.ended in _BAD
+        why = reason(release.end_s) if bad and release.end_s is not None else []
+        goals.append(
+            _goal(release.start_s, _CAUSES[release.cause], ended, took_s, bound_ms, why) | {"ok": not bad}
+        )
+    for loss in story.losses:
+        why = reason(loss.time_s)
+        goals.append(
+            _goal(loss.time_s, f"{loss.who or 'The part'} was lost", "LOST", None, None, why) | {"ok": False}
+        )
+    goals.sort(key=lambda goal: goal["at_s"])
+    return {
+        "story": story.verdict,
+        "goals": goals[:MOST_GOALS],
+        "more_goals": max(0, len(goals) - MOST_GOALS),
+        "proven": str(proven) if proven is not None else "",
+        "holds": proven is not None and proven.holds,
+    }
 
 
 def _goal(
