@@ -76,34 +76,6 @@ def typed_tool(context: click.Context) -> Description:
     return load(Path(str(given)) if given else profile_path())
 
 
-def kinds(_: click.Context) -> Iterable[str]:
-    """Propose the kinds of actuators."""
-    from end_effector_hal.kinds import kind_names
-
-    return kind_names()
-
-
-def device_names(_: click.Context) -> Iterable[str]:
-    """Propose the devices of the library."""
-    from end_effector_hal.description import DeviceLibrary
-
-    return DeviceLibrary().names()
-
-
-def kinds_and_devices(context: click.Context) -> Iterable[str]:
-    """Propose the kinds of actuators, and the devices of the library."""
-    return (*kinds(context), *device_names(context))
-
-
-def links(_: click.Context) -> Iterable[str]:
-    """Propose the values of `eehal init --link`."""
-    from end_effector_hal.codecs import codec_names
-
-    from .init import LINKS
-
-    return (*LINKS, *codec_names())
-
-
 def profiles(_: click.Context) -> Iterable[str]:
     """Propose the names of the shipped tools."""
     from end_effector_hal.description import profile_names

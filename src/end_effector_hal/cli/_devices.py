@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from end_effector_hal.cli._completion import completed, device_names
+from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._options import PathName
 from end_effector_hal.cli._output import print_document, print_table
 from end_effector_hal.description import CONFIRMED, DeviceLibrary, LibraryDevice
@@ -17,7 +17,7 @@ from end_effector_hal.errors import DescriptionError, UsageError
 
 
 @click.command(name="devices")
-@click.argument("name", required=False, shell_complete=completed(device_names))
+@click.argument("name", required=False, shell_complete=completed(lambda _: DeviceLibrary().names()))
 @click.option(
     "--folder",
     type=PathName(),

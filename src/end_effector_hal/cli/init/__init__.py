@@ -1,3 +1,1 @@
 """``eehal init``: writes a folder with a description to start from."""
-
-from ._init import LINKS

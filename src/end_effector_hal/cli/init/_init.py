@@ -13,8 +13,7 @@ from typing import Any
 
 import click
 
-from end_effector_hal.cli._completion import completed, kinds_and_devices
-from end_effector_hal.cli._completion import links as links_known
+from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._output import print_document
 from end_effector_hal.codecs import codec_names
@@ -35,7 +34,9 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
 @click.option(
     "--actuators",
     metavar="NAME:KIND[:LINK],...",
-    shell_complete=completed(kinds_and_devices, separator=",", after_colon=True),
+    shell_complete=completed(
+        lambda _: (*kind_names(), *DeviceLibrary().names()), separator=",", after_colon=True
+    ),
     help="Of the tool, in the order of a grip; LINK says what proves one of them: the NAME of a link, or none for "
     "inputs of the board, such as cups:vacuum,jaw:gripper:none. KIND may be a device of the library, such as "
     "fingers:robotiq-2f85; then all must be devices, and --link is left out.",
@@ -45,7 +46,7 @@ from end_effector_hal.kinds.stanza import NO_CHANNEL
     "links",
     metavar="[NAME:]LINK",
     multiple=True,
-    shell_complete=completed(links_known, separator=",", after_colon=True),
+    shell_complete=completed(lambda _: (*LINKS, *codec_names()), separator=",", after_colon=True),
     help="text, json, binary, modbus, none (inputs of the board), or a codec; several times with a NAME each, such as "
     "front:text: the actuators are distributed among them in turn, or as their LINK says.  [default: text]",
 )
@@ -165,7 +166,7 @@ def _refuse(what: str) -> str:
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _OTHER_WORDS = ("null", "true", "false", NO_CHANNEL)
 BOARD = "none"
-LINKS = ("text", "json", "binary", "modbus", BOARD)
+LINKS: tuple[str, ...] = ("text", "json", "binary", "modbus", BOARD)
 """Links without a codec: a frame that is declared, or inputs of the board; the name of a codec is allowed as well."""
 
 
