@@ -4,9 +4,8 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
 
     {"id": 1, "op": "hello", "client": "grip", "token": "5be0cd191f83d9ab9b05688c2b3e6c1f",
                            "lines": ["SODIMM_208"], "will": [], "faults": {}}
-    {"id": 2, "op": "set", "levels": {"SODIMM_208": true},
-                           "will": [{"line": "SODIMM_208", "level": false, "after_us": 0}],
-                           "until_us": 815000000}
+    {"id": 2, "op": "set", "until_us": 815000000, "levels": {"SODIMM_208": true},
+                           "will": [{"line": "SODIMM_208", "level": false, "after_us": 0}]}
     {"id": 3, "op": "renew"}
     {"id": 4, "op": "levels"}
     {"id": 5, "op": "status"}
@@ -18,7 +17,7 @@ Requests have ``op``, and an ``id`` (an integer or a short text) that the reply 
 
     {"id": 1, "op": "hello", "role": "sensors", "client": "pressure",
                            "token": "0d5f6c6e2b8a4f0d9b7e3a1c5d2f4b68"}
-    {"op": "tell", "predicates": {"locked": true}, "at_us": 815000000}
+    {"op": "tell", "at_us": 815000000, "predicates": {"locked": true}}
 
 **Writing lines.** ``hello`` names the lines that the client will write; each line has one writing client. ``token`` is
 32 random hexadecimal digits (0 to f) that the client makes once. A client with the same name and token is the same
@@ -28,14 +27,16 @@ every client in a PID namespace of its own, as in a container. No reply contains
 earlier client is executed, ``hello`` is refused with the code EE-402 and ``retry_us``: a last will is finished first,
 so that the next client adopts lines that do not change.
 
-``set`` is atomic and leaves a last will (left out: the previous one stays valid); an empty last will holds. ``"drop":
-true`` means that a person asked for the deactivations: they are written even where the line counts as inactive
-already, and a device on a bus may be acknowledged and activated first, as described, unless an interlock refuses an
-activation now. ``"part": "panel"`` is the name of the part that is gripped; the arbiter keeps it for the next program,
-which gets it in the reply to ``levels``. ``values`` has the registers that make an output on a bus grip it, by line,
-where they depend on the part: ``{"modbus:9/0x03E8": [2304, 128, 65535]}``. After ``until_us`` (monotonic clock; left
-out: no limit) the whole ``set`` is refused, because its sender has stopped waiting for it. ``renew`` renews the lease,
-and its reply has the latched ``faults``; ``set`` renews the lease too.
+``set`` is atomic and leaves a last will (left out: the previous one stays valid); an empty last will holds. A step is
+an object or ``["SODIMM_208", false, 0]``. Clients send id, op and time first, as above: the arbiter checks the rest of
+a repeated ``set`` or ``tell`` only once. ``"drop": true`` means that a person asked for the deactivations: they are
+written even where the line counts as inactive already, and a device on a bus may be acknowledged and activated first,
+as described, unless an interlock refuses an activation now. ``"part": "panel"`` is the name of the part that is
+gripped; the arbiter keeps it for the next program, which gets it in the reply to ``levels``. ``values`` has the
+registers that make an output on a bus grip it, by line, where they depend on the part: ``{"modbus:9/0x03E8": [2304,
+128, 65535]}``. After ``until_us`` (monotonic clock; left out: no limit) the whole ``set`` is refused, because its
+sender has stopped waiting for it. ``renew`` renews the lease, and its reply has the latched ``faults``; ``set`` renews
+the lease too.
 
 ``bye`` ends the session in order: its last will is executed at once, and the earlier last will is void. If the socket
 is closed without ``bye``, or the lease expires, the client counts as dead, and its last will is executed. The last
@@ -94,6 +95,8 @@ import secrets
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeGuard, TypeVar
 
+from pydantic_core import PydanticSerializationError, from_json, to_json
+
 from end_effector_hal.errors import LineBusyError, UsageError
 from end_effector_hal.vocabulary import (
     LONGEST_SENTENCE,
@@ -110,26 +113,38 @@ from end_effector_hal.vocabulary import (
 T = TypeVar("T")
 
 
-def write_json(value: object) -> bytes:
-    """Return compact JSON without a line break."""
-    return _ENCODER.encode(value).encode()
-
-
-def read_json(content: bytes, read: Callable[[Any], T]) -> T:
-    """Parse JSON and return the result of ``read`` on it.
-
-    Raises:
-        UsageError: the content is not JSON, or ``read`` does not find what it needs.
-    """
+def write_message(message: Mapping[str, object]) -> bytes:
+    """Return compact JSON as a line."""
     try:
-        return read(json.loads(content))
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        return to_json(message) + b"\n"
+    except PydanticSerializationError:  # half of a surrogate pair, as in the name of a file
+        return json.dumps(message).encode() + b"\n"
+
+
+def read_object(line: bytes) -> dict[str, Any]:
+    """Parse a line into an object; its texts may have characters that are not printable. Raises UsageError."""
+    try:
+        message = from_json(line)
+    except ValueError:  # perhaps half of a surrogate pair
+        try:
+            message = json.loads(line.decode())
+        except (ValueError, RecursionError):
+            message = None
+    if not isinstance(message, dict):
+        raise UsageError("a message must be a JSON object in UTF-8.")
+    return message
+
+
+def read_record(content: bytes, read: Callable[[Any], T]) -> T:
+    """Return the result of ``read`` on the object of a record; raises UsageError if that lacks what it needs."""
+    try:
+        return read(read_object(content))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UsageError(f"unexpected JSON: {error}.") from error
 
 
 DEEPEST = 4
 DIGITS = 18
-_NO_OBJECT = "a message must be a JSON object in UTF-8."
 
 
 def read_message(line: bytes) -> dict[str, Any]:
@@ -138,30 +153,11 @@ def read_message(line: bytes) -> dict[str, Any]:
     Raises:
         UsageError: the line is not an object, or contains a number or a text that no message needs.
     """
-    try:
-        message = _object(_DECODER.decode(line.decode()))
-    except (ValueError, RecursionError):
-        raise UsageError(_NO_OBJECT) from None
+    message = read_object(line)
     if isinstance(why := message.get("why"), str):
         message["why"] = printable(why)
     _check(message, DEEPEST)
     return message
-
-
-def read_reply(line: bytes) -> dict[str, Any]:
-    """Parse a reply of the arbiter; the caller makes its texts printable. Raises UsageError."""
-    return read_json(line, _object)
-
-
-def write_message(message: Mapping[str, object]) -> bytes:
-    """Return the line to send."""
-    return _ENCODER.encode(message).encode() + b"\n"
-
-
-def _object(given: Any) -> dict[str, Any]:
-    if not isinstance(given, dict):
-        raise UsageError(_NO_OBJECT)
-    return given
 
 
 def _check(message: dict[str, Any], deepest: int) -> None:
@@ -184,9 +180,6 @@ def _check(message: dict[str, Any], deepest: int) -> None:
                 raise UsageError(f"a number in a message must be an integer of at most {DIGITS} digits.")
     if level:
         raise UsageError(f"a message may be nested at most {deepest} levels deep.")
-
-
-_ENCODER, _DECODER = json.JSONEncoder(separators=(",", ":")), json.JSONDecoder()
 
 
 class LastWillRunsError(LineBusyError):
@@ -224,7 +217,10 @@ SENSORS = "sensors"
 
 
 class Request(NamedTuple):
-    """A well-formed request."""
+    """A well-formed request.
+
+    ``time_us``: after it a ``set`` is refused (None: no limit); at it the predicates of a ``tell`` were proven.
+    """
 
     op: str
     role: str = ""
@@ -233,14 +229,31 @@ class Request(NamedTuple):
     lines: tuple[str, ...] = ()
     levels: Mapping[str, bool] = {}
     will: LastWill | None = None
-    until_us: int | None = None
+    time_us: int | None = None
     drop: bool = False
     part: WrittenPart = NO_PART
     predicates: Mapping[str, bool] = {}
-    at_us: int = 0
     fault: str = ""
     why: str = ""
     faults: Mapping[str, str] | None = None
+
+
+HEAD = re.compile(rb'\{(?:"id":(0|[1-9]\d{0,17}),)?("op":"(?:set","until|tell","at)_us":)(0|[1-9]\d{0,17}),')
+"""Beginning of a ``set`` or ``tell`` as the clients here write it: its id, its kind and its time."""
+_ODD = re.compile(rb'\\|"(?:id|op|until_us|at_us)"')
+LONGEST_KEPT, MOST_KEPT = 16_384, 64
+"""Longest message of which `read_rest` is cached, bytes, and the number of them."""
+
+
+def read_rest(kind: bytes, rest: bytes) -> Request | None:
+    """Return the request of a message by what follows its `HEAD`; None: the message must be read in full."""
+    if _ODD.search(rest):
+        return None
+    try:
+        read = _read_set if kind.startswith(b'"op":"set"') else _read_predicates
+        return read(read_message(b"{%b0,%b" % (kind, rest)))
+    except UsageError:
+        return None
 
 
 def read_id(message: Mapping[str, Any]) -> int | str | None:
@@ -307,9 +320,12 @@ def _read_set(message: Mapping[str, Any]) -> Request:
         raise UsageError(
             f"values must be an object of 1 to {MOST_REGISTERS} numbers from 0 to 65535 by line."
         )
-    grips = WrittenPart(str(part), {line: tuple(each) for line, each in values.items()})
-    will = _read_last_will(message)
-    return Request("set", levels=levels, will=will, until_us=until_us, drop=drop, part=grips)
+    grips = NO_PART
+    if part or values:
+        grips = WrittenPart(str(part), {line: tuple(each) for line, each in values.items()})
+    will = message.get("will")
+    will = None if will is None else read_last_will(will)
+    return Request("set", levels=levels, will=will, time_us=until_us, drop=drop, part=grips)
 
 
 def _is_registers(given: object) -> bool:
@@ -326,7 +342,7 @@ def _read_predicates(message: Mapping[str, Any]) -> Request:
         raise UsageError(f"predicates must be an object of 1 to {MOST_PREDICATES} names, each true or false.")
     if type(at_us) is not int:
         raise UsageError("at_us must be a time in µs.")
-    return Request("tell", predicates=predicates, at_us=at_us)
+    return Request("tell", predicates=predicates, time_us=at_us)
 
 
 def _read_latch(message: Mapping[str, Any]) -> Request:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from end_effector_hal.errors import UsageError
 
@@ -79,7 +79,17 @@ def read_last_will(steps: object) -> LastWill:
         steps = list(steps)
     will, before_us = list[LastWillStep](), 0
     for i, given in enumerate(steps):
-        line, level, after_us = step = given if type(given) is LastWillStep else _step(i, given)
+        try:
+            step = (
+                given
+                if type(given) is LastWillStep
+                else LastWillStep(**given)
+                if isinstance(given, dict | Mapping)
+                else LastWillStep(*given)
+            )
+        except TypeError:
+            raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
+        line, level, after_us = step
         if not isinstance(line, str):
             raise UsageError(f"step {i} of the last will names no line.")
         if level is not False:
@@ -97,10 +107,3 @@ def read_last_will(steps: object) -> LastWill:
     if len(will) > MOST_LINES:
         raise UsageError(f"a last will has at most {MOST_LINES} steps, this one has {len(will)}.")
     return tuple(will)
-
-
-def _step(i: int, given: Any) -> LastWillStep:
-    try:
-        return LastWillStep(**given) if isinstance(given, dict | Mapping) else LastWillStep(*given)
-    except TypeError:
-        raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None

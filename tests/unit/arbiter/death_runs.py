@@ -256,8 +256,8 @@ class DeathRun:
 
     def _will_be(self, line: str) -> bool:
         assert self.arbiter
-        queued = [each.queued_level(line) for each in self.arbiter.rules.sessions if not each.ended]
-        return self.lines[line] if not queued or queued[0] is None else queued[0]
+        living = [each for each in self.arbiter.rules.sessions if not each.ended]
+        return living[0].queued_level(line, now=self.lines[line]) if living else self.lines[line]
 
     def _session(self) -> str:
         if self.arbiter is None:

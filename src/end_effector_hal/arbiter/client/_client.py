@@ -254,15 +254,14 @@ class ArbiterClient:
 
     def _say_bye(self, will: LastWill) -> None:
         """Send ``bye``, also to a restarted arbiter, which would otherwise declare this client dead."""
-        fields = {"will": [step.as_json() for step in will]}
         with self._lock:
             was_connected = self._arbiter.connected
             try:
-                self._request("bye", **fields)
+                self._request("bye", will=will)
             except ArbiterError:
                 if not was_connected:
                     raise
-                self._request("bye", **fields)
+                self._request("bye", will=will)
 
     def _abandon(self) -> None:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
@@ -330,9 +329,9 @@ class ArbiterClient:
         self, levels: Mapping[str, bool], will: LastWill | None, *, drop: bool, part: WrittenPart
     ) -> OSError | None:
         """Send the write; return the error if sending failed."""
-        fields: dict[str, object] = {"levels": dict(levels)}
         # this side gives up after the time-out: it must not be executed later
-        fields["until_us"] = now_us() + round(VALID * self._timeout_s * 1e6)
+        until_us = now_us() + round(VALID * self._timeout_s * 1e6)
+        fields: dict[str, object] = {"until_us": until_us, "levels": levels}
         if drop:
             fields["drop"] = True
         if part.name:
@@ -340,7 +339,7 @@ class ArbiterClient:
         if part.values:
             fields["values"] = part.values
         if will is not None:
-            fields["will"] = [step.as_json() for step in will]
+            fields["will"] = will
         return self._arbiter.request("set", fields)
 
     def _written(self, will: LastWill | None, failed: OSError | None) -> WriteResult:
@@ -372,9 +371,10 @@ class ArbiterClient:
         self._arbiter.connect()
         if self._lines:
             try:
-                will = [step.as_json() for step in self._will]
-                named = {"client": self._client, "token": self._token, "faults": self._latched}
-                reply = self._arbiter.exchange("hello", {**named, "lines": self._lines, "will": will})
+                named = {"client": self._client, "token": self._token, "lines": self._lines}
+                reply = self._arbiter.exchange(
+                    "hello", {**named, "will": self._will, "faults": self._latched}
+                )
                 self._declared_dead = self._declared_dead or bool(reply.get("overtaken"))
             except ReportedError:
                 self._arbiter.close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from end_effector_hal.arbiter.protocol import LastWillRunsError, read_reply, write_message
+from end_effector_hal.arbiter.protocol import LastWillRunsError, read_object, write_message
 from end_effector_hal.errors import ArbiterError, LineBusyError, LineRefusedError, ReportedError, UsageError
 from end_effector_hal.vocabulary import printable
 from end_effector_hal.wires.rpc import Client
@@ -56,7 +56,7 @@ class Conversation(Client):
         try:
             if failed is not None:
                 raise failed
-            reply = read_reply(self.receive())
+            reply = read_object(self.receive())
         except (OSError, UsageError) as error:
             self.close()
             silent = isinstance(error, TimeoutError | BlockingIOError)

@@ -7,7 +7,7 @@ import socket
 from collections.abc import Mapping
 from pathlib import Path
 
-from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_reply, write_message
+from end_effector_hal.arbiter.protocol import SENSORS, make_token, read_object, write_message
 from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.vocabulary import LONGEST_MESSAGE, printable
 from end_effector_hal.wires import now_us
@@ -45,7 +45,7 @@ class PredicateSender:
         try:
             sock = self._connected()
             # A message that was cut is ended first, so that the next one can be read.
-            data = self._rest + write_message({"op": "tell", "predicates": dict(predicates), "at_us": at_us})
+            data = self._rest + write_message({"op": "tell", "at_us": at_us, "predicates": predicates})
             sent = sock.send(data)
             self._rest = data[sent:]
             self._read_replies(sock)
@@ -88,7 +88,7 @@ class PredicateSender:
         *lines, self._received = (self._received + data)[-2 * LONGEST_MESSAGE :].split(b"\n")
         for line in lines:
             try:
-                reply = read_reply(line)
+                reply = read_object(line)
             except UsageError:
                 continue
             if not reply.get("ok"):

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from end_effector_hal.arbiter.protocol import read_json, write_json
+from end_effector_hal.arbiter.protocol import read_record, write_message
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import Storage
 from end_effector_hal.arbiter.rules import Driven
@@ -92,7 +92,7 @@ class Journal:
         if found.standing is Standing.DAMAGED:
             return JournalEntry({}, clean=False, doubt="its journal is damaged")
         try:
-            entry = read_json(found.payload, _entry)
+            entry = read_record(found.payload, _entry)
         except UsageError:
             return JournalEntry({}, clean=False, doubt="its journal is of another version")
         if found.standing is Standing.OUTDATED:
@@ -143,7 +143,7 @@ class Journal:
     ) -> bytes:
         content: dict[str, object] = {"boot": self._boot, "clean": clean, "faults": dict(faults)}
         content |= {"driven": dict(driven)} if driven else {}
-        return write_json(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
+        return write_message(content | ({"pulsed": dict(pulsed)} if pulsed else {}))
 
     def write_next(self) -> bool:
         """Write the latest state that `keep` requested; return whether it is on the disk now. Waits for the disk."""

@@ -97,8 +97,8 @@ class RecordFile:
             if synced:
                 self._storage.sync()
         else:
-            slots = {_place(self._generation + 1): record, _place(self._generation): _NEVER_WRITTEN}
-            content = b"".join(slots[at].ljust(SLOT, b"\0") for at in sorted(slots))
+            slots = [_NEVER_WRITTEN, record] if self._generation % 2 == 0 else [record, _NEVER_WRITTEN]
+            content = b"".join(slot.ljust(SLOT, b"\0") for slot in slots)
             self._storage.create(content, 2 * SLOT)
             self._made = True
         self._generation += 1
@@ -115,15 +115,11 @@ class RecordFile:
 
     def _write(self, generation: int, data: bytes) -> None:
         try:
-            self._storage.write(_place(generation), data)
+            self._storage.write(generation % 2 * SLOT, data)
         except OSError as error:
             self._storage.close()  # to be opened again: the disk may have come back elsewhere
             self._made = error.errno != errno.ENOENT
             raise
-
-
-def _place(generation: int) -> int:
-    return generation % 2 * SLOT
 
 
 def _record(generation: int, payload: bytes) -> bytes:

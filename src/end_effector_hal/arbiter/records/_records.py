@@ -123,9 +123,15 @@ class Records:
         self._sessions, self._journal = sessions, journal
         entry = journal.read()
         self._unread = entry.unread
+        self._kept = ArbiterState()
         self.before_change = sessions.begin
         self.before = recall(sessions.read(), entry, sessions.boot)
         """The state of the previous arbiter."""
+
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """The latched faults as they were saved last."""
+        return self._kept.faults
 
     def keep(self, arbiter: LineArbiter) -> None:
         """Save the arbiter's state; call this before any client learns of a change."""
@@ -139,16 +145,20 @@ class Records:
             for name, why in late.faults.items():
                 arbiter.predicates.latch(name, why)
         self._latch_troubles(arbiter)
-        self._sessions.keep(replace(arbiter.state, unread=self._unread))
-        self._latch_troubles(
-            arbiter
-        )  # what has just failed is said before anybody learns of what is not kept
         state = arbiter.state
-        self._journal.keep(dict(state.faults), state.pulsed, _to_disk(state, arbiter.policy))
+        self._sessions.keep(replace(state, unread=True) if self._unread else state)
+        if self._latch_troubles(arbiter):  # before anybody learns of what is not kept
+            state = arbiter.state
+        if state != self._kept:
+            self._kept = state
+            self._journal.keep(state.faults, state.pulsed, _to_disk(state, arbiter.policy))
 
-    def _latch_troubles(self, arbiter: LineArbiter) -> None:
-        for name, why in self.troubles().items():
-            arbiter.predicates.latch(name, why)
+    def _latch_troubles(self, arbiter: LineArbiter) -> bool:
+        """Return whether one of the records cannot be written now."""
+        if troubled := bool(self._sessions.trouble or self._journal.trouble):
+            for name, why in self.troubles().items():
+                arbiter.predicates.latch(name, why)
+        return troubled
 
     def troubles(self) -> dict[str, str]:
         """Return the records that cannot be written now, as faults: sentences by name."""
@@ -165,4 +175,4 @@ class Records:
         """Save the final state of an arbiter that ends in order, and close the records."""
         self._sessions.keep(replace(state, clean=True, unread=self._unread))
         self._sessions.close()
-        self._journal.close(dict(state.faults), state.pulsed, _to_disk(state, policy))
+        self._journal.close(state.faults, state.pulsed, _to_disk(state, policy))

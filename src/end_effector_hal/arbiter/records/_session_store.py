@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from end_effector_hal.arbiter.protocol import read_json, write_json
+from end_effector_hal.arbiter.protocol import read_record, write_message
 from end_effector_hal.arbiter.records._record_file import RecordFile, Standing
 from end_effector_hal.arbiter.records._storage import FileStorage, Storage
 from end_effector_hal.arbiter.rules._session import ArbiterState, read_arbiter_state
@@ -69,7 +69,7 @@ class SessionStore:
         if found.standing is Standing.DAMAGED:
             return ArbiterState(clean=False, doubt="the session record is damaged")
         try:
-            boot, given = read_json(found.payload, lambda given: (given["boot"], given["memory"]))
+            boot, given = read_record(found.payload, lambda given: (given["boot"], given["memory"]))
             if not self.boot or boot != self.boot:
                 return None
             state = read_arbiter_state(given)
@@ -99,7 +99,7 @@ class SessionStore:
         if state == self._tried and not self._begun and not due:
             return
         self._tried, self._begun = state, False
-        payload = write_json({"boot": self.boot, "memory": state.as_json()})
+        payload = write_message({"boot": self.boot, "memory": state.as_json()})
         try:
             self._write_mark(_MARK.pack(self._file.next_generation))
             self._file.keep(payload)

@@ -69,24 +69,28 @@ class FileStorage:
         self.close()
         fresh = self._path.with_name(f".{self._path.name}.new")
         fresh.unlink(missing_ok=True)
-        fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o640)
+        self._fd = open_owned(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o640)
         try:
-            os.posix_fallocate(fd, 0, size)
-            _write_all(fd, 0, content)
+            os.posix_fallocate(self._fd, 0, size)
+            self.write(0, content)
             if self._durable:
-                os.fsync(fd)
+                os.fsync(self._fd)
             fresh.replace(self._path)
         except BaseException:
-            os.close(fd)
+            self.close()
             fresh.unlink(missing_ok=True)
             raise
-        self._fd = fd
         if self._durable:
             self._sync_folder()
 
     def write(self, at: int, data: bytes) -> None:
         """Overwrite allocated bytes from offset ``at`` on. After an error some of them may be written."""
-        _write_all(self._opened(), at, data)
+        fd = self._fd if self._fd >= 0 else self._opened()
+        while data:  # one call may write only some of them
+            written = os.pwrite(fd, data, at)
+            if not written:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            at, data = at + written, data[written:]
 
     def sync(self) -> None:
         """Return once the content would survive a power loss."""
@@ -114,12 +118,3 @@ class FileStorage:
         if self._fd < 0:
             self._fd = open_owned(self._path, os.O_RDWR)
         return self._fd
-
-
-def _write_all(fd: int, at: int, data: bytes) -> None:
-    """Write all bytes, with several calls if needed: one call may write only some of them."""
-    while data:
-        written = os.pwrite(fd, data, at)
-        if not written:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        at, data = at + written, data[written:]

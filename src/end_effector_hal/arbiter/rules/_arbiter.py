@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NoReturn
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
@@ -91,7 +92,8 @@ class LineArbiter:
     @property
     def may_be_active(self) -> list[str]:
         """The lines that are active or whose state is unknown."""
-        return [line for line in self.policy.lines if self._lines.may_be_active(line)]
+        active = self._lines.active()
+        return [line for line in self.policy.lines if line in active]
 
     @property
     def pulses(self) -> bool:
@@ -113,22 +115,18 @@ class LineArbiter:
     @property
     def state(self) -> ArbiterState:
         """The state that the next arbiter needs."""
-        owed = self._lines.owed()
+        lines = self._lines
+        owed, active, levels = lines.owed(), lines.active(), lines.levels
         return ArbiterState(
-            faults=dict(self.predicates.faults),
-            clients=tuple(each.record for each in self.sessions),
+            faults=self.predicates.faults.copy(),
+            clients=tuple([each.record for each in self.sessions]),
             clean=False,
-            levels={line: level for line, level in self.levels.items() if line not in owed},
+            levels={line: level for line, level in levels.items() if line not in owed},
             dead=tuple(self._dead),
-            pulsed=self._lines.coils.pulsed if self._lines.coils else {},
-            driven={
-                line: DrivenLine(role.words, self._lines.may_be_active(line))
-                for line, role in self.policy.roles.items()
-            },
-            since={
-                line: self._lines.changed_at[line] for line in self.policy.max_active_us if self.levels[line]
-            },
-            owed=tuple(sorted(owed, key=lambda line: (self._lines.changed_at[line], line))),
+            pulsed=lines.coils.pulsed if lines.coils else {},
+            driven={line: DrivenLine(role.words, line in active) for line, role in self.policy.roles.items()},
+            since={line: lines.changed_at[line] for line in self.policy.max_active_us if levels[line]},
+            owed=tuple(sorted(owed, key=lambda line: (lines.changed_at[line], line))),
             part=self.part,
         )
 
@@ -220,15 +218,16 @@ class LineArbiter:
             WireError: the hardware cannot be written.
         """
         self.advance(at)
-        self.renew(session, at)
-        _check_own(session, levels)
-        self._check_values(levels, part)
+        session.lease_until = at + self.policy.lease_us
+        if not session.lines.issuperset(levels):
+            _refuse_foreign(session, levels)
+        if part.values:
+            self._check_values(levels, part)
         if session.stuck and any(levels.values()):
             raise LineRefusedError(f"IL-11: nothing is activated while a deactivation fails: {session.stuck}")
         for line, level in levels.items():
-            queued = session.queued_level(line) if session.queue else None
-            expected = self._lines.levels[line] if queued is None else queued
-            if level and not expected:
+            now = self._lines.levels[line]
+            if level and not (session.queued_level(line, now=now) if session.queue else now):
                 self._interlocks.check(line, levels, self.sessions, at)
         if levels and len(session.queue) >= MOST_WAITING:
             raise LineRefusedError(
@@ -242,7 +241,7 @@ class LineArbiter:
             session.forget_activations([line for line, level in levels.items() if not level])
         if levels:
             session.queue.append(Write(at, dict(levels), drop, part.values))
-        self._apply_due(session, at)
+            self._apply_due(session, at)
         return max(0, self._lines.last_ready_at(session.queue) - at) if session.queue else 0
 
     def renew(self, session: Session, at: int) -> None:
@@ -339,7 +338,7 @@ class LineArbiter:
             self._hear_devices(self._lines.remote, at)
         if self._lines.coils is not None:
             self.end_pulses(at)  # first: a pause begins there
-        for session in list(self.sessions):
+        for session in self.sessions.copy():
             try:
                 if session.queue:
                     self._apply_due(session, at)
@@ -351,9 +350,10 @@ class LineArbiter:
             self._note_troubles()
         if self._lines.unbounded:
             self._say_unbounded()
-        for line in self.policy.max_active_us:
-            if (end := self._lines.longest_end(line)) is not None and end <= at:
-                self._end_activation(line, at)
+        if self.policy.max_active_us:
+            for line, end in self._lines.longest_ends().items():
+                if end <= at:
+                    self._end_activation(line, at)
 
     def _note_troubles(self) -> None:
         """Latch the troubles of the outputs that a device writes, and end those that are over."""
@@ -385,9 +385,10 @@ class LineArbiter:
         """The time of the next action, µs; None: nothing is due."""
         times = [session.lease_until for session in self.sessions if not session.ended]
         times += [self._lines.last_ready_at([session.queue[0]]) for session in self.sessions if session.queue]
-        ends = [*map(self._lines.longest_end, self.policy.max_active_us)]
-        ends += [self._lines.coils.due] if self._lines.coils else []
-        return min([*times, *(end for end in ends if end is not None)], default=None)
+        times += self._lines.longest_ends().values()
+        if self._lines.coils and (due := self._lines.coils.due) is not None:
+            times.append(due)
+        return min(times, default=None)
 
     def _hear_devices(self, devices: RemoteLines, at: int) -> None:
         """Process the news of the devices; cancel a pending activation if an interlock refuses it now."""
@@ -595,17 +596,21 @@ class LineArbiter:
         self.predicates.latch(name, why)
 
     def _set_last_will(self, session: Session, will: LastWill) -> None:
-        _check_own(session, [step.line for step in will])
-        self.policy.check_last_will(will)
+        longest_us = self.policy.longest_last_will_us
+        for line, _, after_us in will:
+            if line not in session.lines:
+                _refuse_foreign(session, [step.line for step in will])
+            if after_us > longest_us:
+                raise UsageError(
+                    f"the last will deactivates {line} {after_us} µs after the death; "
+                    f"the longest last will of this tool takes {longest_us} µs."
+                )
         session.will = will
 
 
-def _check_own(session: Session, lines: Collection[str]) -> None:
-    if not session.lines.issuperset(lines):
-        foreign = [line for line in lines if line not in session.lines]
-        raise UsageError(
-            f"{session.client} does not write {', '.join(foreign)}: its hello did not name this line."
-        )
+def _refuse_foreign(session: Session, lines: Iterable[str]) -> NoReturn:
+    foreign = ", ".join(line for line in lines if line not in session.lines)
+    raise UsageError(f"{session.client} does not write {foreign}: its hello did not name this line.")
 
 
 def _in_words(will: LastWill) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from end_effector_hal.arbiter.rules._lines import OutputLines
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.rules._predicates import FORMER, SensorPredicates
+from end_effector_hal.arbiter.rules._predicates import SensorPredicates
 from end_effector_hal.arbiter.rules._session import Session
 from end_effector_hal.errors import LineRefusedError
 
@@ -51,8 +51,11 @@ class LineInterlocks:
         called = self._policy.called
         for other, interlock, gap_us in self._partners[line]:
             # the same write cannot end one and begin the other: a device may be slower than a line
-            waiting = [write for session in sessions for write in session.queue if write.levels.get(other)]
-            if waiting or levels.get(other) or self._lines.may_be_active(other):
+            active: bool | None = levels.get(other) or self._lines.may_be_active(other)
+            for session in sessions:
+                for write in session.queue:
+                    active = active or write.levels.get(other)
+            if active:
                 raise LineRefusedError(
                     f"{interlock}: {called(line)} is not activated while {called(other)} is active."
                 )
@@ -64,11 +67,6 @@ class LineInterlocks:
             raise LineRefusedError(f"{interlock}: {called(line)} is not activated: {why}.")
 
     def objections(self, line: str, at: int) -> Iterator[tuple[str, str]]:
-        """Yield the interlocks that refuse an activation now because of the sensors or a stop, with their reasons."""
-        if stopped := self._predicates.stopped:
-            yield "IL-13", stopped
-        if (why := self._predicates.faults.get(FORMER)) and line in self._unlocking:
-            yield "IL-01", why.rstrip(".")
-        for need in self._policy.needs.get(line, ()):
-            if why := self._predicates.objection(need, at):
-                yield need.interlock, why
+        """Return the interlocks that refuse an activation now because of the sensors or a stop, with their reasons."""
+        needs = self._policy.needs.get(line, ())
+        return self._predicates.objections(needs, at, unlocks=line in self._unlocking)

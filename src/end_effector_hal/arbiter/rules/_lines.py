@@ -133,6 +133,11 @@ class OutputLines:
             return True
         return self.levels[line] or (self.remote is not None and line in self.remote.unsure())
 
+    def active(self) -> frozenset[str]:
+        """Return all these lines."""
+        unsure = self.remote.unsure() if self.remote else frozenset[str]()
+        return unsure.union(self._half_done, [line for line, level in self.levels.items() if level])
+
     def owed(self) -> frozenset[str]:
         """Return the lines whose deactivation was commanded, and which their device has not acknowledged."""
         return self.remote.owed() if self.remote else frozenset()
@@ -170,12 +175,14 @@ class OutputLines:
                     paused[line] = time + self._policy.settle_us(line)
         return time
 
-    def longest_end(self, line: str) -> int | None:
-        """Return when an active line reaches its longest time (IL-03), µs; None: inactive, or without a limit."""
-        active = self.levels[line] or line in self._half_done
-        if not active or line in self.unbounded or (self.coils and line in self.coils.guessed):
-            return None
-        return self.changed_at[line] + self._policy.max_active_us[line]
+    def longest_ends(self) -> dict[str, int]:
+        """Return when each active line reaches its longest time (IL-03), µs; lines without a limit are left out."""
+        free = self.unbounded | self.coils.guessed if self.coils else self.unbounded
+        return {
+            line: self.changed_at[line] + longest
+            for line, longest in self._policy.max_active_us.items()
+            if (self.levels[line] or line in self._half_done) and line not in free
+        }
 
 
 def _fault(line: str) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from end_effector_hal.arbiter.rules._coils import SecondCoil
 from end_effector_hal.errors import UsageError
-from end_effector_hal.vocabulary import LEASE_US, SETTLE_US, LastWill
+from end_effector_hal.vocabulary import LEASE_US, SETTLE_US
 
 
 class Exclusion(NamedTuple):
@@ -114,15 +114,6 @@ class Policy:
                 f"the policy of the line arbiter is wrong: lines {list(self.lines)}, unknown: {unknown}.",
                 todo="Name each line once, and in the interlocks only lines that it has.",
             )
-
-    def check_last_will(self, will: LastWill) -> None:
-        """Raise UsageError if a last will takes so long that it would block its lines."""
-        for line, _, after_us in will:
-            if after_us > self.longest_last_will_us:
-                raise UsageError(
-                    f"the last will deactivates {line} {after_us} µs after the death; "
-                    f"the longest last will of this tool takes {self.longest_last_will_us} µs."
-                )
 
     def settle_us(self, line: str) -> int:
         """Return how long a line stays unchanged after a change (IL-10), µs; at least until the end of a pulse's

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple, NoReturn
 
 from end_effector_hal.arbiter.rules._policy import Need
 from end_effector_hal.errors import UsageError
@@ -68,8 +68,8 @@ class SensorPredicates:
         Raises:
             UsageError: no line needs one of them, or the time is ahead of now; none of them is recorded.
         """
-        for name in predicates:
-            _check_known(name, self._names, "predicate")
+        if not self._names.issuperset(predicates):
+            _refuse_unknown(predicates, self._names, "predicate")
         if proven_at > at:
             raise UsageError(f"at_us is {proven_at - at} µs ahead of now: {CLOCKS}.")
         self._told_at = at
@@ -94,31 +94,40 @@ class SensorPredicates:
 
     def check_client_fault(self, name: str) -> None:
         """Raise UsageError if the policy does not list this fault for clients."""
-        _check_known(name, self.client_faults, "fault")
+        if name not in self.client_faults:
+            _refuse_unknown([name], self.client_faults, "fault")
 
-    @property
-    def stopped(self) -> str:
-        """Why nothing is activated until a reset, a clause; empty: no stop is latched (IL-13)."""
-        return "the tool was stopped; reset the faults first" if STOP in self.faults else ""
+    def objections(
+        self, needs: Iterable[Need], at: int, *, unlocks: bool = False
+    ) -> Iterator[tuple[str, str]]:
+        """Yield the interlocks that refuse an activation with these needs now, with their reasons, clauses.
 
-    def objection(self, need: Need, at: int) -> str:
-        """Why an activation with this need is refused, a clause; empty: it is not refused."""
-        proof = self.proofs.get(need.predicate)
-        if need.predicate in self._own and (proof is None or at - proof.at >= self._valid_us):
-            since = f"for {(at - proof.at) / 1e6:.3g} s" if proof else "so far"
+        ``unlocks``: the activation unlocks the tool.
+        """
+        if STOP in self.faults:
+            yield "IL-13", "the tool was stopped; reset the faults first"
+        if unlocks and FORMER in self.faults:
+            yield "IL-01", self.faults[FORMER].rstrip(".")
+        for need in needs:
+            proof = self.proofs.get(need.predicate)
+            if proof is None or at - proof.at >= self._valid_us:
+                yield need.interlock, self._unproven(need, proof, at)
+            elif not proof.holds:
+                yield need.interlock, need.otherwise
+            elif need.latched and need.predicate in self.faults:
+                yield need.interlock, f"{need.latched}; reset the faults first"
+
+    def _unproven(self, need: Need, proof: ProvenPredicate | None, at: int) -> str:
+        age_us = at - proof.at if proof else 0
+        if need.predicate in self._own:
+            since = f"for {age_us / 1e6:.3g} s" if proof else "so far"
             why = f" ({self.unread.rstrip('.')})" if self.unread else ""
             return f"{since} the line arbiter could not read whether {need.means}{why}"
         if proof is None:
             return f"no process that reads the sensors has reported yet whether {need.means}"
-        if at - proof.at >= self._valid_us:
-            age_s = (at - proof.at) / 1e6
-            if at - self._told_at < self._valid_us and at - proof.at >= SKEW_US:
-                return f"the report whether {need.means} was made {age_s:.3g} s ago by its stamp; {CLOCKS}"
-            return f"for {age_s:.3g} s no process that reads the sensors has reported whether {need.means}"
-        if not proof.holds:
-            return need.otherwise
-        latched = need.latched and need.predicate in self.faults
-        return f"{need.latched}; reset the faults first" if latched else ""
+        if at - self._told_at < self._valid_us and age_us >= SKEW_US:
+            return f"the report whether {need.means} was made {age_us / 1e6:.3g} s ago by its stamp; {CLOCKS}"
+        return f"for {age_us / 1e6:.3g} s no process that reads the sensors has reported whether {need.means}"
 
     def reset(self, at: int, of_clients: Iterable[str]) -> list[str]:
         """Clear all faults except ``of_clients`` and those whose predicate is not freshly proven now.
@@ -127,15 +136,17 @@ class SensorPredicates:
         """
         faults, self.faults = self.faults, {}
         stay = {
-            name: f"{need.interlock}: {why}"
+            name: f"{interlock}: {why}"
             for name, need in self._latching.items()
-            if name in faults and (why := self.objection(need, at))
+            if name in faults
+            for interlock, why in self.objections([need], at)
         }
         self.faults = {name: faults[name] for name in (*stay, *of_clients) if name in faults}
         return list(stay.values())
 
 
-def _check_known(name: str, known: frozenset[str], what: str) -> None:
-    if name not in known:
-        has = ", ".join(sorted(known)) or f"no {what} at all"
-        raise UsageError(f"this arbiter has no {what} {name}{hint(name, known)}; it has {has}.")
+def _refuse_unknown(names: Iterable[str], known: frozenset[str], what: str) -> NoReturn:
+    name, has = next(each for each in names if each not in known), ", ".join(sorted(known))
+    raise UsageError(
+        f"this arbiter has no {what} {name}{hint(name, known)}; it has {has or f'no {what} at all'}."
+    )

@@ -226,10 +226,11 @@ class Session:
             if left:
                 self.queue.append(write._replace(levels=left))
 
-    def queued_level(self, line: str) -> bool | None:
-        """Return the level of a line after the queue is applied; None: no write of this line waits."""
-        waiting = [write.levels[line] for write in self.queue if line in write.levels]
-        return waiting[-1] if waiting else None
+    def queued_level(self, line: str, *, now: bool) -> bool:
+        """Return the level that a line has after the queue is applied; ``now``: its present level."""
+        for write in self.queue:
+            now = write.levels.get(line, now)
+        return now
 
     @property
     def record(self) -> SessionRecord:
@@ -238,13 +239,14 @@ class Session:
         Deactivations that still wait in the queue become the first steps of its last will, because they were accepted.
         After the client's end the queue also contains the last will; its steps are not repeated.
         """
-        waits = {line for write in self.queue for line in write.levels}
-        if self.ended:
-            waits -= {step.line for step in self.will}
-        off = (line for line in sorted(waits) if not self.queued_level(line))
-        will = tuple(map(LastWillStep, off)) + self.will
-        lines = tuple(sorted(self.lines))
-        faults = tuple(sorted(self.faults))
+        will = self.will
+        if self.queue:
+            waits = {line for write in self.queue for line in write.levels}
+            if self.ended:
+                waits -= {step.line for step in will}
+            off = (line for line in sorted(waits) if not self.queued_level(line, now=True))
+            will = (*map(LastWillStep, off), *will)
+        lines, faults = tuple(sorted(self.lines)), tuple(sorted(self.faults))
         return SessionRecord(self.client, self.token, lines, will, self.ended, self.pid, faults)
 
     @property

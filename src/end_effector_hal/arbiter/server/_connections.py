@@ -21,7 +21,7 @@ The other connections are few: one predicate sender, and at most one writer per 
 """
 IDLE_US = 10_000_000
 ACCEPTED = 8
-_RANK = attrgetter("rank")
+RANK = attrgetter("rank")
 MESSAGES = 8
 """Messages per connection and round; a quarter for one that neither writes lines nor sends predicates."""
 
@@ -85,13 +85,3 @@ class Connections(Peers[Connection]):
     def due(self) -> int | None:
         """Return when the next connection will have been silent for too long, µs; None: there is none."""
         return min((each.heard_at + IDLE_US for each in self._open if not each.session), default=None)
-
-    def round(self, ready: set[Connection]) -> list[Connection]:
-        """Return the connections that have messages, in the order in which they are answered."""
-        waiting = [each for each in self._open if each in ready or each.waits]
-        return sorted(waiting, key=_RANK) if len(waiting) > 1 else waiting
-
-    @property
-    def wait(self) -> bool:
-        """Whether received messages still have to be answered."""
-        return any(each.waits for each in self._open)

@@ -5,15 +5,20 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 from end_effector_hal.arbiter.protocol import (
+    HEAD,
+    LONGEST_KEPT,
+    MOST_KEPT,
     SENSORS,
     LastWillRunsError,
     Request,
     read_id,
     read_message,
     read_request,
+    read_rest,
 )
 from end_effector_hal.arbiter.records import Records
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
@@ -24,6 +29,8 @@ from end_effector_hal.errors import ArbiterError, ReportedError
 from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
+READS = frozenset({"tell", "renew", "status"})
+"""Requests after which the records are still valid, unless a predicate has latched a fault."""
 SECOND = "sensors"
 """Name of the fault that a second process claims to read the sensors."""
 
@@ -51,35 +58,55 @@ class RequestHandler:
         self._arbiter, self._read_levels, self._unclean = arbiter, read_levels, unclean
         self._records, self._drop = records, drop
         self._sender_role: SenderRole[Connection] = SenderRole(arbiter.policy.fresh_us)
+        self._read_once = lru_cache(MOST_KEPT)(read_rest)
 
     def handle(self, connection: Connection, line: bytes) -> dict[str, Any] | None:
         """Execute a message and return the reply; None: the message gets no reply."""
-        number = None
+        arbiter = self._arbiter
+        number: int | str | None = None
+        time_us: int | None
         connection.heard_at = at = now_us()
         try:
-            message = read_message(line)
-            number = read_id(message)
-            request = read_request(message)
-            more = self._execute(connection, request, at)
-            self._arbiter.written(now_us())
-            self._records.keep(self._arbiter)
+            head, request = HEAD.match(line), None
+            if head and len(line) <= LONGEST_KEPT:
+                request = self._read_once(head[2], line[head.end() :])
+            if head and request:
+                number, time_us = int(head[1]) if head[1] else None, int(head[3])
+            else:
+                message = read_message(line)
+                number = read_id(message)
+                request = read_request(message)
+                time_us = request.time_us
+            more = self._execute(connection, request, time_us, at)
+            if request.op not in READS or arbiter.predicates.faults != self._records.faults:
+                arbiter.written(now_us())
+                self._records.keep(arbiter)
             if request.op == "tell" and number is None:
                 return None
         except ReportedError as error:
-            return refusal(number, error) | {"levels": self._arbiter.levels}
+            return refusal(number, error) | {"levels": arbiter.levels}
         except Exception:  # noqa: BLE001 the arbiter must outlive any message of a client
             _log.exception("a request of %s failed", connection.process)
             failed = ArbiterError("the line arbiter failed at this request; see its log.")
             return refusal(number, failed)
-        return {"id": number, "ok": True, "error": None, "levels": self._arbiter.levels} | more
+        return {"id": number, "ok": True, "error": None, "levels": arbiter.levels} | more
 
     def left(self, connection: Connection) -> None:
         """Free the role of a connection that has ended."""
         self._sender_role.leave(connection)
 
-    def _execute(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:
+    def _execute(
+        self, connection: Connection, request: Request, time_us: int | None, at: int
+    ) -> dict[str, Any]:
         arbiter, session = self._arbiter, connection.session
         match request.op:
+            case "tell":
+                if not self._sender_role.accepts(connection, at):
+                    raise ArbiterError(
+                        f"only the connection with the role {SENSORS} may report predicates: say hello with it first."
+                    )
+                arbiter.predicates.update(request.predicates, time_us or 0, at)
+                return {}
             case "status":
                 about = {"pid": os.getpid(), "unclean": self._unclean}
                 return {"status": about | status_report(arbiter, at)}
@@ -95,19 +122,12 @@ class RequestHandler:
                 return {}
             case "hello":
                 return self._hello(connection, request, at)
-            case "tell":
-                if not self._sender_role.accepts(connection, at):
-                    raise ArbiterError(
-                        f"only the connection with the role {SENSORS} may report predicates: say hello with it first."
-                    )
-                arbiter.predicates.update(request.predicates, request.at_us, at)
-                return {}
         if session is None:
             raise ArbiterError("say hello first.")
         match request.op:
             case "set":
-                if request.until_us is not None and at > request.until_us:
-                    why = f" ({CLOCKS})" if at - request.until_us >= SKEW_US else ""
+                if time_us is not None and at > time_us:
+                    why = f" ({CLOCKS})" if at - time_us >= SKEW_US else ""
                     raise ArbiterError(f"this write came too late and was not executed{why}.")
                 delay_us = arbiter.write(
                     session, request.levels, request.will, at, drop=request.drop, part=request.part
@@ -118,12 +138,11 @@ class RequestHandler:
                 return {"faults": dict(arbiter.predicates.faults)}
             case "latch":
                 arbiter.latch(session, request.fault, request.why)
-                return {}
             case "clear":
                 arbiter.clear(session, request.fault)
-                return {}
-        arbiter.bye(session, request.will or (), at)
-        connection.session = None
+            case _:
+                arbiter.bye(session, request.will or (), at)
+                connection.session = None
         return {}
 
     def _hello(self, connection: Connection, request: Request, at: int) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from end_effector_hal.arbiter.rules._lines import DROP_FIRST
 from end_effector_hal.arbiter.rules._policy import Policy
-from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, Connection, Connections
+from end_effector_hal.arbiter.server._connections import IDLE_US, MESSAGES, RANK, Connection, Connections
 from end_effector_hal.arbiter.server._requests import RequestHandler, refusal
 from end_effector_hal.errors import ArbiterError, UsageError, WireError
 from end_effector_hal.owned import owned_folder
@@ -81,6 +81,7 @@ class ArbiterServer(Closing):
         self._path, self._backend = Path(socket_path), backend
         self._inputs: OwnInputs | None = None
         self._stops, self._stopped_at, self._grace_us = 0, 0, policy.lease_us
+        self._waiting: dict[Connection, None] = {}  # that have sent more than they may in one round
         self._wake_read, self._wake = os.pipe()
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._wake_read, selectors.EVENT_READ)
@@ -152,20 +153,20 @@ class ArbiterServer(Closing):
 
     def _serve(self, wait_s: float | None) -> None:
         """Answer messages once; their number per connection is limited, so that the others keep their leases."""
-        ready = set[Connection]()
+        ready, self._waiting = self._waiting, {}
         for key, _ in self._selector.select(wait_s):
-            if key.fd == self._wake_read:
+            if type(key.data) is Connection:
+                ready[key.data] = None
+            elif key.fd == self._wake_read:
                 self._stops += len(os.read(self._wake_read, 8))
                 self._stopped_at = self._stopped_at or now_us()
-            elif isinstance(key.data, Connection):
-                ready.add(key.data)
             elif isinstance(key.data, RemoteLines):
                 key.data.heard()
             elif key.data is None:
                 self._end(self._connections.admit(), "there are too many connections")
         if self._inputs is not None:
             self._read_inputs(self._inputs)
-        for connection in self._connections.round(ready):
+        for connection in sorted(ready, key=RANK) if len(ready) > 1 else ready:
             self._answer(connection)
 
     def _read_inputs(self, inputs: OwnInputs) -> None:
@@ -178,7 +179,7 @@ class ArbiterServer(Closing):
         return self._stops > 1 or (self._stops == 1 and self._arbiter.may_end(self._stopped_at, now_us()))
 
     def _wait_s(self) -> float | None:
-        if self._connections.wait:
+        if self._waiting:
             return 0
         at = now_us()
         due = min(filter(None, (self._arbiter.deadline, self._connections.due())), default=None)
@@ -211,7 +212,8 @@ class ArbiterServer(Closing):
         if connection.closed:  # it was dropped in this round
             return
         connection.receive()
-        for _ in range(MESSAGES if connection.rank < 2 else MESSAGES // 4):
+        known = connection.session or connection.sends_predicates
+        for _ in range(MESSAGES if known else MESSAGES // 4):
             line = connection.next_line()
             if line is None:
                 break
@@ -221,10 +223,12 @@ class ArbiterServer(Closing):
             if reply is not None and not connection.put(write_message(reply)):
                 self._drop(connection, "it does not read its replies")
                 return
-        if connection.overlong:
+        if connection.waits:
+            self._waiting[connection] = None
+        elif connection.overlong:
             connection.put(write_message(refusal(None, UsageError("this message is too long."))))
             self._drop(connection, "its message was too long")
-        elif connection.ended and not connection.waits:
+        elif connection.ended:
             self._drop(connection, "its socket was closed")
 
     def _drop(self, connection: Connection, why: str) -> None:

@@ -31,11 +31,8 @@ class Client:
         self.path, self._timeout_s = str(path), timeout_s
         self._socket: socket.socket | None = None
         self._rest = b""
-
-    @property
-    def connected(self) -> bool:
+        self.connected = False
         """Whether the connection was open at the last call."""
-        return self._socket is not None
 
     def connect(self, timeout_s: float | None = None) -> None:
         """Connect within ``timeout_s`` (default: the time-out of the client); raises OSError."""
@@ -52,6 +49,7 @@ class Client:
             for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
                 self._socket.setsockopt(socket.SOL_SOCKET, option, limit)
         self._socket.settimeout(None)
+        self.connected = True
 
     def fileno(self) -> int:
         """Return the socket's descriptor, for select."""
@@ -88,6 +86,7 @@ class Client:
 
     def close(self) -> None:
         """Close the connection."""
+        self.connected = False
         if self._socket:
             self._socket.close()
             self._socket = None

@@ -22,6 +22,8 @@ class Peer:
     def __init__(self, sock: socket.socket, longest: int, backlog: int = 0) -> None:
         sock.setblocking(False)
         self.sock, self._longest, self._backlog = sock, longest, backlog
+        self.closed = False
+        """Whether this end is closed."""
         self.ended = False
         """Whether the other end is closed; lines that it sent before can still be fetched."""
         self.watched = False
@@ -45,7 +47,7 @@ class Peer:
 
     def receive(self) -> None:
         """Read the available data; read nothing while lines wait, so that a flood fills the sender's buffers."""
-        if self.waits or self.ended:
+        if b"\n" in self._rest or self.ended:
             return
         try:
             data = self.sock.recv(self._longest)
@@ -90,13 +92,9 @@ class Peer:
             return False
         return True
 
-    @property
-    def closed(self) -> bool:
-        """Whether this end is closed."""
-        return self.sock.fileno() < 0
-
     def close(self) -> None:
         """Close this end."""
+        self.closed = True
         self.sock.close()
 
 
