@@ -46,7 +46,7 @@ class Far(Board):
         super().__init__()
         self.known, self.trouble, self.written = known, "", list[dict[str, bool]]()
         self.under_way, self.withdrawn, self.acknowledged = False, list[str](), 0
-        self.prepared = list[str]()
+        self.prepared, self.given = list[str](), dict[str, int]()
 
     def request(self, names: list[str]) -> dict[str, bool]:
         assert names == [FINGERS]
@@ -75,8 +75,11 @@ class Far(Board):
     def withdraw(self, lines: Iterable[str], why: str) -> None:
         self.withdrawn += [why for line in lines if line == FINGERS]
 
-    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
+    def prepare(
+        self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]], given: Mapping[str, int]
+    ) -> None:
         self.prepared += list(lines)
+        self.given |= given
 
     def troubles(self) -> dict[str, str]:
         return {FINGERS: self.trouble} if self.trouble else {}
@@ -88,11 +91,11 @@ class Far(Board):
         pass
 
 
-def arbiter(far: Far, state: ArbiterState | None = None) -> LineArbiter:
+def arbiter(far: Far, state: ArbiterState | None = None, at: int = 0) -> LineArbiter:
     lines = ComposedLines(Board(), {FINGERS: far})
     assert isinstance(lines, RemoteLines)
     assert isinstance(lines, LineHandover)
-    return LineArbiter(lines, POLICY, 0, state)
+    return LineArbiter(lines, POLICY, at, state)
 
 
 def test_what_nobody_knows_at_a_start_counts_as_active_until_somebody_knows() -> None:
@@ -135,7 +138,7 @@ def test_an_activation_that_is_not_acknowledged_is_unknown() -> None:
     rules = arbiter(far)
     rules.write(rules.hello("grip", TOKEN, (FINGERS,), (), 0), {FINGERS: True}, None, 100 * MS)
     assert rules.read_levels() == {UNLOCK: False}
-    assert rules.state.owed == ()
+    assert rules.state.owed == {}
 
 
 def test_an_activation_that_failed_half_way_is_unknown() -> None:
@@ -155,15 +158,17 @@ def test_an_activation_that_failed_half_way_is_unknown() -> None:
 @pytest.mark.parametrize("known", [None, True])
 def test_the_next_arbiter_writes_a_release_again_that_no_device_has_acknowledged(known: bool | None) -> None:
     state = read_arbiter_state(released(Far(True)).state.as_json())
-    assert state.owed == (FINGERS,)
+    assert state.owed == {FINGERS: 100 * MS}
     far = Far(known)
-    rules = arbiter(far, state)
+    rules = arbiter(far, state, at=300 * MS)
     assert far.written == [{FINGERS: False}]
+    assert far.given == {FINGERS: 100 * MS}
     assert rules.read_levels() == {UNLOCK: False, FINGERS: False}
-    assert rules.state.owed == (FINGERS,)
+    rules.written(400 * MS)
+    assert rules.state.owed == {FINGERS: 100 * MS}, "the arbiter after this one keeps the intervals, too"
     assert not rules.predicates.faults
     far.known = False
-    assert rules.state.owed == ()
+    assert rules.state.owed == {}
 
 
 def test_the_next_arbiter_does_not_release_in_doubt_or_what_is_released() -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from operator import itemgetter
 from typing import NoReturn
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
@@ -126,7 +127,7 @@ class LineArbiter:
             pulsed=lines.coils.pulsed if lines.coils else {},
             driven={line: DrivenLine(role.words, line in active) for line, role in self.policy.roles.items()},
             since={line: lines.changed_at[line] for line in self.policy.max_active_us if levels[line]},
-            owed=tuple(sorted(owed, key=lambda line: (lines.changed_at[line], line))),
+            owed=dict(sorted(((line, lines.changed_at[line]) for line in owed), key=itemgetter(1, 0))),
             part=self.part,
         )
 
@@ -442,13 +443,13 @@ class LineArbiter:
         for record in state.clients:
             self._restore(record._replace(will=()) if doubt else record, at)
 
-    def _release_again(self, owed: Sequence[str], at: int) -> None:
+    def _release_again(self, owed: Mapping[str, int], at: int) -> None:
         """Command the deactivations that no device had acknowledged when the previous arbiter ended, in that order."""
         if lines := [line for line in owed if self.levels.get(line)]:  # the others are released by now
             called = ", ".join(map(self.policy.called, lines))
             _log.warning("deactivated again, because no device had acknowledged it: %s", called)
             for line in lines:
-                self._lines.set({line: False}, at)
+                self._lines.release_again(line, owed[line], at)
 
     def _bound(self, state: ArbiterState, at: int) -> None:
         """Continue the longest times (IL-03) from the record; if the record lacks the start time, the longest time is
@@ -559,7 +560,7 @@ class LineArbiter:
                 if (write.drop or write.values) and self._lines.remote is not None:
                     lines = [line for line, level in write.levels.items() if write.drop and not level]
                     drops = [each for each in lines if not any(self._interlocks.objections(each, at))]
-                    self._lines.remote.prepare(drops, write.values)
+                    self._lines.remote.prepare(drops, write.values, {})
                 self._lines.set(write.levels, at, again=write.drop)
                 session.stuck = ""
             except WireError as error:

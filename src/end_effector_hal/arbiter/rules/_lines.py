@@ -95,6 +95,14 @@ class OutputLines:
             self._renewed.difference_update(changes)
             self._renewed |= {line for line, level in changes.items() if level}
 
+    def release_again(self, line: str, given_at: int, at: int) -> None:
+        """Deactivate a line that an earlier arbiter has deactivated at ``given_at``, and its device not."""
+        if self.remote is not None:
+            self.remote.prepare((), {}, {line: given_at})
+        self.set({line: False}, at)
+        self.changed_at[line] = min(given_at, at)
+        self._changed.discard(line)
+
     def written(self, at: int) -> None:
         """Set the change time of the lines just written to ``at``: a write takes a moment, and IL-10 counts from its
         end.

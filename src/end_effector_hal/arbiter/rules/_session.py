@@ -60,7 +60,7 @@ class ArbiterState:
         unread: whether the journal was not read yet, so that its faults are missing here.
         driven: by line, its role and whether it may be active; empty: not recorded.
         since: by line, the time of its activation, µs; only active lines that have a longest time.
-        owed: lines whose deactivation was commanded, and which their device has not acknowledged, in that order.
+        owed: when the deactivations were commanded, µs, by line, that no device has acknowledged yet; in that order.
         part: name of the part that was gripped last; empty: none, or it has no name.
     """
 
@@ -74,7 +74,7 @@ class ArbiterState:
     unread: bool = False
     driven: Driven = field(default_factory=dict)
     since: Mapping[str, int] = field(default_factory=dict)
-    owed: tuple[str, ...] = ()
+    owed: Mapping[str, int] = field(default_factory=dict)
     part: str = ""
 
     def as_json(self) -> dict[str, object]:
@@ -94,7 +94,7 @@ class ArbiterState:
             | ({"unread": True} if self.unread else {})
             | ({"driven": dict(self.driven)} if self.driven else {})
             | ({"since": dict(self.since)} if self.since else {})
-            | ({"owed": self.owed} if self.owed else {})
+            | ({"owed": dict(self.owed)} if self.owed else {})
             | ({"part": self.part} if self.part else {})
         )
 
@@ -110,10 +110,12 @@ def read_arbiter_state(given: Any) -> ArbiterState:
         levels, pulsed = read_levels(given["levels"]), read_levels(given.get("pulsed", {}))
         dead = tuple((str(client), str(token)) for client, token in given["dead"])
         faults, unread = read_faults(given["faults"]), given.get("unread") is True
-        since = {str(line): int(at) for line, at in given.get("since", {}).items()}
+        since, owed = (
+            {str(line): int(at) for line, at in given.get(name, {}).items()} for name in ("since", "owed")
+        )
         return ArbiterState(
             faults, clients, bool(given["clean"]), levels, dead, pulsed, unread=unread,
-            driven=read_driven(given), since=since, owed=tuple(map(str, given.get("owed", ()))),
+            driven=read_driven(given), since=since, owed=owed,
             part=printable(str(given.get("part", ""))),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as error:

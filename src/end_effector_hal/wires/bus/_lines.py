@@ -147,10 +147,12 @@ class BusLines:
         with self._lock:
             self._outputs.withdraw(lines, why)
 
-    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
+    def prepare(
+        self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]], given: Mapping[str, int]
+    ) -> None:
         """See `RemoteLines`."""
         with self._lock:
-            self._outputs.prepare(lines, values)
+            self._outputs.prepare(lines, values, given)
 
     def acknowledge(self) -> None:
         """See `RemoteLines`."""

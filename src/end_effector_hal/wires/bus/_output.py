@@ -113,10 +113,11 @@ class BusOutput:
         """Whether a deactivation was commanded that the device has not acknowledged."""
         return self.level is False and self.pending
 
-    def command(self, level: bool, at: int, *, drop: bool = False) -> None:
+    def command(self, level: bool, at: int, *, drop: bool = False, given_at: int | None = None) -> None:
         """Set the wanted level; the pending steps of an earlier command are discarded.
 
-        ``drop``: a person asked for this release. The device may be acknowledged and activated first.
+        ``drop``: a person asked for this release. The device may be acknowledged and activated first. ``given_at``:
+        when the command was given first, if that was to an earlier arbiter.
         """
         self._doubtful = self.level is not True or self.known(at) is not True
         self._was_off, self._waits = self.known(at) is False, False
@@ -127,7 +128,8 @@ class BusOutput:
             "",
             max(self.retry_at, at + (self._late_us if level and at - self._written_at < LATE_FOR_US else 0)),
         )
-        self._commanded_at = self._progress_at = self._ordered_at = at
+        self._commanded_at = self._progress_at = at
+        self._ordered_at = at if given_at is None else min(given_at, at)
         self._follows_at = 0
         self.alone = self._repeats = self.refused = False
         self.refusal, self.in_vain = "", 0

@@ -44,17 +44,22 @@ class BusOutputs:
         }
         self._drops = set[str]()
         self._gripping: dict[str, tuple[int, ...]] = {}
+        self._given: dict[str, int] = {}
         self._sent: list[BusOutput] = []  # those of the write that is on its way
         self._heard = frozenset[int]()  # the units that answered a read of the last cycle
         self._commands = self._now = 0
 
-    def prepare(self, names: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
-        """Mark the next deactivation of these outputs as a Drop; see `BusOutput.command`.
-
-        ``values``: the registers with which their next activation grips, by name.
-        """
-        self._drops |= self._outputs.keys() & set(names)
-        self._gripping |= {name: values[name] for name in self._outputs.keys() & values.keys()}
+    def prepare(
+        self,
+        names: Iterable[str],
+        values: Mapping[str, tuple[int, ...]],
+        given: Mapping[str, int] = MappingProxyType({}),
+    ) -> None:
+        """See `RemoteLines.prepare`."""
+        mine = self._outputs.keys()
+        self._drops |= mine & set(names)
+        self._gripping |= {name: values[name] for name in mine & values.keys()}
+        self._given |= {name: given[name] for name in mine & given.keys()}
 
     def command(self, levels: Mapping[str, bool], at: int) -> None:
         """Set the wanted levels of some outputs."""
@@ -64,7 +69,8 @@ class BusOutputs:
             if level:  # those of an earlier part are not written again
                 own = self._outputs[name].stanza.command_on
                 self._outputs[name].gripping = self._gripping.pop(name, own)
-            self._outputs[name].command(level, at, drop=name in self._drops)
+            given_at = self._given.pop(name, at)
+            self._outputs[name].command(level, at, drop=name in self._drops, given_at=given_at)
         self._drops -= levels.keys()
 
     def report(self, values: Mapping[str, Value], at: int, asked_at: int) -> None:

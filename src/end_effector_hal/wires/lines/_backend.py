@@ -79,9 +79,16 @@ class RemoteLines(Protocol):
         """Cancel activations of these lines that are not done yet; ``why``: a clause."""
         ...
 
-    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
+    def prepare(
+        self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]], given: Mapping[str, int]
+    ) -> None:
         """Mark the next deactivation of these lines as a Drop: their devices may be acknowledged and
-        activated first. ``values``: the registers with which their next activation grips, by line.
+        activated first.
+
+        Args:
+            lines: the lines.
+            values: the registers with which their next activation grips, by line.
+            given: when the next command was given first, by line, µs, where an earlier arbiter has given it.
         """
         ...
 

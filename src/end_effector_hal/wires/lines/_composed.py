@@ -89,11 +89,13 @@ class ComposedLines:
         for each in self._remote:
             each.withdraw(named, why)
 
-    def prepare(self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]]) -> None:
-        """Mark the next deactivation of these lines as a Drop, and set the registers that make outputs grip."""
+    def prepare(
+        self, lines: Iterable[str], values: Mapping[str, tuple[int, ...]], given: Mapping[str, int]
+    ) -> None:
+        """See `RemoteLines`."""
         named = frozenset(lines)
         for each in self._remote:
-            each.prepare(named, values)
+            each.prepare(named, values, given)
 
     def acknowledge(self) -> None:
         """Clear the faults of all devices."""
