@@ -113,6 +113,11 @@ class BusOutput:
         """Whether a deactivation was commanded that the device has not acknowledged."""
         return self.level is False and self.pending
 
+    @property
+    def waits_for_device(self) -> bool:
+        """Whether the command is not done by writing alone: a report of the device must come in between."""
+        return self._undecided or any(isinstance(step, Awaited) for step in self._steps)
+
     def command(self, level: bool, at: int, *, drop: bool = False, given_at: int | None = None) -> None:
         """Set the wanted level; the pending steps of an earlier command are discarded.
 

@@ -119,9 +119,15 @@ class BusOutputs:
         return self._together(first, row, at)
 
     def reopened(self, at: int) -> None:
-        """Record that the port is open again: all that is pending is due now, in the order of the commands."""
+        """Record that the port is open again: all that is pending is due now, in the order of the commands.
+
+        A release that its device must first answer, as in a handshake, is not done at once: later ones keep their
+        interval from now on, and again from its end.
+        """
         for each in self._outputs.values():
             each.reopened(at)
+            if each.owed and each.waits_for_device:
+                self._followed(each, at)
 
     def sent(self, write: RegisterWrite) -> None:
         """Record that a write was sent."""
@@ -136,8 +142,11 @@ class BusOutputs:
             owed = each.owed
             each.acknowledged(at)
             if owed and not each.owed:
-                for other in self._outputs.values():
-                    other.follow(each, self._release_us.get(each.name, 0), at)
+                self._followed(each, at)
+
+    def _followed(self, released: BusOutput, at: int) -> None:
+        for each in self._outputs.values():
+            each.follow(released, self._release_us.get(released.name, 0), at)
 
     def failed(self, at: int, refusal: str = "", *, for_good: bool = False) -> None:
         """Record that the last write was not acknowledged, or was refused with an exception.

@@ -6,8 +6,11 @@ import pytest
 
 from end_effector_hal.wires.bus import BusOutputs
 from end_effector_lab.testbench.devices import sealed
+from tests.support.handshake_gripper import HandshakeGripper
 from tests.support.rtu_server import RtuServer
 from tests.unit.wires.bus.played_bus import MS, TWO_UNITS, VG10, Bus, Registers, S, described, writes
+from tests.unit.wires.bus.test_handshake import JAWS
+from tests.unit.wires.bus.test_handshake import TOOL as HANDSHAKE
 
 A, B = "modbus:65/0x0000", "modbus:65/0x0001"
 FAR, OTHER, LAST = "modbus:1/0x0000", "modbus:1/0x000A", "modbus:3/0x0000"
@@ -97,6 +100,28 @@ def test_after_the_port_was_lost_the_units_are_written_in_the_order_of_the_comma
     bus.power()
     bus.to(bus.at + 4 * S)
     assert order == [(1, 10, 0), (3, 0, 0), (1, 0, 0)]
+
+
+def test_a_handshake_is_not_overtaken_when_the_port_opens() -> None:
+    """The jaws were released 2 s before the cup, on another unit, and their handshake takes a while."""
+    order: list[tuple[int, int, int]] = []
+    cup = "  cup: {kind: vacuum, channel: kpa, modbus: {unit: 3, address: 0, command_on: [1], command_off: [7]}}\n"
+    text = HANDSHAKE.replace("[jaws]", "[cup, jaws]").replace("supply:", f"{cup}supply:")
+    text = text.replace("sequence:", "  kpa: {modbus: {unit: 3, address: 20}, unit: kPa}\nsequence:")
+    tool, jaws = described(text), HandshakeGripper()
+    bus = Bus(tool, {})
+    bus.outputs.command({JAWS: False}, bus.at)
+    bus.at += 2 * S
+    bus.outputs.command({LAST: False}, bus.at)
+    bus.at += 2 * S
+    bus.server = RtuServer({1: jaws, 3: Device(3, order)})
+    bus.power()
+    while not order:
+        bus.to(bus.at + 10 * MS)
+    assert jaws.written[-1] == (0x0100, 50), "its release"
+    opened = bus.at
+    bus.to(opened + 1 * S)
+    assert order == [(3, 0, 7)]
 
 
 @pytest.mark.parametrize(
