@@ -11,6 +11,7 @@ from end_effector_hal.arbiter import LineArbiter, Policy
 from end_effector_hal.arbiter.rules._policy import Exclusion, Need
 from end_effector_hal.arbiter.rules._session import ArbiterState, SessionRecord, read_arbiter_state
 from end_effector_hal.errors import LineRefusedError, WireError
+from end_effector_hal.vocabulary import LastWill, LastWillStep
 from end_effector_hal.wires.lines import ComposedLines, LineHandover, RemoteLines
 from tests.support.keeping import MS, TOKEN, S
 
@@ -312,3 +313,38 @@ def test_the_longest_time_is_counted_from_the_command_whatever_the_device_report
     assert far.written[-1] == {FINGERS: False}
     (why,) = rules.predicates.faults.values()
     assert why.startswith(f"IL-03: {FINGERS} was active for its longest time and is being deactivated")
+
+
+CUP, BLOW = "cup", "blow"
+WILL = (LastWillStep(BLOW), LastWillStep(FINGERS), LastWillStep(CUP, after_us=2 * S))
+
+
+def dies_while_released(will: LastWill) -> tuple[LineArbiter, Far]:
+    """The fingers owe their release, the cup holds, and the blow-off blows; their program dies at 1 s."""
+    far, policy = (
+        Far(True),
+        Policy((BLOW, CUP, FINGERS), max_active_us={BLOW: 9 * S}, release_us={FINGERS: 2 * S}),
+    )
+    rules = LineArbiter(ComposedLines(Board(), {FINGERS: far}), policy, 0)
+    session = rules.hello("hal", TOKEN, (BLOW, CUP, FINGERS), (), 0)
+    rules.write(session, {BLOW: True, CUP: True}, None, 500 * MS)
+    rules.write(session, {FINGERS: False}, will, 900 * MS)
+    rules.declare_dead(session, "killed", 1 * S)
+    return rules, far
+
+
+def test_a_blow_off_ends_at_once_and_a_last_will_waits_once_for_a_release() -> None:
+    rules, _ = dies_while_released(WILL)
+    assert rules.levels == {BLOW: False, CUP: True, FINGERS: False}
+    rules.advance(3 * S - 1)
+    assert rules.levels[CUP]
+    rules.advance(3 * S)
+    assert not rules.levels[CUP]
+
+
+def test_a_last_will_that_waits_for_a_later_step_can_be_read_by_the_next_arbiter() -> None:
+    """The cup waits for the release of the fingers, of which the will itself has a step before."""
+    will = (LastWillStep(CUP), LastWillStep(FINGERS, after_us=1 * S))
+    rules, _ = dies_while_released(will)
+    (client,) = read_arbiter_state(rules.state.as_json()).clients
+    assert [(step.line, step.after_us) for step in client.will] == [(FINGERS, 1 * S), (CUP, 2 * S)]

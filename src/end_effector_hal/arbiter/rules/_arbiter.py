@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import NoReturn
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
@@ -514,17 +514,20 @@ class LineArbiter:
     def _after_releases(self, session: Session, will: LastWill) -> LastWill:
         """Return a last will whose steps wait for the releases that no device has acknowledged yet.
 
-        Where such a release is a step of the will itself, the next steps wait for it already.
+        Where such a release is a step of the will itself, the next steps wait for it already. Lines with a longest
+        time, a blow-off or the unlock, hold nothing: they wait for nothing.
         """
         owed, begins = self._lines.owed() & session.lines, {step.line: step.after_us for step in will}
-        first_us = next((step.after_us for step in will if step.line not in owed), 0)
+        at_once = owed | self.policy.max_active_us.keys()
+        first_us = next((step.after_us for step in will if step.line not in at_once), 0)
         waits = (
             self.policy.release_us.get(line, 0) - max(0, first_us - begins.get(line, 0)) for line in owed
         )
         wait_us = max([0, *waits])
-        return tuple(
-            step if step.line in owed else step._replace(after_us=step.after_us + wait_us) for step in will
-        )
+        steps = [
+            step if step.line in at_once else step._replace(after_us=step.after_us + wait_us) for step in will
+        ]
+        return tuple(sorted(steps, key=attrgetter("after_us")))
 
     def _end_activation(self, line: str, at: int) -> None:
         interlock = self.policy.bounded_by(line)
