@@ -20,33 +20,3 @@ from ._composed import ComposedLines
 from ._gpiod import CONSUMER, GpiodLines, load_gpiod
 from ._virtual import Pull, VirtualChip, VirtualLines, VirtualPins, read_chip
 from ._watcher import ChipWatcher
-
-__all__ = [
-    "CONSUMER",
-    "UNIQUE",
-    "ChipLog",
-    "ChipWatcher",
-    "ComposedLines",
-    "Edge",
-    "GpiodLines",
-    "LineBackend",
-    "LineHandover",
-    "LinePlace",
-    "Pull",
-    "RemoteLines",
-    "SeenChip",
-    "VirtualChip",
-    "VirtualLines",
-    "VirtualPins",
-    "ambiguous",
-    "chip_requests",
-    "find_chips",
-    "find_lines",
-    "load_gpiod",
-    "missing_line",
-    "open_chip",
-    "places_of",
-    "read_chip",
-    "see_chip",
-    "shared_lines",
-]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Protocol, runtime_checkable
 
-from end_effector_hal.errors import LineNotFoundError
+from end_effector_hal.errors import LineNotFoundError, WireError
 from end_effector_hal.vocabulary import hint
 
 
@@ -121,3 +122,14 @@ def line_not_found(
         where=", ".join(looked_at),
         todo="gpioinfo lists the lines of the GPIO chips.",
     )
+
+
+@contextmanager
+def wire_errors(what: str, where: object, todo: str) -> Iterator[None]:
+    """Raise an OSError of the block as a WireError; ``what``: the failed action, to which the reason is added."""
+    try:
+        yield
+    except WireError:
+        raise
+    except OSError as error:
+        raise WireError(f"{what}: {error.strerror}.", where=str(where), todo=todo) from error

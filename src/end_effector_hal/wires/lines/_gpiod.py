@@ -5,13 +5,14 @@ from __future__ import annotations
 import errno
 import importlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 from end_effector_hal.errors import LineBusyError, WireError
 from end_effector_hal.wires._claim import holders_of_lines
+from end_effector_hal.wires.lines._backend import wire_errors
 from end_effector_hal.wires.lines._chips import chip_requests, find_lines, open_chip
 
 CONSUMER = "end-effector-hal"
@@ -78,16 +79,9 @@ class GpiodLines:
         while self._requests:
             self._requests.pop()[0].release()
 
-    @contextmanager
-    def _working(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            raise WireError(
-                f"the lines do not work any more: {error.strerror}.",
-                where=self._pattern,
-                todo="The GPIO chip has gone, or its driver fails: see dmesg.",
-            ) from error
+    def _working(self) -> AbstractContextManager[None]:
+        todo = "The GPIO chip has gone, or its driver fails: see dmesg."
+        return wire_errors("the lines do not work any more", self._pattern, todo)
 
     def _value(self, level: bool) -> Any:
         value = self._gpiod.line.Value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from end_effector_hal.errors import WireError
 from end_effector_hal.owned import open_owned, write_owned
 from end_effector_hal.wires._claim import Claim
 from end_effector_hal.wires._clock import now_us
-from end_effector_hal.wires.lines._backend import line_not_found
+from end_effector_hal.wires.lines._backend import line_not_found, wire_errors
 from end_effector_hal.wires.lines._chip_log import (
     ChipLog,
     ChipState,
@@ -61,18 +62,14 @@ class VirtualChip:
         if exist_ok and chip.path.exists():
             return chip
         claim = chip.claim()
+        pull_of = {name: (pulls or {}).get(name, "down") for name in names}
+        at, pid, driven = now_us(), os.getpid(), (levels or {}).items()
+        records = [record(Edge(at, name, "in", level, pid)) for name, level in driven]
+        todo = "Give a path in a directory that can be written."
         try:
-            pull_of = {name: (pulls or {}).get(name, "down") for name in names}
-            at, pid, driven = now_us(), os.getpid(), (levels or {}).items()
-            records = [record(Edge(at, name, "in", level, pid)) for name, level in driven]
-            # by the umask also for a group: the line arbiter may be another user
-            write_owned(chip.path, header(label, pull_of, at) + b"".join(records), 0o664)
-        except OSError as error:
-            raise WireError(
-                f"the virtual chip cannot be made: {error.strerror}.",
-                where=str(path),
-                todo="Give a path in a directory that can be written.",
-            ) from error
+            with wire_errors("the virtual chip cannot be made", path, todo):
+                # by the umask also for a group: the line arbiter may be another user
+                write_owned(chip.path, header(label, pull_of, at) + b"".join(records), 0o664)
         finally:
             claim.release()
         return chip
@@ -98,15 +95,9 @@ class VirtualChip:
         Raises:
             WireError: there is no such file, or it does not contain a chip.
         """
-        log = ChipLog()
-        try:
+        log, todo = ChipLog(), "Start `eehal testbench` with the same description: it makes the chip."
+        with wire_errors("there is no virtual chip", self.path, todo):
             log.feed(self.path.read_bytes())
-        except OSError as error:
-            raise WireError(
-                f"there is no virtual chip: {error.strerror}.",
-                where=str(self.path),
-                todo="Start `eehal testbench` with the same description: it makes the chip.",
-            ) from error
         if not log.state.label:  # one without lines is a chip as well
             raise WireError(
                 "this file is not that of a virtual chip.",
@@ -147,7 +138,8 @@ class VirtualPins:
         Raises:
             WireError: there is no chip, or it cannot be written.
         """
-        try:
+        todo = "Restart `eehal testbench`: it makes the chip."
+        with wire_errors("the virtual chip cannot be driven", self._path, todo):
             lines = self._lines()
             at, pid = self._clock(), os.getpid()
             changed = [
@@ -159,12 +151,6 @@ class VirtualPins:
             ]
             if changed:  # what somebody's death has torn ends with the first byte
                 os.write(self._fd, b"\n" + b"".join(changed))
-        except OSError as error:
-            raise WireError(
-                f"the virtual chip cannot be driven: {error.strerror}.",
-                where=str(self._path),
-                todo="Restart `eehal testbench`: it makes the chip.",
-            ) from error
 
     def close(self) -> None:
         """Stop driving; the levels stay."""
@@ -220,23 +206,19 @@ class VirtualLines:
         """Claim and adopt the lines; see `LineBackend.request`."""
         self._chip.read()
         claim, self._stored = self._chip.claim(self._stored), -1
+        todo = "Delete the file, or run as the user who made it."
         try:
             found = self._chip.read().lines
             missing = [name for name in names if name not in found]
             if missing:
                 raise line_not_found(missing, list(found), looked_at=[str(self._chip.path)])
-            self._fd = open_owned(self._chip.path, os.O_WRONLY | os.O_APPEND, shared=True)
+            with wire_errors("the virtual chip cannot be written", self._chip.path, todo):
+                self._fd = open_owned(self._chip.path, os.O_WRONLY | os.O_APPEND, shared=True)
             self._levels = {name: found[name].direction == "out" and found[name].level for name in names}
             self._write({name: False for name in names if found[name].direction == "in"}, begin=b"\n")
-        except BaseException as error:
+        except BaseException:
             claim.release()
             self.close()
-            if isinstance(error, OSError) and not isinstance(error, WireError):
-                raise WireError(
-                    f"the virtual chip cannot be written: {error.strerror}.",
-                    where=str(self._chip.path),
-                    todo="Delete the file, or run as the user who made it.",
-                ) from error
             raise
         self._claim = claim
         return self.levels()
@@ -266,18 +248,7 @@ class VirtualLines:
             return
         at, pid = self._clock(), os.getpid()
         text = begin + b"".join(record(Edge(at, name, "out", level, pid)) for name, level in changes.items())
-        try:
-            written = os.write(self._fd, text)
-        except OSError as error:
-            raise WireError(
-                f"the virtual chip cannot be written: {error.strerror}.",
-                where=str(self._chip.path),
-                todo="Make room on the disk.",
-            ) from error
-        if written != len(text):
-            raise WireError(
-                "the virtual chip cannot be written: no space.",
-                where=str(self._chip.path),
-                todo="Make room on the disk.",
-            )
+        with wire_errors("the virtual chip cannot be written", self._chip.path, "Make room on the disk."):
+            if os.write(self._fd, text) != len(text):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._levels |= changes

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from end_effector_hal.errors import WireError
+from end_effector_hal.wires.lines._backend import wire_errors
 from end_effector_hal.wires.lines._chip_log import ChipLog, ChipState, Edge
 
 _log = logging.getLogger("end_effector_hal.wires")
@@ -42,15 +43,13 @@ class ChipWatcher:
 
         self._modify = flags.MODIFY
         self._inotify = INotify()
+        folder = self._path.parent
         try:
-            self._inotify.add_watch(self._path.parent, flags.CREATE | flags.MOVED_TO | flags.ONLYDIR)
-        except OSError as error:
+            with wire_errors("the virtual chip cannot be watched", folder, "Make the directory first."):
+                self._inotify.add_watch(folder, flags.CREATE | flags.MOVED_TO | flags.ONLYDIR)
+        except WireError:
             self._inotify.close()
-            raise WireError(
-                f"the virtual chip cannot be watched: {error.strerror}.",
-                where=str(self._path.parent),
-                todo="Make the directory first.",
-            ) from error
+            raise
         self._wake_read, self._wake = os.pipe()
         self._open()
         self._read()
