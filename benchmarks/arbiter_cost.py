@@ -28,13 +28,12 @@ ARBITER = """
 import sys
 from dataclasses import replace
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.arbiter import arbiter_policy
-from end_effector_hal.arbiter.server._server import serve
+from end_effector_hal.arbiter import ArbiterServer, arbiter_policy
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket = sys.argv[1:]
 policy = replace(arbiter_policy(load(profile_path())), min_switch_us=0)
-ready = lambda arbiter: print("ready", flush=True)
-serve(VirtualLines(chip), socket, policy, journal=socket + ".journal", on_ready=ready)
+with ArbiterServer(VirtualLines(chip), socket, policy, socket + ".journal") as arbiter:
+    arbiter.serve(lambda _: print("ready", flush=True))
 """
 PROVEN = {"locked": True, "nothing_gripped": True, "parked": True}
 TELL_S = 0.04

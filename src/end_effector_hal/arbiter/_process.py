@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from end_effector_hal.arbiter.client._client import ArbiterClient
-from end_effector_hal.arbiter.server._server import ArbiterServer, serve
+from end_effector_hal.arbiter.server._server import ArbiterServer
 from end_effector_hal.codecs import codec_of, line_of
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import LineBusyError, UsageError
@@ -87,15 +87,15 @@ def run_arbiter(
     with ServiceManager() as manager:
         if isinstance(backend, LineHandover):
             backend.restore(manager.stored_descriptors())
-        serve(
+        with ArbiterServer(
             backend,
             where,
             arbiter_policy(description),
-            journal=_journal(where, journal),
+            _journal(where, journal),
             group=group,
             inputs=own_inputs if description.arbiter_inputs else None,
-            on_ready=ready,
-        )
+        ) as server:
+            server.serve(ready)
 
 
 def _journal(socket: Path, folder: Path | None) -> Path:

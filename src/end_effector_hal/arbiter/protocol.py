@@ -99,6 +99,7 @@ from pydantic_core import PydanticSerializationError, from_json, to_json
 
 from end_effector_hal.errors import LineBusyError, UsageError
 from end_effector_hal.vocabulary import (
+    LONGEST_NAME,
     LONGEST_SENTENCE,
     MOST_LINES,
     MOST_PREDICATES,
@@ -250,8 +251,7 @@ def read_rest(kind: bytes, rest: bytes) -> Request | None:
     if _ODD.search(rest):
         return None
     try:
-        read = _read_set if kind.startswith(b'"op":"set"') else _read_predicates
-        return read(read_message(b"{%b0,%b" % (kind, rest)))
+        return read_request(read_message(b"{%b0,%b" % (kind, rest)))
     except UsageError:
         return None
 
@@ -277,10 +277,13 @@ def read_request(message: Mapping[str, Any]) -> Request:
     op = message.get("op")
     if op not in OPS:
         raise UsageError(f"op must be one of {', '.join(OPS)}.")
-    reader = {
-        "hello": _read_hello, "set": _read_set, "tell": _read_predicates, "latch": _read_latch, "clear": _read_clear,
-    }.get(op)  # fmt: skip
-    return reader(message) if reader else Request(op, will=_read_last_will(message))
+    read = _READERS.get(op)
+    return read(message) if read else Request(op, will=_read_last_will(message))
+
+
+def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:
+    will = message.get("will")
+    return None if will is None else read_last_will(will)
 
 
 def _read_hello(message: Mapping[str, Any]) -> Request:
@@ -323,8 +326,7 @@ def _read_set(message: Mapping[str, Any]) -> Request:
     grips = NO_PART
     if part or values:
         grips = WrittenPart(str(part), {line: tuple(each) for line, each in values.items()})
-    will = message.get("will")
-    will = None if will is None else read_last_will(will)
+    will = _read_last_will(message)
     return Request("set", levels=levels, will=will, time_us=until_us, drop=drop, part=grips)
 
 
@@ -345,26 +347,13 @@ def _read_predicates(message: Mapping[str, Any]) -> Request:
     return Request("tell", predicates=predicates, time_us=at_us)
 
 
-def _read_latch(message: Mapping[str, Any]) -> Request:
-    why = message.get("why")
-    if not (isinstance(why, str) and why):
+def _read_fault(message: Mapping[str, Any]) -> Request:
+    op, fault, why = message["op"], message.get("fault"), message.get("why", "")
+    if op == "latch" and not (isinstance(why, str) and why):
         raise UsageError("why must be a sentence.")
-    return Request("latch", fault=_read_fault(message), why=why)
-
-
-def _read_clear(message: Mapping[str, Any]) -> Request:
-    return Request("clear", fault=_read_fault(message))
-
-
-def _read_fault(message: Mapping[str, Any]) -> str:
-    fault = message.get("fault")
     if not is_name(fault):
         raise UsageError("fault must be a name of at most 64 printable characters.")
-    return str(fault)
-
-
-def _read_last_will(message: Mapping[str, Any]) -> LastWill | None:
-    return None if message.get("will") is None else read_last_will(message["will"])
+    return Request(op, fault=str(fault), why=why)
 
 
 def _is_sentences(given: object) -> TypeGuard[dict[str, str]]:
@@ -376,7 +365,16 @@ def _is_sentences(given: object) -> TypeGuard[dict[str, str]]:
 
 
 def _is_flags(given: object, most: int) -> bool:
-    """Return whether the value is an object of at most ``most`` names, each true or false."""
+    """Return whether the value is an object of at most ``most`` names, each true or false.
+
+    `read_message` has checked that its texts are printable.
+    """
     if not (isinstance(given, dict) and len(given) <= most):
         return False
-    return all(map(is_name, given)) and {*map(type, given.values())} <= {bool}
+    longest = max(map(len, given), default=0)
+    return longest <= LONGEST_NAME and "" not in given and {*map(type, given.values())} <= {bool}
+
+
+_READERS = {
+    "hello": _read_hello, "set": _read_set, "tell": _read_predicates, "latch": _read_fault, "clear": _read_fault,
+}  # fmt: skip

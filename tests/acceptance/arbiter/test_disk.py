@@ -27,15 +27,15 @@ pytestmark = [
 ]
 ARBITER = """
 import sys
-from end_effector_hal.arbiter import Policy
+from end_effector_hal.arbiter import ArbiterServer, Policy
 from end_effector_hal.arbiter.rules._policy import Need
-from end_effector_hal.arbiter.server._server import serve
 from end_effector_hal.wires.lines import VirtualLines
 from tests.support.nightly import first_of
 chip, socket, journal, *lines = sys.argv[1:]
 closed = Need("closed", "IL-13", "the e-stop is closed", "the e-stop is open", latched="the e-stop was opened")
 policy = Policy(lines, needs={line: (closed,) for line in lines}, faults={"sensor_fault": "changer"})
-serve(VirtualLines(chip), socket, policy, journal=journal, on_ready=lambda arbiter: print("ready", flush=True))
+with ArbiterServer(VirtualLines(chip), socket, policy, journal) as arbiter:
+    arbiter.serve(lambda _: print("ready", flush=True))
 """
 UNWIND = [LastWillStep(TOP), LastWillStep(BOTTOM, after_us=100_000)]
 

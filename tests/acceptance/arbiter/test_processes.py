@@ -25,11 +25,11 @@ pytestmark = pytest.mark.wall
 
 ARBITER = """
 import sys
-from end_effector_hal.arbiter import Policy
-from end_effector_hal.arbiter.server._server import serve
+from end_effector_hal.arbiter import ArbiterServer, Policy
 from end_effector_hal.wires.lines import VirtualLines
 chip, socket, *lines = sys.argv[1:]
-serve(VirtualLines(chip), socket, Policy(lines), on_ready=lambda arbiter: print("ready", flush=True))
+with ArbiterServer(VirtualLines(chip), socket, Policy(lines)) as arbiter:
+    arbiter.serve(lambda _: print("ready", flush=True))
 print("end", flush=True)
 """
 CLIENT = """

@@ -27,10 +27,9 @@ pytestmark = [pytest.mark.wall, pytest.mark.timeout(90)]
 SLOW_DISK = """
 import sys, time
 from pathlib import Path
-from end_effector_hal.arbiter.server._server import serve
 from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.description import load
-from end_effector_hal.arbiter import arbiter_policy
+from end_effector_hal.arbiter import ArbiterServer, arbiter_policy
 from end_effector_hal.wires.lines import VirtualLines
 description, chip, socket, journal, answers = sys.argv[1:]
 
@@ -42,7 +41,8 @@ class Slow(FileStorage):
 
 import end_effector_hal.arbiter.server._server as server
 server.FileStorage = Slow
-serve(VirtualLines(chip), socket, arbiter_policy(load(description)), journal=journal)
+with ArbiterServer(VirtualLines(chip), socket, arbiter_policy(load(description)), journal) as arbiter:
+    arbiter.serve()
 """
 """The line arbiter, on a disk that gives nothing back before the file ``answers`` is there."""
 PRESSURES = {"bottom": 0.0, "cylinder": 0.0, "top": 0.0, "supply": 600_000.0}

@@ -24,6 +24,7 @@ from end_effector_hal.wires import now_us
 
 _log = logging.getLogger("end_effector_hal.arbiter")
 RENEW_S = 0.25
+NO_FIELDS: Mapping[str, object] = {}
 Steps = Iterable[LastWillStep | Mapping[str, object]]
 """A last will as steps, or in its JSON form."""
 VALID = 0.9
@@ -173,10 +174,10 @@ class ArbiterClient:
         exactly once, from any thread: until then all other calls of this client wait.
         """
         steps = None if will is None else tuple(will)
-        if not self._lock.acquire(blocking=False):
-            return lambda: self.set(levels, steps, drop=drop, part=part).delay_us
-        if self._lost is not None or not self._arbiter.connected:
-            self._lock.release()
+        locked = self._lock.acquire(blocking=False)
+        if not locked or self._lost is not None or not self._arbiter.connected:
+            if locked:
+                self._lock.release()
             return lambda: self.set(levels, steps, drop=drop, part=part).delay_us
         try:
             failed = self._begin_set(levels, steps, drop=drop, part=part)
@@ -234,7 +235,10 @@ class ArbiterClient:
         self._ended.set()
         try:
             if self._lines:
-                self._say_bye(steps)
+                with (
+                    self._lock
+                ):  # also to a restarted arbiter, which would otherwise declare this client dead
+                    self._request("bye", {"will": steps}, again=True)
         except ReportedError:
             if steps:
                 raise
@@ -251,17 +255,6 @@ class ArbiterClient:
             # No bye: an application that fails is dead, and its last will is executed.
             self._ended.set()
             self._abandon()
-
-    def _say_bye(self, will: LastWill) -> None:
-        """Send ``bye``, also to a restarted arbiter, which would otherwise declare this client dead."""
-        with self._lock:
-            was_connected = self._arbiter.connected
-            try:
-                self._request("bye", will=will)
-            except ArbiterError:
-                if not was_connected:
-                    raise
-                self._request("bye", will=will)
 
     def _abandon(self) -> None:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
@@ -299,23 +292,17 @@ class ArbiterClient:
             on_faults(faults)
         return None
 
-    def _call(self, op: str, **fields: object) -> dict[str, Any]:
+    def _call(self, op: str) -> dict[str, Any]:
         with self._lock:
             self._raise_lost()
-            again = self._arbiter.connected and not self._lines
-            try:
-                return self._request(op, **fields)
-            except ArbiterError:
-                # the arbiter closes a connection that only reads when it is silent for a while
-                if not again or self._arbiter.connected:
-                    raise
-                return self._request(op, **fields)
+            # the arbiter closes a connection that only reads when it is silent for a while
+            return self._request(op, again=not self._lines)
 
     def _tell_faults(self, op: str, latched: Mapping[str, str], **fields: str) -> None:
         with self._lock:
             self._latched = dict(latched)
             try:
-                self._request(op, **fields)
+                self._request(op, fields)
             except ArbiterError as error:
                 self._lost = error
                 raise
@@ -380,7 +367,16 @@ class ArbiterClient:
                 self._arbiter.close()
                 raise
 
-    def _request(self, op: str, **fields: object) -> dict[str, Any]:
-        if not self._arbiter.connected:
-            self._connect()
-        return self._arbiter.exchange(op, fields)
+    def _request(
+        self, op: str, fields: Mapping[str, object] = NO_FIELDS, *, again: bool = False
+    ) -> dict[str, Any]:
+        """Send a request; with ``again`` once more over a new connection, if the one that was open is lost."""
+        again = again and self._arbiter.connected
+        try:
+            if not self._arbiter.connected:
+                self._connect()
+            return self._arbiter.exchange(op, fields)
+        except ArbiterError:
+            if not again or self._arbiter.connected:
+                raise
+        return self._request(op, fields)

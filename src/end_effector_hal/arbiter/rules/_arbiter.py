@@ -253,10 +253,7 @@ class LineArbiter:
         """End the session in order: execute ``will`` now; the client's earlier last will is void."""
         self._set_last_will(session, will)
         _log.info("%s leaves%s", session.client, "" if will else ", its lines stay as they are")
-        session.forget_activations(session.lines)
-        if self._lines.remote is not None:
-            self._lines.remote.withdraw(session.lines, "its program has left")
-        self._end_session(session, will, at)
+        self._end_session(session, will, "its program has left", at)
 
     def stop(self, who: str) -> None:
         """Latch a stop, as an open e-stop does (IL-13): nothing is activated until a reset, and no line changes.
@@ -315,11 +312,8 @@ class LineArbiter:
     def declare_dead(self, session: Session, why: str, at: int) -> None:
         """Discard the waiting activations of a client that has died, and execute its last will."""
         will = session.will
-        session.forget_activations(session.lines)
-        if self._lines.remote is not None:
-            self._lines.remote.withdraw(session.lines, "its program has died")
         self._dead.append((session.client, session.token))
-        self._end_session(session, will, at)
+        self._end_session(session, will, "its program has died", at)
         _log.warning("%s died (%s); its last will: %s", session.client, why, _in_words(will))  # not before it
 
     def expire(self, at: int) -> list[Session]:
@@ -422,7 +416,7 @@ class LineArbiter:
     def _resume(self, state: ArbiterState, at: int) -> None:
         """Continue the sessions of the previous arbiter; in doubt no last will is executed."""
         doubt = state.doubt or self._changed_meanwhile(state.levels)
-        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
+        guessed = self._lines.guessed
         active = {line for line, level in self.levels.items() if level}
         off = self.levels.keys() - active - guessed
         if doubt and (active - guessed or (active and state.clients)):
@@ -473,8 +467,7 @@ class LineArbiter:
         """Latch a fault for each active line without a time limit; a guessed line counts once its level is
         confirmed.
         """
-        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
-        for line in self._lines.unbounded - guessed:
+        for line in self._lines.unbounded - self._lines.guessed:
             interlock, called = self.policy.bounded_by(line), self.policy.called(line)
             self.predicates.latch(
                 f"{interlock} {line}",
@@ -483,11 +476,10 @@ class LineArbiter:
             )
 
     def _changed_meanwhile(self, levels: Mapping[str, bool]) -> str:
-        guessed = self._lines.coils.guessed if self._lines.coils else frozenset[str]()
         others = [
             self.policy.called(line)
             for line, level in levels.items()
-            if self.levels.get(line, level) != level and line not in guessed
+            if self.levels.get(line, level) != level and line not in self._lines.guessed
         ]
         return f"{', '.join(others)} was changed while no line arbiter ran" if others else ""
 
@@ -502,9 +494,12 @@ class LineArbiter:
         self.sessions.append(session)
         if record.ended:
             _log.warning("the last will of %s is executed again: %s", session.client, _in_words(will))
-            self._end_session(session, will, at)
+            self._end_session(session, will, "its program has ended", at)
 
-    def _end_session(self, session: Session, will: LastWill, at: int) -> None:
+    def _end_session(self, session: Session, will: LastWill, why: str, at: int) -> None:
+        session.forget_activations(session.lines)
+        if self._lines.remote is not None:
+            self._lines.remote.withdraw(session.lines, why)
         if self.policy.release_us:
             will = self._after_releases(session, will)
         session.ended, session.will = True, will

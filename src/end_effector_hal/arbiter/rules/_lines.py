@@ -183,9 +183,16 @@ class OutputLines:
                     paused[line] = time + self._policy.settle_us(line)
         return time
 
+    @property
+    def guessed(self) -> frozenset[str]:
+        """The lines of unknown level; they count as active."""
+        return self.coils.guessed if self.coils else frozenset()
+
     def longest_ends(self) -> dict[str, int]:
         """Return when each active line reaches its longest time (IL-03), µs; lines without a limit are left out."""
-        free = self.unbounded | self.coils.guessed if self.coils else self.unbounded
+        if not (self._half_done or any(map(self.levels.get, self._policy.max_active_us))):
+            return {}
+        free = self.unbounded | self.guessed
         return {
             line: self.changed_at[line] + longest
             for line, longest in self._policy.max_active_us.items()

@@ -79,24 +79,20 @@ class ArbiterState:
 
     def as_json(self) -> dict[str, object]:
         """Return the state as JSON for the session record. ``doubt`` is left out: it arises when the record is read."""
-        return (
-            {
-                "faults": dict(self.faults),
-                "clients": [
-                    [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid, each.faults]
-                    for each in self.clients
-                ],
-                "clean": self.clean,
-                "levels": dict(self.levels),
-                "dead": self.dead,
-            }
-            | ({"pulsed": dict(self.pulsed)} if self.pulsed else {})
-            | ({"unread": True} if self.unread else {})
-            | ({"driven": dict(self.driven)} if self.driven else {})
-            | ({"since": dict(self.since)} if self.since else {})
-            | ({"owed": dict(self.owed)} if self.owed else {})
-            | ({"part": self.part} if self.part else {})
-        )
+        often_empty = {
+            "pulsed": dict(self.pulsed), "unread": self.unread, "driven": dict(self.driven),
+            "since": dict(self.since), "owed": dict(self.owed), "part": self.part,
+        }  # fmt: skip
+        return {
+            "faults": dict(self.faults),
+            "clients": [
+                [*each[:3], [step.as_json() for step in each.will], each.ended, each.pid, each.faults]
+                for each in self.clients
+            ],
+            "clean": self.clean,
+            "levels": dict(self.levels),
+            "dead": self.dead,
+        } | {name: value for name, value in often_empty.items() if value}
 
 
 def read_arbiter_state(given: Any) -> ArbiterState:

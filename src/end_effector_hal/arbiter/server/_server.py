@@ -133,6 +133,18 @@ class ArbiterServer(Closing):
         """Return the latched faults as sentences."""
         return tuple(self._arbiter.predicates.faults.values())
 
+    def serve(self, on_ready: Callable[[ArbiterServer], None] = lambda _: None) -> None:
+        """Run until SIGTERM, SIGINT or `stop`; ``on_ready`` is called first, as clients can connect."""
+        before = {}
+        if threading.current_thread() is threading.main_thread():
+            before = {s: signal.signal(s, lambda *_: self.stop()) for s in (signal.SIGTERM, signal.SIGINT)}
+        try:
+            on_ready(self)
+            self.run()
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
     def run(self) -> None:
         """Serve until `stop`. A running last will is finished first; after that the lines keep their levels."""
         while not self._is_over():
@@ -262,32 +274,3 @@ def _records(socket_path: Path, journal: str | Path | None) -> Records:
     boot = this_boot()
     disk = FileStorage(Path(journal), durable=True) if journal else None
     return Records(SessionStore.beside(socket_path), JournalThread(Journal(disk, boot, now_us)))
-
-
-def serve(
-    backend: LineBackend,
-    socket_path: str | Path,
-    policy: Policy,
-    *,
-    journal: str | Path | None = None,
-    group: str | None = None,
-    inputs: Callable[[], OwnInputs] | None = None,
-    on_ready: Callable[[ArbiterServer], None] | None = None,
-) -> None:
-    """Run the line arbiter until SIGTERM, SIGINT or `ArbiterServer.stop`; after that the lines keep their levels.
-
-    Args:
-        backend, socket_path, policy, journal, group, inputs: see `ArbiterServer`, also for the errors.
-        on_ready: called once, as soon as clients can connect.
-    """
-    with ArbiterServer(backend, socket_path, policy, journal, group=group, inputs=inputs) as server:
-        before = {}
-        if threading.current_thread() is threading.main_thread():
-            before = {s: signal.signal(s, lambda *_: server.stop()) for s in (signal.SIGTERM, signal.SIGINT)}
-        try:
-            if on_ready:
-                on_ready(server)
-            server.run()
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)

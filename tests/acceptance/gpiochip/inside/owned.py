@@ -15,11 +15,11 @@ from end_effector_hal.arbiter import ArbiterClient
 PROGRAM = """
 import sys
 from pathlib import Path
-from end_effector_hal.arbiter import Policy
-from end_effector_hal.arbiter.server._server import serve
+from end_effector_hal.arbiter import ArbiterServer, Policy
 from end_effector_hal.wires.lines import GpiodLines
 socket, *lines = sys.argv[1:]
-serve(GpiodLines(), Path(socket), Policy(lines), on_ready=lambda arbiter: print("ready", flush=True))
+with ArbiterServer(GpiodLines(), Path(socket), Policy(lines)) as arbiter:
+    arbiter.serve(lambda _: print("ready", flush=True))
 """
 PATIENCE_S = 60.0
 
