@@ -80,13 +80,10 @@ def read_last_will(steps: object) -> LastWill:
     will, before_us = list[LastWillStep](), 0
     for i, given in enumerate(steps):
         try:
-            step = (
-                given
-                if type(given) is LastWillStep
-                else LastWillStep(**given)
-                if isinstance(given, dict | Mapping)
-                else LastWillStep(*given)
-            )
+            if type(given) is LastWillStep:
+                step = given
+            else:
+                step = LastWillStep(*given) if isinstance(given, list | tuple) else LastWillStep(**given)
         except TypeError:
             raise UsageError(f"step {i} of the last will is not {{line, level, after_us}}.") from None
         line, level, after_us = step

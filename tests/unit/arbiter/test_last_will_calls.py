@@ -1,4 +1,4 @@
-"""How long the way of a last will is: counted in calls, for time depends on the machine."""
+"""How long the ways of a last will and of a write are: counted in calls, for time depends on the machine."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from end_effector_hal.arbiter.rules._arbiter import LineArbiter
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.vocabulary import LastWillStep
 
-MOST_CALLS = 14
-"""A little above what it takes from the noticed death to the hardware; the session record adds eight."""
+MOST_CALLS, MOST_WRITE_CALLS = 14, 16
+"""A little above what it takes from the noticed death, or a checked message, to the hardware; the session record adds
+four.
+"""
 
 
 class Chip:
@@ -57,3 +59,19 @@ def test_a_last_will_is_executed_before_anything_else_is_done() -> None:
     assert len(chip.written) == 1
     assert chip.written[0] <= MOST_CALLS
     assert chip.written[0] < chip.calls  # it is told afterwards
+
+
+def test_a_write_is_done_before_anything_else() -> None:
+    chip = Chip()
+    policy = Policy(("A", "B"), [("A", "B")], {"B": 1_000_000})
+    arbiter = LineArbiter(chip, policy, 0)
+    session = arbiter.hello("grip", "0" * 32, ["A"], (), 1)
+    gc.disable()
+    sys.setprofile(chip.count)
+    try:
+        arbiter.write(session, {"A": True}, (LastWillStep("A"),), 1_000_000)
+    finally:
+        sys.setprofile(None)
+        gc.enable()
+    assert arbiter.levels == {"A": True, "B": False}
+    assert chip.written[0] <= MOST_WRITE_CALLS
