@@ -17,11 +17,6 @@ class JawPhysics(Device):
         self.position = 0.0  # 0 open, 1 closed
 
     @property
-    def pressure_kpa(self) -> None:
-        """It has no pressure sensor."""
-        return None
-
-    @property
     def bits(self) -> Mapping[str, bool]:
         """What ``closed_bit`` and ``open_bit`` show."""
         return {"closed": self.position >= 1.0, "open": self.position <= 0.0}
