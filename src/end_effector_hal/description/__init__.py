@@ -4,14 +4,7 @@
 together.
 """
 
-from ._address import (
-    MODBUS_SCHEMES,
-    NetworkAddress,
-    has_line,
-    network_address,
-    refused_fieldbus,
-    right_form,
-)
+from ._address import MODBUS_SCHEMES, NetworkAddress, has_line, network_address, refused_fieldbus, right_form
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
@@ -39,10 +32,10 @@ from .model._channels import (
 from .model._description import Description, camel_case, socket_path
 from .model._stanzas import SAME_FOR_ALL_PARTS, EStop, GrippedPart, Link, ToolChanger
 from .reading._examine import examine, examine_text, load
+from .rules._channels import CodecChannels, used_channels
+from .rules._codec import not_fitted, slow, unproven
+from .rules._evidence import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest
 from .rules._outputs import lost_by_silence
-from .rules.evidence._channels import CodecChannels, used_channels
-from .rules.evidence._codec import not_fitted, slow, unproven
-from .rules.evidence._evidence import BIT, Spans, SpanSearch, Wanted, measures_of, range_kpa, widest
 
 __all__ = [
     "BIT",

@@ -9,12 +9,7 @@ from functools import partial
 
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description
-from end_effector_hal.faults import (
-    TESTBENCH_RECORDS,
-    TestbenchHeader,
-    TestbenchScenario,
-    socket_of_testbench,
-)
+from end_effector_hal.faults import TESTBENCH_RECORDS, TestbenchHeader, TestbenchScenario, socket_of_testbench
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.runtime import reset, stop
 from end_effector_hal.runtime.boundary import STREAMED

@@ -49,12 +49,7 @@ class SegmentFile:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        kinds: Mapping[str, type],
-        *,
-        attachments: Mapping[str, bytes],
-        day_us: int,
+        self, folder: Path, kinds: Mapping[str, type], *, attachments: Mapping[str, bytes], day_us: int
     ) -> None:
         self.path, self._fd = _create(folder)
         self.size = 0

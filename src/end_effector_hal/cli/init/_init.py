@@ -17,13 +17,7 @@ from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._options import PathName, the_folder, write_whole
 from end_effector_hal.cli._output import print_document
 from end_effector_hal.codecs import codec_names
-from end_effector_hal.description import (
-    DeviceLibrary,
-    LibraryDevice,
-    did_you_mean,
-    profile_path,
-    schema_path,
-)
+from end_effector_hal.description import DeviceLibrary, LibraryDevice, did_you_mean, profile_path, schema_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import DeviceKind, get_kind, kind_names
 from end_effector_hal.kinds.stanza import NO_CHANNEL

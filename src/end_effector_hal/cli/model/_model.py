@@ -77,10 +77,7 @@ def command() -> None:
     help="Folder of the drawings, or the file of one.",
 )
 @click.option(
-    "--template",
-    metavar="NAME",
-    shell_complete=completed(_template_names),
-    help="Draw only this one.",
+    "--template", metavar="NAME", shell_complete=completed(_template_names), help="Draw only this one."
 )
 @click.option("--edges", is_flag=True, help="Print, too, which requirements need each edge.")
 @click.option(

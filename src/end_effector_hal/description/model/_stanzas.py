@@ -53,8 +53,7 @@ class ToolChanger(Output):
     )
     vented_s: Seconds = Field(default=0.5, description="IL-01: and for at least this long")
     stand_bit: Name = Field(
-        default="in_stand",
-        description="IL-02: bit: the tool is in its stand; none: no such sensor",
+        default="in_stand", description="IL-02: bit: the tool is in its stand; none: no such sensor"
     )
     present_bit: Name = Field(
         default="tool_present",
@@ -115,8 +114,7 @@ class Link(Freshness):
         return ("codec",) if self.frame else ()
 
     port: Word = Field(
-        min_length=1,
-        description="serial device, or an address such as tcp://HOST (docs/how-to/network.md)",
+        min_length=1, description="serial device, or an address such as tcp://HOST (docs/how-to/network.md)"
     )
     device: Word | None = Field(
         default=None,

@@ -12,13 +12,13 @@ from end_effector_hal.description._fault import Fault, Keys, Places
 from end_effector_hal.description._shape import Facts, actuator_stanzas, fields_of
 from end_effector_hal.description.devices._expand import expand
 from end_effector_hal.description.model._description import Description
+from end_effector_hal.description.rules._declared import channel_faults
+from end_effector_hal.description.rules._frames import frame_faults
 from end_effector_hal.description.rules._order import order_faults
 from end_effector_hal.description.rules._outputs import output_faults
 from end_effector_hal.description.rules._parts import activation_faults, part_faults, whole_parts
 from end_effector_hal.description.rules._shared import shared_faults
 from end_effector_hal.description.rules._stanzas import limit_faults, rule_faults
-from end_effector_hal.description.rules.frames._declared import channel_faults
-from end_effector_hal.description.rules.frames._frames import frame_faults
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
@@ -110,15 +110,7 @@ def _examine(text: str, places: Places) -> tuple[Description | None, list[Fault]
     return likely(tree, places, broken) if faults else description, faults, broken
 
 
-_RULES = (
-    limit_faults,
-    order_faults,
-    rule_faults,
-    shared_faults,
-    frame_faults,
-    channel_faults,
-    output_faults,
-)
+_RULES = (limit_faults, order_faults, rule_faults, shared_faults, frame_faults, channel_faults, output_faults)
 
 
 def _of_parts(facts: Facts, refused: set[Keys], description: Description | None) -> list[Fault]:

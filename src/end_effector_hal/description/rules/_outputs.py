@@ -9,9 +9,10 @@ from end_effector_hal.description._fault import Fault, Keys, did_you_mean
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description._shape import Facts
 from end_effector_hal.description.model._description import Description
-from end_effector_hal.description.rules.evidence._channels import CodecChannels
-from end_effector_hal.description.rules.frames._frames import link_of, unit_faults
 from end_effector_hal.kinds.stanza import lowest_bit
+
+from ._channels import CodecChannels
+from ._frames import link_of, unit_faults
 
 CODE = "EE-229"
 

@@ -32,10 +32,7 @@ class TimeLine:
     """
 
     def __init__(
-        self,
-        description: Description,
-        curves: Sequence[Curve],
-        switches: Mapping[str, SwitchMeaning],
+        self, description: Description, curves: Sequence[Curve], switches: Mapping[str, SwitchMeaning]
     ) -> None:
         self.curves, self._switches = curves, switches
         self._ordered = description.ordered

@@ -28,8 +28,7 @@ class ControlLease:
         if (holder := self.holder(at)) and holder != page:
             left_s = (self._until - at) / 1e6
             return Answer(
-                False,
-                f"{self._name} has the control until it releases it or is silent for {left_s:.0f} s.",
+                False, f"{self._name} has the control until it releases it or is silent for {left_s:.0f} s."
             )
         self._holder, self._name, self._until = page, name, at + LEASE_US
         return Answer(True)

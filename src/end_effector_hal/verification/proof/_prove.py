@@ -118,12 +118,7 @@ class _Proving:
     def proof(self) -> Proof:
         queries = [requirement.query for requirement in self.requirements]
         try:
-            found = overview(
-                self.network,
-                queries,
-                self._telling("all requirements"),
-                reaction=self.reaction,
-            )
+            found = overview(self.network, queries, self._telling("all requirements"), reaction=self.reaction)
             seconds = perf_counter() - self.begun
             found = without_unused(self.network, found, self._telling("all requirements"))
         except RangeError as error:

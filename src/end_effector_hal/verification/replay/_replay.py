@@ -122,11 +122,7 @@ def replay(
 
 class _Replay:
     def __init__(
-        self,
-        trace: ProgramTrace,
-        description: Description,
-        network: Network,
-        before: dict[str, Any] | None,
+        self, trace: ProgramTrace, description: Description, network: Network, before: dict[str, Any] | None
     ) -> None:
         self._trace, self._description, self._network = trace, description, network
         self._before = before

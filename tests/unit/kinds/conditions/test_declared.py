@@ -10,7 +10,7 @@ import pytest
 
 from end_effector_hal.codecs import get_codec, load_tool
 from end_effector_hal.description import Description, not_fitted, used_channels
-from end_effector_hal.description.rules.evidence._channels import CodecChannels
+from end_effector_hal.description.rules._channels import CodecChannels
 from end_effector_hal.errors import DescriptionError
 from end_effector_hal.sensing import SensorSet
 from end_effector_hal.signals import Frame

@@ -13,12 +13,11 @@ from end_effector_hal.description._fault import Fault
 from end_effector_hal.description._numbers import number
 from end_effector_hal.description.model._channels import COUNTS, PASCAL
 from end_effector_hal.description.model._description import Description
-from end_effector_hal.description.rules.evidence._channels import used_channels
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Condition, EvidenceConditions
 from end_effector_hal.signals import Kind, Measure
 
-from ._channels import CodecChannels
+from ._channels import CodecChannels, used_channels
 
 MOST_STEPS = 20_000
 GAUGE_KPA = -100.0, 2000.0

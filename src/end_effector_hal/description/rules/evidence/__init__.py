@@ -1,1 +1,0 @@
-"""Rules for evidence: whether the codecs' channels can prove all that the tool needs."""

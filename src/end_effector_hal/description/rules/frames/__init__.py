@@ -1,1 +1,0 @@
-"""Rules for links: their frames, the channels in them, and the place of each channel in its frame."""
