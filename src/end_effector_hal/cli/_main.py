@@ -126,10 +126,11 @@ class _LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        names, name = self.list_commands(ctx), args[0]
-        if name in _WORKSHOP and name not in names and not ctx.resilient_parsing:
+        name = args[0]
+        known = name in _COMMANDS or ctx.resilient_parsing or name in (names := self.list_commands(ctx))
+        if not known and name in _WORKSHOP:
             raise lab_needed(f"`eehal {name}`")
-        if name not in names and not name.startswith("-") and not ctx.resilient_parsing:
+        if not known and not name.startswith("-"):
             meant = _OTHER_NAMES.get(name) or next(iter(get_close_matches(name, names, n=1)), "")
             ctx.fail(f"No such command {name!r}.{f' Did you mean {meant!r}?' if meant else ''}")
         return super().resolve_command(ctx, args)

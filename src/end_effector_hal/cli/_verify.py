@@ -20,7 +20,7 @@ from ._options import PathName
 from ._output import Progress, print_document
 
 if TYPE_CHECKING:
-    from end_effector_hal.description import Description
+    from end_effector_hal.description import Description, content_hash
     from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
@@ -116,7 +116,7 @@ def command(
     kept.
     """
     from end_effector_hal.description import profile_path
-    from end_effector_hal.recording import check_replaceable, content_hash
+    from end_effector_hal.recording import check_replaceable
     from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import prove
 
@@ -190,7 +190,7 @@ def _set_free(source: Source, which: str) -> Source:
 
 def _keep(description: Description, content: str, proof: Proof) -> None:
     """Store the verdict; a managed node of ROS 2 requires it before it moves a line."""
-    from end_effector_hal.recording import content_hash
+    from end_effector_hal.description import content_hash
     from end_effector_hal.verification.proof import keep_verdict, proof_verdict
 
     try:

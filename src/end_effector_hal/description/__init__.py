@@ -5,6 +5,7 @@ together.
 """
 
 from ._address import MODBUS_SCHEMES, NetworkAddress, has_line, network_address, refused_fieldbus, right_form
+from ._content import content_hash, hash_of
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
@@ -70,10 +71,12 @@ __all__ = [
     "ToolChanger",
     "Wanted",
     "camel_case",
+    "content_hash",
     "did_you_mean",
     "examine",
     "examine_text",
     "has_line",
+    "hash_of",
     "load",
     "lost_by_silence",
     "markdown",

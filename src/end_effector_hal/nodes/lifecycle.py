@@ -6,9 +6,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from end_effector_hal.control import Status, network_of
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime import changer_is_sensed
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 

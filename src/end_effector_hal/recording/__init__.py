@@ -6,7 +6,7 @@ from ._compared_pressures import RunDifference, count_differences
 from ._events import EventRow, EventsWriter, event_row
 from ._files import RecordingLimits, RunFile, append_whole, lock
 from ._levels import ChangerRow, SwitchesLog, is_part_name, read_changer, read_switches
-from ._of_tool import content_hash, hash_of, pressure_channels, product_version, run_info
+from ._of_tool import pressure_channels, product_version, run_info
 from ._pressures import KPA, PressuresLog, last_pressures, read_pressures
 from ._recording import Recording
 from ._run import COUNTEREXAMPLE, MODEL_RUN, RunInfo, Watched, check_replaceable, read_run
@@ -55,10 +55,8 @@ __all__ = [
     "changed_alarms",
     "check_replaceable",
     "compare_runs",
-    "content_hash",
     "count_differences",
     "event_row",
-    "hash_of",
     "is_part_name",
     "last_pressures",
     "lock",

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Mapping
 from typing import Any
 
 from end_effector_hal._extras import DISTRIBUTION, version_of
 from end_effector_hal.codecs import carrier_of
-from end_effector_hal.description import Description, used_channels
+from end_effector_hal.description import Description, content_hash, used_channels
 from end_effector_hal.kinds import kind_of, switch_meanings
 from end_effector_hal.kinds.stanza import Actuator
 from end_effector_hal.recording._run import RunInfo
@@ -41,26 +38,6 @@ def run_info(
         simulated=description.lines.backend == "virtual",
         seed=seed,
     )
-
-
-def content_hash(description: Description) -> str:
-    """Return the hash of a tool and its automata, twelve hex digits; it does not depend on the tool's wiring."""
-    content = description.model_dump(mode="json", by_alias=True)
-    return hash_of(content, description.automata_path.read_bytes())
-
-
-def hash_of(content: Mapping[str, Any], model: bytes) -> str:
-    """Return the same hash from a description as JSON, with all defaults, and its UPPAAL file."""
-    kept: dict[str, Any] = json.loads(json.dumps(content))
-    kept.pop("lines", None)
-    for link in (kept.get("link"), *(kept.get("links") or {}).values()):
-        if link is not None:
-            link.pop("port", None)
-    if inputs := kept.get("inputs"):
-        inputs.pop("iio", None)
-    kept["automata"]["file"] = hashlib.sha256(model).hexdigest()
-    order = ",".join(kept.get("parts") or {})  # the first part is the default one
-    return hashlib.sha256((json.dumps(kept, sort_keys=True) + order).encode()).hexdigest()[:12]
 
 
 def pressure_channels(description: Description) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from end_effector_hal.description import Description, tool_path
+from end_effector_hal.description import Description, content_hash, tool_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
@@ -24,7 +24,6 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.lifecycle import require_proof, what_is_missing
 from end_effector_hal.nodes.process import node_log
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime import Tool
 from end_effector_hal.wires import now_us
 

@@ -7,7 +7,6 @@ statuses to writes.
 
 from ._automata import load_automata
 from ._error_text import error_text, sendable
-from ._piped_lines import PipedLines
 from ._reload import fixed_by_arbiter, reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
 from .outputs import LineWriter
@@ -39,7 +38,6 @@ __all__ = [
     "GoalRunner",
     "InlineWorker",
     "LineWriter",
-    "PipedLines",
     "Program",
     "Refused",
     "RemoteTool",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from end_effector_hal.codecs import Carrier
 from end_effector_hal.description import Description, used_channels
@@ -11,9 +11,11 @@ from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.conditions import shown
 from end_effector_hal.signals import INLINE, NESTED, Frame, Kind, StampGate, lengthen, streaks_of
 from end_effector_hal.vocabulary import EMPTY, Alarm, Evidence, ToolEvidence, display_name
-from timed_automata import Event
 
 from ._sensor_state import SensorState
+
+if TYPE_CHECKING:
+    from timed_automata import Event
 
 _EVIDENCE_CHANNELS = {
     Evidence.UNKNOWN: "stale",
@@ -56,6 +58,8 @@ class SensorSet:
     MEMORY: ClassVar = {"now": INLINE, "stamps": NESTED, "revision": int}
 
     def __init__(self, description: Description, carrier: Carrier) -> None:
+        from timed_automata import Event  # the line arbiter does without
+
         self.now = SensorState(description, carrier)
         """The present evidence of the sensors."""
         self._description = description
@@ -108,6 +112,8 @@ class SensorSet:
         Args:
             part: position of the part in the description.
         """
+        from timed_automata import Event
+
         evidence = self.now.evidence_of(part)
         levels = {f"evidence[{i}]": int(level) for i, level in enumerate(evidence)}
         return Event("grip", {**levels, "wanted": part})
@@ -148,7 +154,8 @@ class SensorSet:
         Their order is: losses, then GONE, then CONFIRMED, within these the sequence; then actuators that have gripped
         nothing.
         """
-        now, events = self.now, list[Event]()
+        now = self.now
+        events: list[Event] = []
         before = now.evidence, now.tool, now.emptied
         for _ in now.take(frame):
             events += self._changed_from(before)
@@ -246,7 +253,8 @@ class SensorSet:
 
     def _changed_from(self, before: _Proven) -> list[Event]:
         """Return the events for all differences from the earlier evidence."""
-        now, events = self.now, list[Event]()
+        now = self.now
+        events: list[Event] = []
         evidence, tool, emptied = before
         self.revision += 1
         if now.evidence != evidence:

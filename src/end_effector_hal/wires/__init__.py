@@ -2,4 +2,5 @@
 
 from ._claim import Claim, Holder, holders_of, program_name
 from ._clock import now_us, processors_awake, tune_interpreter
+from ._piped_lines import PipedLines
 from ._relay import RELAYED, relay_path

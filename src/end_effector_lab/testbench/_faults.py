@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator
 
-from end_effector_hal.description import Description, socket_path
+from end_effector_hal.description import Description, content_hash, socket_path
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.faults import (
     LONGEST,
@@ -15,7 +15,6 @@ from end_effector_hal.faults import (
     TestbenchScenario,
     socket_of_testbench,
 )
-from end_effector_hal.recording import content_hash
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.rpc import ClientLimits, Reply, Server, record_line
 

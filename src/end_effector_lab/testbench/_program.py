@@ -18,8 +18,8 @@ from typing import Any
 from end_effector_hal.cli import json_text
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
-from end_effector_hal.runtime import PipedLines
 from end_effector_hal.signals import Value
+from end_effector_hal.wires import PipedLines
 from end_effector_hal.wires.lines import Edge
 
 from ._faults import FaultServer

@@ -14,9 +14,8 @@ import pytest
 
 from end_effector_hal.cli._sros2 import security_policy
 from end_effector_hal.control import network_of
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import content_hash, load, profile_path
 from end_effector_hal.nodes.interface import MANAGER
-from end_effector_hal.recording import content_hash
 from end_effector_hal.ros2 import PROGRAMS
 from end_effector_hal.verification.proof import Proof, keep_verdict, proof_verdict, prove
 from end_effector_hal.vocabulary import EndEffectorState

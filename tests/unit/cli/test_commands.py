@@ -15,7 +15,8 @@ from end_effector_hal.description import profile_path, tool_path
 from end_effector_hal.errors import UsageError
 
 HEAVY = {"lark", "matplotlib", "numpy", "pydantic", "rich", "ruamel.yaml"}
-OURS = {"end_effector_hal.description", "end_effector_hal.runtime", "end_effector_lab.figures"}
+PROGRAM = {"end_effector_hal.runtime", "end_effector_hal.recording", "timed_automata.execute"}
+OURS = {"end_effector_hal.description", "end_effector_lab.figures", *PROGRAM}
 CODE = """\
 import sys
 from end_effector_hal.cli import main
@@ -37,6 +38,14 @@ def loaded(*arguments: str) -> set[str]:
 @pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("verify", "--help"), ("plot", "--help")])
 def test_help_reads_no_description(arguments: tuple[str, ...]) -> None:
     assert not loaded(*arguments) & (HEAVY | OURS)
+
+
+@pytest.mark.parametrize("package", ["end_effector_hal.arbiter", "end_effector_lab.testbench"])
+def test_what_executes_no_automata_does_not_load_them(package: str) -> None:
+    code = f"import sys, {package}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert package in done.stdout.split()
+    assert PROGRAM.isdisjoint(done.stdout.split())
 
 
 def test_a_check_loads_nothing_that_draws() -> None:

@@ -18,8 +18,8 @@ from end_effector_hal.cli.run._voices import Changes, JsonLines
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import MissingExtraError, ReportedError, UsageError
-from end_effector_hal.runtime import PipedLines
 from end_effector_hal.runtime.boundary import RecordedController, Recorder, entry_of
+from end_effector_hal.wires import PipedLines
 from end_effector_lab.demo import World
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.conftest import Whole

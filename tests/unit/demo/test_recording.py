@@ -7,17 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description, profile_path
+from end_effector_hal.description import Description, content_hash, profile_path
 from end_effector_hal.description import load as load_description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import (
-    Recording,
-    content_hash,
-    read_pressures,
-    read_run,
-    read_states,
-    run_info,
-)
+from end_effector_hal.recording import Recording, read_pressures, read_run, read_states, run_info
 from end_effector_hal.wires import now_us
 
 S = 1_000_000

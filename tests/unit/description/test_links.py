@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.codecs import carrier_of, codec_of, match_codec, period_of, sources_of
-from end_effector_hal.description import Description, examine_text
-from end_effector_hal.recording import content_hash
+from end_effector_hal.description import Description, content_hash, examine_text
 from end_effector_hal.signals import Frame, Kind
 
 TEXT = "{port: /dev/a, frame: {text: {}}}"

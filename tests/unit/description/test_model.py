@@ -12,6 +12,7 @@ from end_effector_hal.description import (
     Description,
     _paths,
     camel_case,
+    content_hash,
     examine_text,
     load,
     profile_path,
@@ -21,7 +22,6 @@ from end_effector_hal.description import (
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds.cylinder import CylinderActuator
 from end_effector_hal.kinds.vacuum import VacuumActuator
-from end_effector_hal.recording import content_hash
 from tests.support.parts import with_parts
 
 

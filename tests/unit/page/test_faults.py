@@ -9,12 +9,11 @@ from dataclasses import replace
 import pytest
 
 from end_effector_hal.control import Answer
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.faults import FaultOffer, TestbenchHeader
 from end_effector_hal.page.view import FaultsView, ToolView
 from end_effector_hal.page.web._control import FaultCommands
-from end_effector_hal.recording import content_hash
 
 S = 1_000_000
 LEAK = FaultOffer("leak", "it leaks", "leak:<actuator>", ("top",), anywhere=False)

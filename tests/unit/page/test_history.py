@@ -14,9 +14,9 @@ import pytest
 
 from end_effector_hal.cli._history import plotted
 from end_effector_hal.control import Status
-from end_effector_hal.description import Description, profile_path
+from end_effector_hal.description import Description, content_hash, profile_path
 from end_effector_hal.page.recorded import _history, read_history
-from end_effector_hal.recording import GripDecision, Recording, content_hash
+from end_effector_hal.recording import GripDecision, Recording
 from end_effector_hal.signals import Frame
 from end_effector_lab.testbench import Sent
 from tests.support.named_parts import gripper_with_parts

@@ -67,4 +67,11 @@ def test_the_monitor_computes_for_itself_when_an_edge_can_be_taken() -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_import_is_for_the_type_checker_only(path: Path) -> None:
-    assert "TYPE_CHECKING" not in path.read_text(encoding="utf-8")
+    """Except those of the front, which imports its rooms at first use."""
+    assert path == ROOT / "__init__.py" or "TYPE_CHECKING" not in path.read_text(encoding="utf-8")
+
+
+def test_the_front_has_every_name_that_it_lists_and_no_other() -> None:
+    assert all(hasattr(timed_automata, name) for name in timed_automata.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'Explorer'"):
+        timed_automata.Explorer  # noqa: B018 it is looked up

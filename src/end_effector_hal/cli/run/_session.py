@@ -24,7 +24,6 @@ from end_effector_hal.owned import open_owned
 from end_effector_hal.runtime import (
     WORDS,
     EndEffector,
-    PipedLines,
     Result,
     RunningGoal,
     ScriptCommand,
@@ -32,6 +31,7 @@ from end_effector_hal.runtime import (
     read_command,
 )
 from end_effector_hal.vocabulary import Command
+from end_effector_hal.wires import PipedLines
 
 from ._voices import SCENARIO, Changes, Voice
 

@@ -24,8 +24,9 @@ from end_effector_hal.nodes.interface import (
     Service,
 )
 from end_effector_hal.nodes.transport import CommandMessage, NodeTransport, StateMessage
-from end_effector_hal.runtime import PipedLines, ScriptCommand, read_command, read_script
+from end_effector_hal.runtime import ScriptCommand, read_command, read_script
 from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires import PipedLines
 
 from ._goals import GoalClients
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError, UsageError, os_errors
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import Header
 from end_effector_hal.verification.replay import Entry, ProgramTrace, load_trace, traces_of
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.page.view import margin_kpa
 from end_effector_hal.recording import (
@@ -23,7 +23,6 @@ from end_effector_hal.recording import (
     RunFile,
     RunInfo,
     StatesLog,
-    content_hash,
     last_pressures,
     read_run,
     read_states,

@@ -11,7 +11,7 @@ from typing import Any
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Status, ToolEvent
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.page.view import Cards
 from end_effector_hal.recording import (
@@ -24,7 +24,6 @@ from end_effector_hal.recording import (
     StatesLog,
     StatesRow,
     SwitchesLog,
-    content_hash,
     read_alarms,
     read_pressures,
     read_run,

@@ -6,10 +6,9 @@ from typing import Any
 
 from pydantic_core import to_jsonable_python
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.faults import FaultOffer, TestbenchHeader
-from end_effector_hal.recording import content_hash
 
 from ._log import EventLog
 

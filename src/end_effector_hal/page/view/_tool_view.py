@@ -8,8 +8,7 @@ from typing import Any
 from end_effector_hal.codecs import carrier_of, sources_of
 from end_effector_hal.control import Status, network_of
 from end_effector_hal.control.goals import GOAL_COMMANDS, Outcome, judge
-from end_effector_hal.description import Description
-from end_effector_hal.recording import content_hash
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.runtime.stream import HEALTH, MAINTENANCE_WORDS
 from end_effector_hal.signals import GAUGE_PRESSURE
 from end_effector_hal.verification.proof import Verdict, kept_verdict

@@ -10,8 +10,8 @@ from pathlib import Path
 from secrets import token_hex
 
 from end_effector_hal.control import model_constants
-from end_effector_hal.description import Description, socket_path
-from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, content_hash, product_version
+from end_effector_hal.description import Description, content_hash, socket_path
+from end_effector_hal.recording import Opening, RecordingLimits, TraceWriter, product_version
 from end_effector_hal.runtime.stream import (
     RELOAD_WORDS,
     SWITCH_WORDS,

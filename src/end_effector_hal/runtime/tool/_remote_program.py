@@ -10,10 +10,9 @@ from dataclasses import replace
 
 from end_effector_hal.codecs import carrier_of
 from end_effector_hal.control import Answer, Status, unknown_now
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.kinds import kind_of
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import STREAMED, FrameTaken, Header, Published
 from end_effector_hal.runtime.programs import LatestStatus, proof
 from end_effector_hal.runtime.stream import (

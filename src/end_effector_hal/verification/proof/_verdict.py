@@ -9,10 +9,10 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import UsageError
 from end_effector_hal.owned import open_owned, owned_folder, write_owned
-from end_effector_hal.recording import content_hash, product_version
+from end_effector_hal.recording import product_version
 
 from ._finding import Proof
 

@@ -9,8 +9,7 @@ from datetime import UTC, datetime
 from hashlib import sha256
 
 from end_effector_hal.control import model_constants
-from end_effector_hal.description import Description
-from end_effector_hal.recording import hash_of
+from end_effector_hal.description import Description, hash_of
 from end_effector_hal.runtime.boundary import DESCRIPTION, MODEL, STATE
 from timed_automata.monitor import Objection
 

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from end_effector_hal.control import model_constants, network_of
-from end_effector_hal.description import Description, load
+from end_effector_hal.description import Description, content_hash, load
 from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
-from end_effector_hal.recording import content_hash
 from end_effector_hal.runtime.boundary import OBSERVED, STATE
 from timed_automata import Network, Step
 from timed_automata.monitor import Monitor, Objection

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description
+from end_effector_hal.description import Description, content_hash
 from end_effector_hal.errors import UsageError
-from end_effector_hal.recording import content_hash
 from end_effector_hal.verification.proof import (
     Finding,
     Proof,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
-from end_effector_hal.runtime import PipedLines
-from end_effector_hal.runtime._piped_lines import LONGEST_LINE
+from end_effector_hal.wires import PipedLines
+from end_effector_hal.wires._piped_lines import LONGEST_LINE
 
 
 def test_lines_come_in_pieces_and_the_last_may_lack_its_end() -> None:
