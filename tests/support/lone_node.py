@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from types import SimpleNamespace
 from typing import Any
 
@@ -54,12 +54,22 @@ class LoneTool:
         self.ends: Result | None = Result(Outcome.SUCCEEDED, EndEffectorState.STAND_BY)
         self._statuses: list[Callable[[Status], None]] = []
         self._readings: list[Callable[[JudgedReadings], None]] = []
+        self.latest = JudgedReadings(now_us(), {})
 
     def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
         self._statuses.append(listener)
 
-    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
+    def subscribe_readings(
+        self,
+        listener: Callable[[JudgedReadings], None],
+        *,
+        name: str = "",
+        channels: Collection[str] | None = None,
+    ) -> None:
         self._readings.append(listener)
+
+    def follow_readings(self) -> Callable[[], JudgedReadings]:
+        return lambda: self.latest
 
     def says(self, status: Status) -> None:
         self.status = status
@@ -69,8 +79,9 @@ class LoneTool:
     def reads(self, *sampled: str, **values: int | bool | None) -> None:
         """Give its listeners readings; all of them were sampled unless the names of some are given."""
         known = dict.fromkeys(self.description.channels) | values
+        self.latest = JudgedReadings(now_us(), known, sampled or tuple(values))
         for each in self._readings:
-            each(JudgedReadings(now_us(), known, sampled or tuple(values)))
+            each(self.latest)
 
     def ending(self, on: str = "sigterm") -> str:
         return "What is held stays held."

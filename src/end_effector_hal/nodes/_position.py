@@ -77,7 +77,9 @@ class PositionNode:
         self._known_joints: dict[str, float] = {}
         self._known: dict[str, IntEnum] = {}
         self._tool.subscribe(self._on_status, name=POSITION)
-        self._tool.subscribe_readings(self._on_readings, name=POSITION)
+        if changer:
+            bits = changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit
+            self._tool.subscribe_readings(self._on_readings, name=POSITION, channels=bits)
         node.every(STATE_HZ, self._tick)
         publish_health(node, description.name, self._health)
 

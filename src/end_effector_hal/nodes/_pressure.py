@@ -47,18 +47,15 @@ class PressureNode:
         publish_health(node, description.name, self._health, hardware=where or description.sensors)
 
     def _on_readings(self, readings: JudgedReadings) -> None:
+        header = MessageHeader(readings.at, self._frame_id)
         for channel in self._pressures:
             value = readings.values.get(channel)
             if value is None and channel not in self._unknown:
                 self._unknown.add(channel)
-                self._publish(channel, None, readings.at)
+                self._pressures[channel](PressureMessage(absolute_pa(None), header))
             elif value is not None and (channel in readings.sampled or channel in self._unknown):
                 self._unknown.discard(channel)
-                self._publish(channel, value, readings.at)
-
-    def _publish(self, channel: str, value: Value, at_us: int) -> None:
-        header = MessageHeader(at_us, self._frame_id)
-        self._pressures[channel](PressureMessage(absolute_pa(value), header))
+                self._pressures[channel](PressureMessage(absolute_pa(value), header))
 
     def _health(self) -> Health:
         if silent := silence(self._tool):

@@ -40,7 +40,9 @@ class Heard:
     def __init__(self, description: Description) -> None:
         self.statuses: list[Status] = []
         self.readings: list[JudgedReadings] = []
-        self.program = RemoteProgram(description, self.statuses.append, lambda _: None, self.readings.append)
+        self.program = RemoteProgram(
+            description, self.statuses.append, lambda _: None, self.readings.append, lambda: None
+        )
 
 
 @pytest.fixture
@@ -48,12 +50,11 @@ def heard(verdin: Description) -> Iterator[Heard]:
     made = Heard(verdin)
     yield made
     made.program.close()
-    assert made.program._loop.is_closed()
 
 
 def test_readings_and_health_are_known_until_the_hal_is_lost(heard: Heard) -> None:
-    heard.program._take("readings", 5, READINGS)
-    heard.program._take("health", 5, HEALTH)
+    heard.program.take(READINGS)
+    heard.program.take(HEALTH)
     assert heard.readings == [READINGS]
     assert heard.program.health == HEALTH
     heard.program._lose("The HAL is silent.")

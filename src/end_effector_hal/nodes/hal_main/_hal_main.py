@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Mapping
 from dataclasses import replace
 
 from end_effector_hal.control import Status, event_lines
 from end_effector_hal.nodes.interface import END_EFFECTOR_STATE, HAL_MAIN, STATE_HZ
 from end_effector_hal.nodes.report import Health, level_of, publish_health, silence
 from end_effector_hal.nodes.transport import NodeTransport
-from end_effector_hal.sensing import JudgedReadings
-from end_effector_hal.signals import Value
 from end_effector_hal.vocabulary import Command, EndEffectorState, alarm_changes
 from end_effector_hal.wires import now_us
 
@@ -29,14 +26,13 @@ class HalMainNode:
         self._description = description = self._tool.description
         self._aggregate = Aggregate(description, now_us())
         self._status, self._count = self._tool.status, 0
-        self._values: Mapping[str, Value] = {}
+        self._readings = self._tool.follow_readings()
         self._lock = threading.Lock()
         self._closed = False
         self._publish = node.publisher(END_EFFECTOR_STATE)
         self._state = self._aggregate.message(self._status, {}, now_us(), count=0, stamp_us=None)
         self._goals = ServedGoals(node, goal_types(description, node.log), self._tool, lambda: self._state)
         self._tool.subscribe(self._on_status, name=HAL_MAIN)
-        self._tool.subscribe_readings(self._on_readings, name=HAL_MAIN)
         node.every(STATE_HZ, self._tick)
         publish_health(node, description.name, self._health)
         node.on_close(self._close)
@@ -57,12 +53,9 @@ class HalMainNode:
             if change != "ended":
                 self._log.log(logging.INFO if alarm.over else logging.WARNING, "%s", alarm)
 
-    def _on_readings(self, readings: JudgedReadings) -> None:
-        self._values = readings.values
-
     def _publish_state(self, status: Status, stamp_us: int | None = None) -> None:
         self._state = self._aggregate.message(
-            status, self._values, now_us(), count=self._count, stamp_us=stamp_us
+            status, self._readings().values, now_us(), count=self._count, stamp_us=stamp_us
         )
         self._publish(self._state)
 

@@ -51,6 +51,8 @@ def publisher(topic: Topic, is_ending: Callable[[], bool]) -> Callable[[Any], No
     sender = rospy.Publisher(topic.name, kind, tcp_nodelay=True, latch=topic.latched, queue_size=topic.queue)
 
     def publish(message: Any) -> None:
+        if not (topic.latched or sender.get_num_connections()):
+            return
         made = make(message)
         try:
             try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
@@ -14,7 +14,6 @@ from end_effector_hal.description import Description
 from end_effector_hal.recording import RecordingLimits
 from end_effector_hal.runtime.boundary import Observer
 from end_effector_hal.runtime.programs import open_program
-from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires.inputs import InputsHealth
@@ -101,11 +100,6 @@ class EndEffector(Tool):
         self._reader.start()
         self._own.start(self.set_output, lambda: self.sensors)
 
-    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
-        """See `Tool.subscribe_readings`."""
-        super().subscribe_readings(listener, name=name)
-        self._own.on_readings = self._audience.put
-
     def close(self, ending: str = "sigterm") -> None:
         """End: the line arbiter does what the description declares. Listeners get the waiting items, within 2 s.
 
@@ -146,6 +140,9 @@ class EndEffector(Tool):
     def outputs(self) -> Mapping[str, bool]:
         """The plain outputs and whether each is active, as the line arbiter reads them back; raises ArbiterError."""
         return self._outputs.levels
+
+    def _want_readings(self) -> None:
+        self._own.on_readings = self._readings_came
 
     def _switch(self, name: str, active: bool) -> Answer:
         return self._outputs.set(name, active)

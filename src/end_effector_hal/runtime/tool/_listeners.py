@@ -34,10 +34,19 @@ class Listening(Generic[T]):
         listener: called with each item, in order.
         name: the listener's name in its alarm; empty: that of the function.
         on_alarm: called in the listener's thread when the alarm has changed.
+        key: an item with the same key as the item before it is skipped; None: none is.
     """
 
-    def __init__(self, listener: Callable[[T], None], name: str, on_alarm: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        listener: Callable[[T], None],
+        name: str,
+        on_alarm: Callable[[], None],
+        key: Callable[[T], object] | None = None,
+    ) -> None:
         self._listener, self._on_alarm = listener, on_alarm
+        self._key = key
+        self._last_key: object = object()  # equal to no key
         self._who = sendable(name or str(getattr(listener, "__qualname__", type(listener).__qualname__)))
         self._waiting: deque[T] = deque()
         self._changed = threading.Condition()
@@ -51,6 +60,10 @@ class Listening(Generic[T]):
 
     def put(self, item: T) -> None:
         """Queue an item for the listener; never waits."""
+        if self._key is not None:
+            if (key := self._key(item)) == self._last_key:
+                return
+            self._last_key = key
         with self._changed:
             if len(self._waiting) >= MOST_WAITING:
                 self._waiting.popleft()
@@ -127,9 +140,15 @@ class Audience:
         self._on_alarm = on_alarm
         self._all: tuple[tuple[type, Listening[Any]], ...] = ()
 
-    def add(self, kind: type[T], listener: Callable[[T], None], name: str = "") -> None:
-        """Add a listener for items of one class."""
-        self._all = (*self._all, (kind, Listening(listener, name, self._on_alarm)))
+    def add(
+        self,
+        kind: type[T],
+        listener: Callable[[T], None],
+        name: str = "",
+        key: Callable[[T], object] | None = None,
+    ) -> None:
+        """Add a listener for items of one class; ``key``: see `Listening`."""
+        self._all = (*self._all, (kind, Listening(listener, name, self._on_alarm, key)))
 
     def put(self, item: object) -> None:
         """Queue an item for every listener of its class; never waits."""

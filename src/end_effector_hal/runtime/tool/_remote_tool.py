@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Self
 
@@ -11,6 +11,8 @@ from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Answer
 from end_effector_hal.description import Description, socket_path
 from end_effector_hal.errors import NotReadyError
+from end_effector_hal.runtime.stream import READINGS
+from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires.sensors import SensorHealth
 
@@ -35,7 +37,9 @@ class RemoteTool(Tool):
 
     def __init__(self, description: Description) -> None:
         super().__init__(description)
-        self._remote = RemoteProgram(description, self._moved, self._frame_came, self._audience.put)
+        self._remote = RemoteProgram(
+            description, self._moved, self._frame_came, self._readings_came, self._look_at_listeners
+        )
         self._follow(self._remote)
 
     @classmethod
@@ -67,6 +71,11 @@ class RemoteTool(Tool):
         self._remote.close()
         self._audience.close()
 
+    def subscribe_frames(self, listener: Callable[[Frame], None], *, name: str = "") -> None:
+        """See `Tool.subscribe_frames`."""
+        super().subscribe_frames(listener, name=name)
+        self._remote.want("frame")
+
     def ending(self, on: str = "sigterm") -> str:
         """Return a sentence that a running command continues; empty: none runs."""
         command = self.status.command
@@ -84,6 +93,9 @@ class RemoteTool(Tool):
             levels = arbiter.levels()
         plain = self.description.outputs
         return {name: levels[each.line] for name, each in plain.items() if each.line in levels}
+
+    def _want_readings(self) -> None:
+        self._remote.want(READINGS)
 
     def _switch(self, name: str, active: bool) -> Answer:
         return self._remote.switch(name, active)

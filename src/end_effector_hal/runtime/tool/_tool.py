@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 from end_effector_hal._closing import Closing
@@ -38,6 +38,7 @@ class Tool(Closing):
         self._told: tuple[Alarm, ...] = ()
         self._lock = threading.Lock()
         self._latest: Status | None = None
+        self._readings = JudgedReadings(now_us(), {})
 
     def _follow(self, program: CommandedProgram) -> None:
         """Give all commands to this program; to be called once."""
@@ -85,11 +86,27 @@ class Tool(Closing):
         """Call the listener with every frame, in order, in its own thread; the rules of :meth:`subscribe` apply."""
         self._audience.add(Frame, listener, name)
 
-    def subscribe_readings(self, listener: Callable[[JudgedReadings], None], *, name: str = "") -> None:
+    def subscribe_readings(
+        self,
+        listener: Callable[[JudgedReadings], None],
+        *,
+        name: str = "",
+        channels: Collection[str] | None = None,
+    ) -> None:
         """Call the listener with what the sensors read, after each frame and whenever a reading turns stale; the rules
-        of :meth:`subscribe` apply.
+        of :meth:`subscribe` apply. ``channels``: only when the value of one of these has changed.
         """
-        self._audience.add(JudgedReadings, listener, name)
+        key = None if channels is None else lambda readings: [*map(readings.values.get, channels)]
+        self._audience.add(JudgedReadings, listener, name, key)
+        self.follow_readings()
+
+    def follow_readings(self) -> Callable[[], JudgedReadings]:
+        """Return a function for what the sensors read last, which needs no thread and no call for each frame."""
+        self._want_readings()
+        return lambda: self._readings
+
+    @abstractmethod
+    def _want_readings(self) -> None: ...
 
     def wait_ready(self, timeout_s: float = 5.0) -> None:
         """Wait until the tool has adopted its lines, and its sensors give no reason to refuse a command.
@@ -225,7 +242,14 @@ class Tool(Closing):
             status = self._latest or self._program.status
             self._publish(replace(status, at=now_us(), events=()))
 
+    def _readings_came(self, readings: JudgedReadings) -> None:
+        self._readings = readings
+        self._audience.put(readings)
+
     def _frame_came(self, frame: Frame) -> None:
         self._audience.put(frame)
+        self._look_at_listeners()
+
+    def _look_at_listeners(self) -> None:
         if self._audience.alarms != self._told:  # a listener that does not return reports nothing itself
             self._audience_changed()
