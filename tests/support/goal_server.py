@@ -18,7 +18,7 @@ class Clock:
 
         self._patch, self.us = monkeypatch, 5_000_000
         monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
-        monkeypatch.setattr("end_effector_hal.ros1.actions._action_server.now_us", lambda: self.us)
+        monkeypatch.setattr("end_effector_hal.ros1._actions.now_us", lambda: self.us)
         self.jobs: list[tuple[int, Callable[[], None]]] = []
         self.pass_s(0.0)
 
@@ -69,7 +69,7 @@ class Server:
 
         from end_effector_hal.nodes.interface import TRIGGER_GRIP
         from end_effector_hal.nodes.transport import ResultMessage
-        from end_effector_hal.ros1.actions._action_server import GoalServer
+        from end_effector_hal.ros1._actions import GoalServer
 
         self.clock, self.goals, self.cancelled = clock, [], []
         self.server: Any = GoalServer(

@@ -47,11 +47,11 @@ class Hal:
         from end_effector_msgs.msg import EndEffectorState as Message
         from end_effector_msgs.msg import StepReport
 
-        from end_effector_hal.nodes.hal_main._goal_types import CommandGoals
-        from end_effector_hal.nodes.hal_main._served_goals import ServedGoals
+        from end_effector_hal.nodes._goal_types import CommandGoals
+        from end_effector_hal.nodes._served_goals import ServedGoals
         from end_effector_hal.nodes.interface import COMMAND_ACTIONS
-        from end_effector_hal.ros1.actions import action_server
-        from end_effector_hal.ros1.actions._action_server import GoalServer
+        from end_effector_hal.ros1._actions import GoalServer
+        from end_effector_hal.ros1._later import Later
 
         def start(server: Any) -> None:
             server.result_pub, server.status_pub, server.feedback_pub = Wire(), Wire(), Wire()
@@ -66,8 +66,9 @@ class Hal:
         self._servers: dict[str, Any] = {}
 
         def serve(action: Any, on_goal: Any, on_cancel: Any, result: Any) -> Any:
-            self._servers[action.name] = action_server(action, on_goal, on_cancel, result, log)
-            return self._servers[action.name]
+            server = self._servers[action.name] = GoalServer(action, on_goal, on_cancel, result, Later(log))
+            server.start()
+            return server
 
         node = SimpleNamespace(
             log=log,

@@ -5,5 +5,4 @@ A transport (``ros1``) starts them and moves their messages; ``transport`` defin
 The nodes of a process share its tool: HALMain's process runs it, and every other one talks to it over its socket.
 """
 
-from ._process_tool import open_tool
-from ._start import PROGRAMS, start_node
+from ._start import PROGRAMS, open_tool, start_node

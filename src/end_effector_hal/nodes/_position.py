@@ -10,11 +10,12 @@ from math import isnan, nan
 from typing import Any
 
 from end_effector_hal.control import Status
+from end_effector_hal.description import ToolChanger
 from end_effector_hal.sensing import JudgedReadings, ToolPlace, tool_place
 from end_effector_hal.signals import Value
+from end_effector_hal.vocabulary import Evidence
 from end_effector_hal.wires import now_us
 
-from ._places import CYLINDER, ChangerPlace, CylinderPlace, changer_place
 from .interface import (
     JOINT_STATES,
     POSITION,
@@ -34,6 +35,49 @@ from .transport import (
     NodeTransport,
     PositionMessage,
 )
+
+
+class CylinderPlace(IntEnum):
+    """The position of a cylinder (``CylinderPosition``)."""
+
+    UNKNOWN = 0
+    RETRACTED = 1
+    BETWEEN = 2
+    EXTENDED = 3
+
+
+class ChangerPlace(IntEnum):
+    """The position of the tool changer (``ToolChangerPosition``)."""
+
+    UNKNOWN = 0
+    LOCKED = 1
+    UNLOCKED = 2
+    BETWEEN = 3
+    CONTRADICTORY = 4
+
+
+CYLINDER = {
+    Evidence.UNKNOWN: CylinderPlace.UNKNOWN,
+    Evidence.GONE: CylinderPlace.RETRACTED,
+    Evidence.PARTIAL: CylinderPlace.BETWEEN,
+    Evidence.CONFIRMED: CylinderPlace.EXTENDED,
+}
+"""The position of a cylinder, by the evidence of its actuator."""
+_CHANGER = {
+    (True, False): ChangerPlace.LOCKED,
+    (False, True): ChangerPlace.UNLOCKED,
+    (False, False): ChangerPlace.BETWEEN,
+    (True, True): ChangerPlace.CONTRADICTORY,
+}
+
+
+def changer_place(changer: ToolChanger, values: Mapping[str, Value]) -> ChangerPlace:
+    """Return the position of the tool changer, by its two bits."""
+    locked, unlocked = values.get(changer.locked_bit), values.get(changer.unlocked_bit)
+    if locked is None or unlocked is None:
+        return ChangerPlace.UNKNOWN
+    return _CHANGER[bool(locked), bool(unlocked)]
+
 
 _FRACTIONS: dict[IntEnum, float] = {CylinderPlace.RETRACTED: 0.0, CylinderPlace.EXTENDED: 1.0}
 """Fractions of the stroke at the positions that a switch proves."""

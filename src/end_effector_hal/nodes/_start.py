@@ -1,11 +1,76 @@
-"""Start a node by its name; only the modules of that node are imported."""
+"""Start a node by its name, and open the tool of its process; only the modules of that node are imported."""
 
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 
-from .interface import DATA_LOGGER, GRIP, HAL_MAIN, POSITION, PRESSURE, SUPERVISOR, TOOL_CHANGE
+from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.recording import RecordingLimits
+from end_effector_hal.runtime import EndEffector, RemoteTool, Tool
+
+from .interface import (
+    CONNECT,
+    DATA_LOGGER,
+    DIRECTORY,
+    GRIP,
+    HAL_MAIN,
+    KEEP_MB,
+    POSITION,
+    PRESSURE,
+    SEGMENT_MB,
+    STATE_HZ,
+    SUPERVISOR,
+    TOOL_CHANGE,
+    Parameter,
+)
 from .transport import NodeTransport
+
+
+def recording_limits(node: NodeTransport) -> RecordingLimits:
+    """Return the limits of ``~segment_mb`` and ``~keep_mb``, or the defaults; raises UsageError if they are invalid."""
+    return RecordingLimits.of_megabytes(_number(node, SEGMENT_MB, "64"), _number(node, KEEP_MB, "1000"))
+
+
+def _number(node: NodeTransport, parameter: Parameter, default: str) -> float:
+    text = node.parameter(parameter) or default
+    try:
+        return float(text)
+    except ValueError:
+        raise UsageError(
+            f"The parameter {parameter.name} is {text[:40]!r}, expected are megabytes."
+        ) from None
+
+
+def open_tool(node: NodeTransport, *, hosts: bool) -> Tool:
+    """Open the tool of a process. It starts when all nodes exist, so that each gets every status, and ends with them.
+
+    Args:
+        node: the node HALMain if it runs in this process, else any node of it.
+        hosts: whether HALMain runs in this process: then the tool does, unless the parameter ``connect`` is true.
+
+    Raises:
+        WireError: there is no line arbiter, or another process runs this tool.
+    """
+    description = node.description()
+    if not hosts or node.parameter(CONNECT).lower() == "true":
+        connected = RemoteTool(description)
+        node.on_close(connected.close)
+        node.on_start(connected.start)
+        return connected
+    folder = node.parameter(DIRECTORY)
+    traces = Path(folder).expanduser() if folder else None
+    tool = EndEffector(description, traces=traces, limits=recording_limits(node))
+
+    def check() -> None:
+        if not tool.alive:
+            node.fail(ReportedError("The program of the tool has failed."))
+
+    node.on_close(tool.close)
+    node.every(STATE_HZ, check)
+    node.on_start(tool.start)
+    return tool
+
 
 PROGRAMS = {
     "pressure": PRESSURE,
@@ -18,13 +83,13 @@ PROGRAMS = {
 }
 """The node of each executable."""
 _NODES = {
-    HAL_MAIN: ("hal_main", "HalMainNode"),
-    GRIP: ("_grip", "GripNode"),
-    TOOL_CHANGE: ("_tool_change", "ToolChangeNode"),
+    HAL_MAIN: ("_hal_main", "HalMainNode"),
+    GRIP: ("_services", "GripNode"),
+    TOOL_CHANGE: ("_services", "ToolChangeNode"),
     PRESSURE: ("_pressure", "PressureNode"),
     POSITION: ("_position", "PositionNode"),
     DATA_LOGGER: ("data_logger", "DataLogger"),
-    SUPERVISOR: ("supervisor", "run_supervisor"),
+    SUPERVISOR: ("_supervisor", "run_supervisor"),
 }
 
 

@@ -30,9 +30,8 @@ from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, node_lo
 from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
 from end_effector_hal.runtime import Tool
 
+from ._messages import answer_of, message_class, publisher, response_maker, service_class
 from ._name_taken import node_name, private_parameter, refuse_taken_name, tool_named
-from .actions import action_client, action_server
-from .connections import answer_of, message_class, publisher, response_maker, service_class
 from .master import MasterWatch
 
 _LEVELS = (
@@ -143,11 +142,18 @@ class RosNode:
         result: Callable[[Ending], Any],
     ) -> ActionServer:
         """Serve an action."""
-        return action_server(action, on_goal, on_cancel, result, self.log)
+        from ._actions import GoalServer  # only nodes with actions load actionlib
+        from ._later import Later
+
+        server = GoalServer(action, on_goal, on_cancel, result, Later(self.log))
+        server.start()
+        return server
 
     def action_client(self, action: Action) -> ActionClient:
         """Return a client of an action."""
-        return action_client(action)
+        from ._actions import GoalSender
+
+        return GoalSender(action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         """Call ``callback`` at a rate, in a thread of its own."""

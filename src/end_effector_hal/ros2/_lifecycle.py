@@ -22,13 +22,12 @@ from end_effector_hal.nodes.interface import (
     READY_S,
     load_for_nodes,
 )
-from end_effector_hal.nodes.lifecycle import require_proof, what_is_missing
+from end_effector_hal.nodes.launching import require_proof, what_is_missing
 from end_effector_hal.nodes.process import node_log
 from end_effector_hal.runtime import Tool
 from end_effector_hal.wires import now_us
 
-from ._node_group import NodeGroup
-from ._process import Process
+from ._process import NodeGroup, Process
 from ._ros_node import HOW, RclpyNode, declared, writer_of
 
 _OWN_NAME = re.compile(r"__(node|name):=")

@@ -29,9 +29,8 @@ from end_effector_hal.nodes.process import node_log
 from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
 from end_effector_hal.runtime import Tool
 
-from ._node_group import NodeGroup
-from .actions import RclpyActionClient, RclpyActionServer
-from .connections import (
+from ._actions import RclpyActionClient, RclpyActionServer
+from ._messages import (
     RclpyMessageMaker,
     answer_of,
     has_action_class,
@@ -41,6 +40,7 @@ from .connections import (
     service_class,
     writer_quality,
 )
+from ._process import NodeGroup
 
 
 def writer_of(node: Node) -> Callable[[int, str], None]:

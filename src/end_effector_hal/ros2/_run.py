@@ -61,8 +61,7 @@ def _run(program: str, argv: Sequence[str]) -> int:
 
 
 def _run_nodes(names: Sequence[str], argv: Sequence[str]) -> int:
-    from ._node_group import NodeGroup
-    from ._process import Process
+    from ._process import NodeGroup, Process
     from ._ros_node import RclpyNode
 
     with closing(Process(argv)) as process, closing(NodeGroup(process, names)) as group:

@@ -50,17 +50,17 @@ class Edit:
 
 EDITS = (
     Edit(
-        "no topic is latched", 1, "ros1/connections/_publish.py",
+        "no topic is latched", 1, "ros1/_messages.py",
         "latch=topic.latched", "latch=False",
         ("test_surface::test_a_topic_is_latched_or_not",),
     ),
     Edit(
-        "a cancel is not passed on", 1, "ros1/actions/_action_server.py",
+        "a cancel is not passed on", 1, "ros1/_actions.py",
         "            super().internal_cancel_callback(GoalID(stamp, goal_id.id))\n", "",
         ("test_cancels::test_a_cancel_at_each_step_of_a_grip_unwinds_in_reverse_order",),
     ),
     Edit(
-        "feedback is swallowed", 1, "ros1/actions/_action_server.py",
+        "feedback is swallowed", 1, "ros1/_actions.py",
         "            super().publish_feedback(status, feedback)", "            pass",
         ("test_goals::test_the_feedback_of_a_grip_names_each_step_in_order",),
     ),
@@ -76,57 +76,57 @@ EDITS = (
         ("test_tools::test_every_name_moves_into_the_namespace",),
     ),
     Edit(
-        "the reason of a result is lost", 1, "nodes/hal_main/_goal_types.py",
+        "the reason of a result is lost", 1, "nodes/_goal_types.py",
         "reason=ending.reason", 'reason=""',
         ("test_goals::test_a_grip_while_gripped_is_refused",),
     ),
     Edit(
-        "changes are not counted", 1, "nodes/hal_main/_hal_main.py",
+        "changes are not counted", 1, "nodes/_hal_main.py",
         "before, self._count = self._status, self._count + 1", "before = self._status",
         ("test_state::test_the_count_tells_changes_apart_from_repetitions",),
     ),
     Edit(
-        "held is lost with a HAL that is silent", 1, "nodes/hal_main/_aggregate.py",
+        "held is lost with a HAL that is silent", 1, "nodes/_hal_main.py",
         "held=status.held,", "held=status.held and status.link_up,",
         ("test_served::test_a_hal_that_dies_is_an_alarm_until_it_is_back",),
     ),
     Edit(
-        "the last state is not OFF", 1, "nodes/hal_main/_hal_main.py",
+        "the last state is not OFF", 1, "nodes/_hal_main.py",
         "        node.on_close(self._close)\n", "",
         ("test_nodes::test_a_node_ends_in_good_order_and_what_is_held_stays_held",),
     ),
     Edit(
-        "a writer is as deep as its readers", 2, "ros2/connections/_messages.py",
+        "a writer is as deep as its readers", 2, "ros2/_messages.py",
         "1 if topic.latched else topic.queue", "topic.queue",
         ("test_state::test_a_late_joiner_first_sees_that_a_part_is_held",),
     ),
     Edit(
-        "a late joiner hears all that a writer has kept", 2, "ros2/connections/_messages.py",
+        "a late joiner hears all that a writer has kept", 2, "ros2/_messages.py",
         "1 if topic.latched else topic.queue", "20 if topic.latched else topic.queue",
         ("test_state::test_a_late_joiner_sees_no_old_held",),
     ),
     Edit(
-        "no topic is transient local", 2, "ros2/connections/_messages.py",
+        "no topic is transient local", 2, "ros2/_messages.py",
         "DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE", "DurabilityPolicy.VOLATILE",
         ("test_surface::test_a_topic_is_latched_or_not",),
     ),
     Edit(
-        "every cancel is taken", 2, "ros2/actions/_action_server.py",
+        "every cancel is taken", 2, "ros2/_actions.py",
         "CancelResponse.ACCEPT if taken else CancelResponse.REJECT", "CancelResponse.ACCEPT",
         ("test_cancels::test_a_cancel_of_a_drop_changes_nothing",),
     ),
     Edit(
-        "feedback is swallowed", 2, "ros2/actions/_action_server.py",
+        "feedback is swallowed", 2, "ros2/_actions.py",
         "        self._server.run(lambda: self._handle.publish_feedback(message))", "        del message",
         ("test_goals::test_the_feedback_of_a_grip_names_each_step_in_order",),
     ),
     Edit(
-        "a refused goal succeeds", 2, "ros2/actions/_action_server.py",
+        "a refused goal succeeds", 2, "ros2/_actions.py",
         "if ending.outcome is Outcome.SUCCEEDED:", "if ending.outcome in (Outcome.SUCCEEDED, Outcome.REJECTED):",
         ("test_goals::test_a_grip_while_gripped_is_refused",),
     ),
     Edit(
-        "the reason of a result is lost", 2, "ros2/connections/_messages.py",
+        "the reason of a result is lost", 2, "ros2/_messages.py",
         "        for name, convert in self._converters.items():\n",
         "        for name, convert in self._converters.items():\n"
         '            if name == "reason":\n                continue\n',
@@ -139,7 +139,7 @@ EDITS = (
         ("test_tools::test_every_name_moves_into_the_namespace",),
     ),
     Edit(
-        "each message has a stamp of its own", 2, "ros2/connections/_messages.py",
+        "each message has a stamp of its own", 2, "ros2/_messages.py",
         "            self._last = header.at_us, stamp\n", "",
         ("test_state::test_what_one_frame_brought_has_one_stamp",),
     ),
@@ -149,7 +149,7 @@ EDITS = (
         ("test_services::test_another_tool_cannot_be_named_while_a_node_runs",),
     ),
     Edit(
-        "more goals are kept than there is room for", 2, "ros2/actions/_action_server.py",
+        "more goals are kept than there is room for", 2, "ros2/_actions.py",
         "if len(self._open) >= OPEN:", "if len(self._open) >= 10 * OPEN:",
         ("test_served::test_more_goals_than_are_kept_are_refused_in_words",),
     ),

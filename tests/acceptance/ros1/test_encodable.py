@@ -27,9 +27,9 @@ RECORDED = rb'{"boot":"","clean":false,"faults":{"x\ud800":"IL-04: \ud800 both\n
 def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.MonkeyPatch) -> None:
     import rospy
 
-    from end_effector_hal.nodes.hal_main._aggregate import Aggregate
+    from end_effector_hal.nodes._hal_main import Aggregate
     from end_effector_hal.nodes.interface import END_EFFECTOR_STATE
-    from end_effector_hal.ros1.connections import publisher
+    from end_effector_hal.ros1._messages import publisher
 
     sent: list[Any] = []
 

@@ -12,9 +12,9 @@ import pytest
 pytestmark = pytest.mark.ros
 MADE = """
 import os, signal, threading, time
-from end_effector_hal.nodes.process import _process_end
+from end_effector_hal.nodes import process
 from end_effector_hal.ros1._ros_node import RosNode
-_process_end.LONGEST_S = 3.0
+process.LONGEST_S = 3.0
 lock = threading.Lock()
 def needs_the_lock():
     with lock:

@@ -176,7 +176,7 @@ def test_a_goal_without_id_and_stamp_gets_both(server: Server, clock: Clock) -> 
 
 
 def test_a_flood_of_goals_is_refused_in_words_and_takes_a_bounded_room(server: Server, clock: Clock) -> None:
-    from end_effector_hal.ros1.actions._action_server import LISTED, OPEN
+    from end_effector_hal.ros1._actions import LISTED, OPEN
 
     for second in range(3):
         for number in range(1000):
@@ -202,7 +202,7 @@ def test_a_flood_of_goals_is_refused_in_words_and_takes_a_bounded_room(server: S
 def test_a_flood_of_cancels_takes_a_bounded_room_and_spares_the_open_goal(
     server: Server, clock: Clock
 ) -> None:
-    from end_effector_hal.ros1.actions._action_server import LISTED
+    from end_effector_hal.ros1._actions import LISTED
 
     server.goal("open")
     server.goals[0].set_accepted()
@@ -214,7 +214,7 @@ def test_a_flood_of_cancels_takes_a_bounded_room_and_spares_the_open_goal(
 
 
 def test_an_id_that_is_too_long_is_refused_and_not_kept(server: Server, clock: Clock) -> None:
-    from end_effector_hal.ros1.actions._action_server import LONGEST_ID
+    from end_effector_hal.ros1._actions import LONGEST_ID
 
     long = "x" * (LONGEST_ID + 1)
     server.cancel(long)

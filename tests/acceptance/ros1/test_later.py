@@ -19,7 +19,7 @@ AN_HOUR = 3_600_000_000
 
 @pytest.fixture
 def later() -> Any:
-    from end_effector_hal.ros1.actions._later import Later
+    from end_effector_hal.ros1._later import Later
 
     later = Later(LOG)
     yield later
@@ -75,7 +75,7 @@ def test_at_the_end_all_that_waits_is_called_in_order(later: Any) -> None:
 
 
 def test_a_bounded_number_waits(later: Any) -> None:
-    from end_effector_hal.ros1.actions._later import LIMIT
+    from end_effector_hal.ros1._later import LIMIT
 
     called: list[int] = []
     for number in range(LIMIT + 1):

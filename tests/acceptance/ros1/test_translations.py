@@ -12,9 +12,9 @@ import pytest
 
 from end_effector_hal.control import Answer, EventKind, StepReport, ToolEvent
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.nodes._places import ChangerPlace, CylinderPlace
+from end_effector_hal.nodes._hal_main import Aggregate
+from end_effector_hal.nodes._position import ChangerPlace, CylinderPlace
 from end_effector_hal.nodes._pressure import absolute_pa
-from end_effector_hal.nodes.hal_main._aggregate import Aggregate
 from end_effector_hal.nodes.transport import (
     CommandMessage,
     CylinderPositionMessage,
@@ -108,7 +108,7 @@ def test_the_places_have_the_integers_of_their_message(places: type[IntEnum], ki
     ],
 )
 def test_our_messages_have_the_fields_of_their_definition(ours: Any, kind: str) -> None:
-    from end_effector_hal.ros1.connections import message_class
+    from end_effector_hal.ros1._messages import message_class
 
     defined = set(message_class(kind).__slots__) - ({"variance"} if ours is PressureMessage else set())
     assert {each.name for each in fields(ours)} == defined
@@ -117,7 +117,7 @@ def test_our_messages_have_the_fields_of_their_definition(ours: Any, kind: str) 
 def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch) -> None:
     import rospy
 
-    from end_effector_hal.ros1.connections import MessageMaker, message_class
+    from end_effector_hal.ros1._messages import MessageMaker, message_class
 
     monkeypatch.setattr(rospy.rostime, "_rostime_initialized", True)
     make = MessageMaker(message_class("end_effector_msgs/EndEffectorState"))
@@ -135,7 +135,7 @@ def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch
 
 
 def test_an_answer_becomes_the_response_of_any_service() -> None:
-    from end_effector_hal.ros1.connections import answer_of, response_maker, service_class
+    from end_effector_hal.ros1._messages import answer_of, response_maker, service_class
 
     for kind in ("std_srvs/SetBool", "std_srvs/Trigger"):
         response = over_the_wire(response_maker(service_class(kind))(Answer(False, "why not")))

@@ -45,9 +45,7 @@ def test_a_flood_is_cut_and_counted_and_an_alarm_gets_through(
 ) -> None:
     now = [0.0]
     monkeypatch.setattr("time.monotonic", lambda: now[0])
-    monkeypatch.setattr(
-        "end_effector_hal.nodes.process._paced_log.Allowance.__init__.__defaults__", (lambda: now[0],)
-    )
+    monkeypatch.setattr("end_effector_hal.nodes.process.Allowance.__init__.__defaults__", (lambda: now[0],))
     words = Words(screen)
     for _ in range(500):
         words.event(0, "a line")

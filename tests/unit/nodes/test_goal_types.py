@@ -11,7 +11,7 @@ import pytest
 
 from end_effector_hal.control.goals import Ending, Outcome
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.nodes.hal_main._goal_types import GoalType, goal_types
+from end_effector_hal.nodes._goal_types import GoalType, goal_types
 from end_effector_hal.nodes.interface import COMMAND_ACTIONS, GRIPPER_COMMAND, PARALLEL_GRIPPER_COMMAND
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from tests.support.parts import with_parts

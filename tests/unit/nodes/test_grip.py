@@ -8,7 +8,7 @@ from typing import Any, cast
 import pytest
 
 from end_effector_hal.control import Answer
-from end_effector_hal.nodes._grip import GripNode
+from end_effector_hal.nodes._services import GripNode
 from tests.support.lone_node import LoneTransport
 
 

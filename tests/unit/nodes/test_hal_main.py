@@ -13,7 +13,7 @@ import pytest
 from end_effector_hal.control import Answer, EventKind, ToolEvent, unknown_now
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.description import Description
-from end_effector_hal.nodes.hal_main import HalMainNode
+from end_effector_hal.nodes._hal_main import HalMainNode
 from end_effector_hal.nodes.interface import (
     COMMAND_ACTIONS,
     DIAGNOSTICS,

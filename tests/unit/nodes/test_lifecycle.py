@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
-from end_effector_hal.nodes.lifecycle import require_proof, what_is_missing
+from end_effector_hal.nodes.launching import require_proof, what_is_missing
 from end_effector_hal.verification.proof import kept_verdict
 from end_effector_hal.vocabulary import Alarm, ChangerState, EndEffectorState, Evidence
 from tests.support.lone_node import status

@@ -11,7 +11,7 @@ import pytest
 
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
-from end_effector_hal.nodes.hal_main import HalMainNode
+from end_effector_hal.nodes._hal_main import HalMainNode
 from end_effector_hal.nodes.interface import TRIGGER_GRIP
 from end_effector_hal.runtime.stream import RecordStream
 from end_effector_hal.wires.sensors import SensorHealth

@@ -51,7 +51,7 @@ def _ends(end: ProcessEnd, moment: int, times: int) -> bool:
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_a_signal_at_any_step_of_the_wait_ends_it(monkeypatch: pytest.MonkeyPatch, times: int) -> None:
-    monkeypatch.setattr("end_effector_hal.nodes.process._process_end.LOOK_S", 0.001)
+    monkeypatch.setattr("end_effector_hal.nodes.process.LOOK_S", 0.001)
     stuck = [moment for moment in range(MOMENTS) if not _ends(ProcessEnd(20.0), moment, times)]
     assert not stuck
 
@@ -69,7 +69,8 @@ def test_it_ends_with_the_error_that_came_first() -> None:
 
 
 HANGS = """
-from end_effector_hal.nodes.process import ProcessEnd, _process_end, leave_within
+from end_effector_hal.nodes import process
+from end_effector_hal.nodes.process import ProcessEnd, leave_within
 {left}
 import ctypes
 def hangs_with_the_lock_of_the_interpreter():
@@ -79,13 +80,13 @@ hangs_with_the_lock_of_the_interpreter()
 
 
 LEFT = """
-_process_end.LONGEST_S = 0.2
+process.LONGEST_S = 0.2
 end = ProcessEnd(1000.0)
 end.begin()
 end.wait()
 """
 SIGNALLED = """
-_process_end.LONGEST_S = 0.2
+process.LONGEST_S = 0.2
 ProcessEnd(1000.0).begin()
 """
 

@@ -11,7 +11,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.nodes import _process_tool, open_tool
+from end_effector_hal.nodes import _start, open_tool
 from end_effector_hal.nodes.interface import Parameter
 
 
@@ -44,7 +44,7 @@ def tools(monkeypatch: pytest.MonkeyPatch) -> None:
             tool.start = tool.close = lambda: None
             return tool
 
-        monkeypatch.setattr(_process_tool, name, made)
+        monkeypatch.setattr(_start, name, made)
 
 
 def opened(node: Node, *, hosts: bool) -> Any:

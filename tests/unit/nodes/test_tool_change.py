@@ -9,7 +9,7 @@ import pytest
 
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
-from end_effector_hal.nodes._tool_change import NO_END, ToolChangeNode
+from end_effector_hal.nodes._services import NO_END, ToolChangeNode
 from end_effector_hal.nodes.interface import ARM_TOOL_CHANGER, DIAGNOSTICS, DIAGNOSTICS_HZ
 from end_effector_hal.runtime import Refused, Result
 from end_effector_hal.vocabulary import ChangerState, Command, EndEffectorState

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from end_effector_hal.ros1.actions._action_server import OVERTAKES_US, REMEMBERED, Cancels
+from end_effector_hal.ros1._actions import OVERTAKES_US, REMEMBERED, Cancels
 
 S = 1_000_000_000  # ns
 T = 1_700_000_000 * S

@@ -12,7 +12,7 @@ import pytest
 
 from end_effector_hal.errors import ArbiterError, UsageError
 from end_effector_hal.kinds import get_kind
-from end_effector_hal.nodes.hal_main._aggregate import Aggregate
+from end_effector_hal.nodes._hal_main import Aggregate
 from end_effector_hal.runtime.boundary import open_recorder
 from end_effector_hal.vocabulary import EndEffectorState, Evidence
 from tests.unit.kinds.faulty_kind import broken, described

@@ -14,7 +14,7 @@ from end_effector_hal.arbiter import ArbiterServer, Policy
 from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.nodes.data_logger._commands_log import CommandsLog
+from end_effector_hal.nodes.data_logger import CommandsLog
 from end_effector_hal.owned import open_owned, owned_folder, write_owned
 from end_effector_hal.recording._rows import RowFile
 from end_effector_hal.verification.proof._verdict import Verdict, keep_verdict

@@ -1,8 +1,5 @@
 """The ROS interface of a tool, for either generation: names, types, rates, and which node publishes or serves."""
 
-from ._entries import Action, CommandAction, Parameter, Service, Topic
-from ._joints import GRIP_UPPER, actuator_joints, grip_joint, grip_position
-from ._name_faults import load_for_nodes, name_faults
 from ._table import (
     ACTIONS,
     ARM_TOOL_CHANGER,
@@ -45,8 +42,19 @@ from ._table import (
     SUPERVISOR_COMMANDS,
     TOOL_CHANGE,
     TRIGGER_GRIP,
+    Action,
+    CommandAction,
+    Parameter,
+    Service,
+    Topic,
 )
 from ._tool import (
+    GRIP_UPPER,
+    actuator_joints,
+    grip_joint,
+    grip_position,
+    load_for_nodes,
+    name_faults,
     output_services,
     position_topics,
     pressure_topics,

@@ -19,5 +19,7 @@ from ._messages import (
     ResultMessage,
     StateMessage,
     StepMessage,
+    has_ros_class,
+    ros_class,
 )
 from ._transport import ActionClient, ActionServer, ClientGoal, NodeTransport

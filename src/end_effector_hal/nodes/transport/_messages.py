@@ -1,14 +1,20 @@
-"""The messages that the nodes publish, with the field names of ``end_effector_msgs``; a transport converts them.
+"""The messages that the nodes publish, with the field names of ``end_effector_msgs``, and how a generation of ROS finds
+the classes that it has generated from their definitions.
 
-Received messages have the same fields, in the class of the ROS generation. Times in µs are of the monotonic clock of
-this machine.
+A transport converts the messages. Received ones have the same fields, in the class of the ROS generation. Times in µs
+are of the monotonic clock of this machine.
 """
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from math import nan
+from typing import Any
+
+from end_effector_hal.errors import RosError
 
 
 @dataclass(slots=True)
@@ -222,3 +228,34 @@ class DiagnosticsMessage:
 
     status: Sequence[DiagnosticMessage]
     header: MessageHeader = field(default_factory=MessageHeader)
+
+
+def has_ros_class(name: str, kind: str) -> bool:
+    """Return whether a type is installed, named as for `ros_class`."""
+    package, _, plain = name.partition("/")
+    if find_spec(package) is None or find_spec(f"{package}.{kind}") is None:
+        return False
+    return hasattr(importlib.import_module(f"{package}.{kind}"), plain)
+
+
+def ros_class(name: str, kind: str, todo: str) -> Any:
+    """Return a generated class.
+
+    Args:
+        name: name of the type, such as ``std_msgs/Header``.
+        kind: ``msg``, ``srv`` or ``action``.
+        todo: how types are built in this generation.
+
+    Raises:
+        RosError: the type is not built.
+        ModuleNotFoundError: a package that it needs is not installed.
+    """
+    package, _, plain = name.partition("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.{kind}"), plain)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != package or error.name == package:
+            raise
+        raise RosError(f"The ROS type {name} is not there.", todo=todo) from None
+    except (ImportError, AttributeError):
+        raise RosError(f"The ROS type {name} is not there.", todo=todo) from None

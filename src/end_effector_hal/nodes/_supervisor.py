@@ -10,7 +10,12 @@ from contextlib import suppress
 from types import FrameType
 
 from end_effector_hal.errors import UsageError
-from end_effector_hal.nodes.interface import (
+from end_effector_hal.runtime import ScriptCommand, read_command, read_script
+from end_effector_hal.vocabulary import Command, EndEffectorState
+from end_effector_hal.wires import PipedLines
+
+from ._sent_goals import GoalClients
+from .interface import (
     ARM_TOOL_CHANGER,
     END_EFFECTOR_STATE,
     GIVE_UP_S,
@@ -23,12 +28,7 @@ from end_effector_hal.nodes.interface import (
     SUPERVISOR_COMMANDS,
     Service,
 )
-from end_effector_hal.nodes.transport import CommandMessage, NodeTransport, StateMessage
-from end_effector_hal.runtime import ScriptCommand, read_command, read_script
-from end_effector_hal.vocabulary import Command, EndEffectorState
-from end_effector_hal.wires import PipedLines
-
-from ._goals import GoalClients
+from .transport import CommandMessage, NodeTransport, StateMessage
 
 LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "

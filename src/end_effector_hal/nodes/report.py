@@ -1,20 +1,20 @@
-"""``/diagnostics`` at 1 Hz, for people (REP-107): it is no keep-alive, and no program decides by it."""
+"""Reports of the nodes for people: ``/diagnostics`` at 1 Hz (REP-107), and the log line about a refused command.
+
+They are no keep-alive, and no program decides by them.
+"""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from end_effector_hal.control import Status
-from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
-from end_effector_hal.nodes.transport import (
-    DiagnosticMessage,
-    DiagnosticsMessage,
-    KeyValueMessage,
-    NodeTransport,
-)
+from end_effector_hal.control import Answer, Status, refused, unanswered
 from end_effector_hal.runtime import Tool
 from end_effector_hal.vocabulary import EndEffectorState
+
+from .interface import DIAGNOSTICS, DIAGNOSTICS_HZ
+from .transport import DiagnosticMessage, DiagnosticsMessage, KeyValueMessage, NodeTransport
 
 OK, WARN, ERROR = 0, 1, 2
 """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
@@ -69,3 +69,11 @@ def publish_health(
         publish(DiagnosticsMessage([message]))
 
     node.every(DIAGNOSTICS_HZ, tick)
+
+
+def logged(log: logging.Logger, what: str, answer: Answer) -> Answer:
+    """Return the answer; log one line if the command was refused, or not answered in time."""
+    if not answer.accepted:
+        said = refused if answer.decided else unanswered
+        log.info("%s", said(what, answer.reason))
+    return answer

@@ -9,15 +9,10 @@ from functools import partial
 
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import RosError
-from end_effector_hal.nodes.interface import COMMAND_ACTIONS, GIVE_UP_S, PATIENCE_S
-from end_effector_hal.nodes.transport import (
-    FeedbackMessage,
-    GoalMessage,
-    NodeTransport,
-    ResultMessage,
-    StepMessage,
-)
 from end_effector_hal.vocabulary import Command, EndEffectorState
+
+from .interface import COMMAND_ACTIONS, GIVE_UP_S, PATIENCE_S
+from .transport import FeedbackMessage, GoalMessage, NodeTransport, ResultMessage, StepMessage
 
 _SILENT_S = 2.0
 """Silence of HALMain after which a message says that the goal waits for it, s; HALMain publishes its state 10 times a

@@ -1,10 +1,15 @@
-"""Call the ROS master and nodes by XML-RPC, with the time-outs that ROS's own library lacks."""
+"""Access to the ROS master by XML-RPC, with the time-outs that ROS's own library lacks, and a watch whether it runs.
+
+It needs no package of ROS.
+"""
 
 from __future__ import annotations
 
 import http.client
 import os
+import threading
 import xmlrpc.client
+from collections.abc import Callable
 from typing import Any
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
@@ -82,3 +87,38 @@ class _Transport(xmlrpc.client.Transport):
         connection = super().make_connection(host)
         connection.timeout = TIMEOUT_S
         return connection
+
+
+POLL_S = 1.5
+MISSES = 2
+"""Number of consecutive polls without an answer after which the master counts as gone (3 to 7 s)."""
+
+
+class MasterWatch:
+    """Reports once that the master is gone or was restarted, because a node does not register again by itself.
+
+    Args:
+        on_gone: called with a sentence, in the thread of the watch.
+    """
+
+    def __init__(self, on_gone: Callable[[str], None]) -> None:
+        self._on_gone, self._pid = on_gone, ask_pid()
+        self._end = threading.Event()
+        threading.Thread(target=self._run, name="master watch", daemon=True).start()
+
+    def close(self) -> None:
+        """Stop the polls."""
+        self._end.set()
+
+    def _run(self) -> None:
+        missed = 0
+        while missed < MISSES and not self._end.wait(POLL_S):
+            try:
+                if ask_pid() != self._pid:
+                    self._on_gone("The ROS master was started again; this node is not registered there.")
+                    return
+                missed = 0
+            except RosError as error:
+                missed += 1
+                if missed == MISSES:
+                    self._on_gone(str(error))

@@ -1,4 +1,4 @@
-"""Convert the messages and answers of the nodes to those of ROS 2."""
+"""Messages and services in ROS 2: their types, their quality of service, and how the messages are made."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from end_effector_hal.control import Answer
 from end_effector_hal.nodes.interface import Topic
-from end_effector_hal.nodes.process import has_ros_class, ros_class
-from end_effector_hal.nodes.transport import MessageHeader
+from end_effector_hal.nodes.transport import MessageHeader, has_ros_class, ros_class
 from end_effector_hal.vocabulary import printable
 
 

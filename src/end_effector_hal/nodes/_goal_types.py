@@ -10,7 +10,9 @@ from typing import Any
 
 from end_effector_hal.control.goals import Ending, Outcome
 from end_effector_hal.description import Description
-from end_effector_hal.nodes.interface import (
+from end_effector_hal.vocabulary import LONGEST_NAME, Command, EndEffectorState, printable
+
+from .interface import (
     COMMAND_ACTIONS,
     GRIP_UPPER,
     GRIPPER_COMMAND,
@@ -20,7 +22,7 @@ from end_effector_hal.nodes.interface import (
     grip_joint,
     grip_position,
 )
-from end_effector_hal.nodes.transport import (
+from .transport import (
     FeedbackMessage,
     GripperMessage,
     JointStateMessage,
@@ -28,7 +30,6 @@ from end_effector_hal.nodes.transport import (
     ResultMessage,
     StateMessage,
 )
-from end_effector_hal.vocabulary import LONGEST_NAME, Command, EndEffectorState, printable
 
 TOLERANCE = 0.01
 """Allowed deviation of a requested position, rad; a planner ends its trajectory near that position, not

@@ -11,22 +11,13 @@ from functools import partial
 from typing import Any
 
 from end_effector_hal.control import Answer, Status
-from end_effector_hal.control.goals import (
-    CHANNELS,
-    Effect,
-    Ending,
-    Goal,
-    GoalEffect,
-    Goals,
-    Outcome,
-    Phase,
-)
-from end_effector_hal.nodes.transport import ClientGoal, NodeTransport, StateMessage
+from end_effector_hal.control.goals import CHANNELS, Effect, Ending, Goal, GoalEffect, Goals, Outcome, Phase
 from end_effector_hal.runtime import Tool
 from end_effector_hal.vocabulary import Command
 from end_effector_hal.wires import now_us
 
 from ._goal_types import GoalType
+from .transport import ClientGoal, NodeTransport, StateMessage
 
 
 @dataclass(slots=True, eq=False)
