@@ -10,17 +10,17 @@ import ctypes
 import faulthandler
 import logging
 import os
-import queue
 import sys
 import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.vocabulary import printable
-from end_effector_hal.wires import tune_interpreter
+from end_effector_hal.wires import now_us, tune_interpreter
 
 BURST, PER_S = 50, 5.0
 """Maximum number of lines at once, and per second in the long run; counted separately for INFO and for
@@ -67,7 +67,7 @@ class PacedLog(logging.Handler):
         super().__init__()
         self._write = write
         self._common, self._worse = Allowance(), Allowance()
-        self._lines: queue.SimpleQueue[_Line | None] = queue.SimpleQueue()
+        self._lines: SimpleQueue[_Line | None] = SimpleQueue()
         self._ended = False
         self._thread = threading.Thread(target=self._run, name="log", daemon=True)
         self._thread.start()
@@ -135,27 +135,56 @@ class Starters:
             callback()
 
 
-class Ticker:
-    """Calls back every ``period_s`` in a thread of its own; an exception of the callback is logged."""
+@dataclass(slots=True)
+class _Tick:
+    period_us: int
+    callback: Callable[[], None]
+    log: logging.Logger
+    due_us: int
 
-    def __init__(self, period_s: float, callback: Callable[[], None], log: logging.Logger) -> None:
-        self._period_s, self._callback, self._log = period_s, callback, log
-        self._end = threading.Event()
-        threading.Thread(target=self._run, name="ticker", daemon=True).start()
+
+class Ticks:
+    """Calls functions at steady rates, all in one thread, and those that are due together in one go: each wake-up costs
+    more than a call. Calls that are missed during a pause of the machine are skipped; exceptions are logged.
+    """
+
+    def __init__(self) -> None:
+        self._all: list[_Tick] = []
+        self._begun_us, self._changed, self._closed = now_us(), threading.Event(), False
+
+    def add(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
+        """Call ``callback`` at a rate from now on; the first one that is added starts the thread."""
+        period_us = round(1e6 / rate_hz)
+        self._all.append(_Tick(period_us, callback, log, self._next_us(period_us, now_us())))
+        self._changed.set()
+        if len(self._all) == 1:
+            threading.Thread(target=self._run, name="ticks", daemon=True).start()
 
     def close(self) -> None:
         """Stop: no more calls begin."""
-        self._end.set()
+        self._closed = True
+        self._changed.set()
+
+    def call(self, at: int) -> int:
+        """Call what is due at ``at`` (µs), and return when the next call is due."""
+        for tick in tuple(self._all):
+            if tick.due_us <= at and not self._closed:
+                tick.due_us = self._next_us(tick.period_us, at)
+                try:
+                    tick.callback()
+                except Exception:
+                    tick.log.exception("a periodic task failed")
+        return min(tick.due_us for tick in self._all)
 
     def _run(self) -> None:
-        due = time.monotonic() + self._period_s
-        while not self._end.wait(max(0.0, due - time.monotonic())):
-            # after a pause of the machine ticks are left out, not made up for
-            due = max(due + self._period_s, time.monotonic())
-            try:
-                self._callback()
-            except Exception:  # noqa: BLE001 a callback may raise anything
-                self._log.exception("a periodic task failed")
+        while not self._closed:
+            due_us = self.call(now_us())
+            self._changed.wait(max(0, due_us - now_us()) / 1e6)
+            self._changed.clear()
+
+    def _next_us(self, period_us: int, at: int) -> int:
+        """Return the next multiple of a period since the beginning, so that several of them coincide."""
+        return at + period_us - (at - self._begun_us) % period_us
 
 
 SIGEV_THREAD = 2

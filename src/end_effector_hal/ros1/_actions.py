@@ -102,7 +102,7 @@ OPEN, LISTED, LONGEST_ID = 10, 50, 500
 UNREAD = 1000
 """Number of messages kept for a slow reader, because each result is the last message about its goal."""
 STATUS_HZ, FORGOTTEN_S = 5.0, 5.0
-"""Rate at which the list of goals is published, and time for which an ended goal stays in it; the values of
+"""Rate at which the list of goals is to be published, and time for which an ended goal stays in it; the values of
 actionlib.
 """
 
@@ -207,7 +207,6 @@ class GoalServer(actionlib.ActionServer):  # type: ignore[misc]
         self.goal_sub = hear(f"{name}/goal", self.ActionGoal, self.internal_goal_callback)
         self.cancel_sub = hear(f"{name}/cancel", GoalID, self.internal_cancel_callback)
         self.status_list_timeout = rospy.Duration(FORGOTTEN_S)
-        self.status_timer = rospy.Timer(rospy.Duration(1 / STATUS_HZ), self.publish_status_async)
 
     def close(self) -> None:
         """Send the results that are not sent yet."""

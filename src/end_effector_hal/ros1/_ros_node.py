@@ -26,7 +26,7 @@ from end_effector_hal.nodes.interface import (
     Topic,
     load_for_nodes,
 )
-from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, node_log
+from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, node_log
 from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
 from end_effector_hal.runtime import Tool
 
@@ -83,7 +83,7 @@ class RosNode:
         self._closing = False
         self._closers: list[Callable[[], None]] = []
         self._at_end = ExitStack()
-        self._tickers: list[Ticker] = []
+        self._ticks = Ticks()
         self._starters = Starters()
         self.on_start = self._starters.add
         rospy.on_shutdown(self._close)
@@ -142,11 +142,12 @@ class RosNode:
         result: Callable[[Ending], Any],
     ) -> ActionServer:
         """Serve an action."""
-        from ._actions import GoalServer  # only nodes with actions load actionlib
+        from ._actions import STATUS_HZ, GoalServer  # only nodes with actions load actionlib
         from ._later import Later
 
         server = GoalServer(action, on_goal, on_cancel, result, Later(self.log))
         server.start()
+        self.every(STATUS_HZ, server.publish_status)
         return server
 
     def action_client(self, action: Action) -> ActionClient:
@@ -156,8 +157,8 @@ class RosNode:
         return GoalSender(action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at a rate, in a thread of its own."""
-        self._tickers.append(Ticker(1 / rate_hz, callback, self.log))
+        """Call ``callback`` at a rate, in the thread of the ticks of this process."""
+        self._ticks.add(rate_hz, callback, self.log)
 
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while the node can still publish; the last registered one is called first."""
@@ -204,8 +205,7 @@ class RosNode:
     def _close(self) -> None:
         self._closing = True
         self._watch.close()
-        for ticker in self._tickers:
-            ticker.close()
+        self._ticks.close()
         for callback in self._closers:
             callback()
         self._log_handler.end()

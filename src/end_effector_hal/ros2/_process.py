@@ -21,7 +21,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
 from end_effector_hal.nodes import open_tool
 from end_effector_hal.nodes.interface import HAL_MAIN
-from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticker, leave_within
+from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, leave_within
 from end_effector_hal.nodes.transport import NodeTransport
 from end_effector_hal.runtime import Tool
 
@@ -121,7 +121,8 @@ class NodeGroup:
         self._tool: Tool | None = None
         self._closing = self._closed = False
         self._nodes: list[Node] = []
-        self._tickers: list[Ticker] = []
+        self._ticks = Ticks()
+        self.every = self._ticks.add
         self._starters = Starters()
         self.on_start, self.start = self._starters.add, self._starters.start
         self._closers: list[Callable[[], None]] = []
@@ -160,10 +161,6 @@ class NodeGroup:
         if not self._thread.is_alive():
             self._thread.start()
 
-    def every(self, rate_hz: float, callback: Callable[[], None], log: logging.Logger) -> None:
-        """Call ``callback`` at a rate, in a thread of its own."""
-        self._tickers.append(Ticker(1 / rate_hz, callback, log))
-
     def on_close(self, callback: Callable[[], None]) -> None:
         """Call ``callback`` at the end, while topics are open."""
         self._closers.insert(0, callback)
@@ -188,8 +185,7 @@ class NodeGroup:
         if self._closed:
             return
         self._closing = self._closed = True
-        for ticker in self._tickers:
-            ticker.close()
+        self._ticks.close()
         for callback in self._closers:
             _guarded(callback)
         time.sleep(LAST_MESSAGES_S)

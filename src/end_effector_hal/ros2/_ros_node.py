@@ -204,7 +204,7 @@ class RclpyNode:
         return RclpyActionClient(self._node, action)
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
-        """Call ``callback`` at a rate, in a thread of its own."""
+        """Call ``callback`` at a rate, in the thread of the ticks of this process."""
         self._group.every(rate_hz, callback, self.log)
 
     @property
