@@ -12,17 +12,13 @@ import rospy
 
 from end_effector_hal.control import Answer
 from end_effector_hal.nodes.interface import Topic
-from end_effector_hal.nodes.transport import MessageHeader, ros_class
+from end_effector_hal.nodes.transport import RESPONSE_FIELDS, MessageHeader, ros_class
 from end_effector_hal.vocabulary import printable
 
 _TODO = "Run ros/build.sh, then . build/catkin/devel/setup.sh"
 
 message_class = partial(ros_class, kind="msg", todo=_TODO)
 service_class = partial(ros_class, kind="srv", todo=_TODO)
-
-
-_RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
-"""Fields of ``std_srvs`` that have another name in :class:`Answer`."""
 
 
 class MessageMaker:
@@ -49,13 +45,8 @@ class MessageMaker:
 def response_maker(service: Any) -> Callable[[Answer], Any]:
     """Return a function that makes the response of a service (its class) from an answer."""
     response = service._response_class
-    names = [_RESPONSE_FIELDS.get(name, name) for name in response.__slots__]
+    names = [RESPONSE_FIELDS.get(name, name) for name in response.__slots__]
     return lambda answer: response(*(getattr(answer, name) for name in names))
-
-
-def answer_of(response: Any) -> Answer:
-    """Return the answer in a response of ``std_srvs``."""
-    return Answer(response.success, response.message)
 
 
 def _converter(of: str) -> Callable[[Any], Any] | None:

@@ -27,10 +27,10 @@ from end_effector_hal.nodes.interface import (
     load_for_nodes,
 )
 from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, node_log
-from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, answer_of
 from end_effector_hal.runtime import Tool
 
-from ._messages import answer_of, message_class, publisher, response_maker, service_class
+from ._messages import message_class, publisher, response_maker, service_class
 from ._name_taken import node_name, private_parameter, refuse_taken_name, tool_named
 from .master import MasterWatch
 

@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from end_effector_hal.control import Answer
 from end_effector_hal.nodes.interface import Topic
-from end_effector_hal.nodes.transport import MessageHeader, has_ros_class, ros_class
+from end_effector_hal.nodes.transport import RESPONSE_FIELDS, MessageHeader, has_ros_class, ros_class
 from end_effector_hal.vocabulary import printable
 
 
@@ -48,8 +48,6 @@ has_action_class = partial(has_ros_class, kind="action")
 action_class = partial(ros_class, kind="action", todo=_TODO)
 
 
-_RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
-"""Fields of ``std_srvs`` that have another name in :class:`Answer`."""
 LONGEST_TEXT = 5_000
 
 Convert = Callable[[Any], Any]
@@ -80,7 +78,7 @@ class RclpyMessageMaker:
 def response_maker(service: Any) -> Callable[[Answer, Any], Any]:
     """Return a function that fills the response of a service (its class) from an answer."""
     fields = service.Response.get_fields_and_field_types()
-    names = {name: _RESPONSE_FIELDS.get(name, name) for name in fields}
+    names = {name: RESPONSE_FIELDS.get(name, name) for name in fields}
 
     def fill(answer: Answer, response: Any) -> Any:
         for name, source in names.items():
@@ -89,11 +87,6 @@ def response_maker(service: Any) -> Callable[[Answer, Any], Any]:
         return response
 
     return fill
-
-
-def answer_of(response: Any) -> Answer:
-    """Return the answer in a response of ``std_srvs``."""
-    return Answer(response.success, response.message)
 
 
 def _converter(of: str, clock: Clock) -> Convert:

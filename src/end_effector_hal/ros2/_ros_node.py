@@ -26,13 +26,12 @@ from end_effector_hal.nodes.interface import (
     load_for_nodes,
 )
 from end_effector_hal.nodes.process import node_log
-from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal
+from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, answer_of
 from end_effector_hal.runtime import Tool
 
 from ._actions import RclpyActionClient, RclpyActionServer
 from ._messages import (
     RclpyMessageMaker,
-    answer_of,
     has_action_class,
     message_class,
     reader_quality,

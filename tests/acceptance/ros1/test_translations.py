@@ -135,7 +135,8 @@ def test_a_message_with_parts_survives_the_topic(monkeypatch: pytest.MonkeyPatch
 
 
 def test_an_answer_becomes_the_response_of_any_service() -> None:
-    from end_effector_hal.ros1._messages import answer_of, response_maker, service_class
+    from end_effector_hal.nodes.transport import answer_of
+    from end_effector_hal.ros1._messages import response_maker, service_class
 
     for kind in ("std_srvs/SetBool", "std_srvs/Trigger"):
         response = over_the_wire(response_maker(service_class(kind))(Answer(False, "why not")))

@@ -2,6 +2,7 @@
 
 from ._messages import (
     AMBIENT_PA,
+    RESPONSE_FIELDS,
     CommandMessage,
     CylinderPositionMessage,
     DiagnosticMessage,
@@ -19,6 +20,7 @@ from ._messages import (
     ResultMessage,
     StateMessage,
     StepMessage,
+    answer_of,
     has_ros_class,
     ros_class,
 )

@@ -14,6 +14,7 @@ from importlib.util import find_spec
 from math import nan
 from typing import Any
 
+from end_effector_hal.control import Answer
 from end_effector_hal.errors import RosError
 
 
@@ -228,6 +229,15 @@ class DiagnosticsMessage:
 
     status: Sequence[DiagnosticMessage]
     header: MessageHeader = field(default_factory=MessageHeader)
+
+
+RESPONSE_FIELDS = {"success": "accepted", "message": "reason"}
+"""Fields of ``std_srvs`` that have another name in :class:`Answer`."""
+
+
+def answer_of(response: Any) -> Answer:
+    """Return the answer in a response of ``std_srvs``."""
+    return Answer(response.success, response.message)
 
 
 def has_ros_class(name: str, kind: str) -> bool:
